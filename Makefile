@@ -42,10 +42,10 @@ CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -ltiff -lz $(EXR_LIB) -lsodium -lnett
 SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive
 CLIENT_LIBS := -lcurl
 
-CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c))
+CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c core/*/*/*/*.c))
 API_SRC    := $(sort $(wildcard api/*.c api/*/*.c))
-SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c))
-CLIENT_SRC := $(sort $(wildcard client/*.c))
+SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c server/*/*/*.c))
+CLIENT_SRC := $(sort $(wildcard client/*.c client/*/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 # Programs of tests/bench; the rest there is shared.
 BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration annual \
@@ -341,9 +341,9 @@ fuzz: deps-fuzz
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 # What of the daemon reads hostile bytes by itself.
 FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,uploads/unzip uploads/incoming \
-	uploads/multipart http/hold http/framing http/range http/router http/query http/guard http/tokens \
-	process/origin process/times process/carried store/bundle store/folders store/mapped_file store/db store/migrate \
-	store/schema_check store/tokens)
+	uploads/multipart http/quota/quota http/request/framing http/response/range http/router http/request/query http/access/origin_policy http/access/tokens \
+	process/origin process/times process/embedded_files store/files/scene_bundle store/files/folders store/files/mapped_file store/database/db store/database/migrate \
+	store/database/schema_check store/rows/stored_tokens)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags
@@ -379,7 +379,7 @@ format:
 
 # Programs that tell what a crew does together from what its lead does alone (tests/bench/crew_clock.c).
 $(BUILD)/tests/bench/speed $(BUILD)/tests/bench/scale: \
-	ALL_LDFLAGS += -Wl,--wrap=orl_crew_for -Wl,--wrap=orl_crew_try
+	ALL_LDFLAGS += -Wl,--wrap=orl_parallel_for -Wl,--wrap=orl_parallel_try
 bench: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/speed
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/speed

@@ -1,5 +1,5 @@
 /* oriel: the command line. A static table lists the commands and their help. */
-#include "command.h"
+#include "options/command.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -8,16 +8,16 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <oriel/version.h>
+#include <oriel/base/version.h>
 
-#include "checks/keeper.h"
-#include "http/tokens.h"
+#include "checks/child/fork_server.h"
+#include "handlers/routes.h"
+#include "http/access/tokens.h"
+#include "maintenance/store_command.h"
 #include "process/config.h"
 #include "process/limits.h"
 #include "process/signals.h"
-#include "resources/routes.h"
 #include "server.h"
-#include "upkeep/store_command.h"
 
 static void announce(const char *url)
 {
@@ -65,8 +65,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "orield: no source of random numbers\n");
         return 1;
     }
-    if (argc == 3 && strcmp(argv[1], ORL_KEEPER_MODE) == 0)
-        return orl_keeper_main(argv[2]);
+    if (argc == 3 && strcmp(argv[1], ORL_FORK_SERVER_MODE) == 0)
+        return orl_fork_server_main(argv[2]);
     if (argc > 1 && (strcmp(argv[1], "scrub") == 0 || strcmp(argv[1], "backup") == 0))
         return orl_store_command(argc - 1, argv + 1);
     if (argc > 1 && strcmp(argv[1], "token") == 0)

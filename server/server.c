@@ -5,17 +5,17 @@
 #include <string.h>
 
 #include "health/notify.h"
-#include "health/stop_limit.h"
-#include "jobs/job_bounds.h"
+#include "health/shutdown_timeout.h"
+#include "jobs/job_limits.h"
+#include "maintenance/missing_files.h"
+#include "maintenance/scrub.h"
 #include "process/limits.h"
-#include "process/pool.h"
 #include "process/signals.h"
 #include "process/times.h"
+#include "process/uv_pool.h"
 #include "runner/build_id.h"
-#include "store/opening.h"
-#include "store/stored_tokens.h"
-#include "upkeep/missing.h"
-#include "upkeep/scrub.h"
+#include "store/database/store_open.h"
+#include "store/rows/stored_tokens.h"
 
 enum { SAVING_MS = 1000, ANSWERS_MS = 500 };
 
@@ -28,8 +28,8 @@ static void close_all(struct orl_server *server)
     orl_http_stop(server->http);
     orl_storage_stop(&server->storage);
     orl_checks_close(&server->checks);
-    orl_settling_stop(server->settling);
-    uv_close((uv_handle_t *)&server->kept_changed, NULL);
+    orl_wal_sync_stop(server->wal_sync);
+    uv_close((uv_handle_t *)&server->cache_changed, NULL);
     uv_close((uv_handle_t *)&server->drain, NULL);
     uv_close((uv_handle_t *)&server->saving, NULL);
     uv_close((uv_handle_t *)&server->log_lines, NULL);
@@ -48,13 +48,13 @@ static void on_answers_late(uv_timer_t *timer)
 static void stop_if_quiet(struct orl_server *server)
 {
     if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
-        !orl_settling_is_quiet(server->settling))
+        !orl_wal_sync_is_idle(server->wal_sync))
         return;
     if (!server->answering) {
         server->answering = true;
         uv_timer_start(&server->drain, on_answers_late, ANSWERS_MS, 0);
         orl_events_stop(server->events); /* may send, and so come here again */
-        orl_hub_stop(server->hub);
+        orl_event_broker_stop(server->broker);
     }
     if (!server->closing && (server->context.unanswered == 0 || server->answers_late)) {
         server->closing = true;
@@ -62,13 +62,13 @@ static void stop_if_quiet(struct orl_server *server)
     }
 }
 
-static void on_settled(void *ctx)
+static void on_synced(void *ctx)
 {
     stop_if_quiet(ctx);
 }
 
 /* Resumes the request's connection. When stopping, this may have been the last work. */
-static void on_worked(struct orl_server *server)
+static void on_work_done(struct orl_server *server)
 {
     orl_http_kick(server->http);
     stop_if_quiet(server);
@@ -78,7 +78,7 @@ static void stop_server(struct orl_server *server)
 {
     if (server->context.stopping)
         return;
-    orl_stop_limit_begin();
+    orl_shutdown_timeout_start();
     server->context.stopping = true;
     server->checks.stopping = true;
     orl_checks_sweep(&server->checks);
@@ -96,10 +96,10 @@ static void on_jobs_idle(void *ctx)
 
 static void check_disk(struct orl_server *server)
 {
-    if (!orl_disk_room_look(&server->disk))
+    if (!orl_disk_reserve_check(&server->disk))
         return;
     server->context.disk_full = server->disk.full;
-    orl_jobs_hold(server->jobs, server->disk.full);
+    orl_jobs_pause(server->jobs, server->disk.full);
 }
 
 static void on_saving(uv_timer_t *timer)
@@ -107,14 +107,14 @@ static void on_saving(uv_timer_t *timer)
     struct orl_server *server = timer->data;
     check_disk(server);
     orl_jobs_save(server->jobs);
-    orl_blame_note(&server->memory, server->checks.count);
-    orl_jobs_bound(server->jobs);
+    orl_crash_record_update(&server->memory, server->checks.count);
+    orl_jobs_enforce_limits(server->jobs);
     orl_notify_alive();
-    orl_scrubbing_look(server->scrubbing);
-    orl_storage_look(&server->storage);
-    orl_pulse_ask(&server->pulse);
-    orl_shared_sweep_look(&server->sweep, &server->loop);
-    orl_aging_look(&server->aging, &server->loop);
+    orl_scrub_thread_poll(server->scrub_thread);
+    orl_storage_check(&server->storage);
+    orl_loop_watchdog_ping(&server->watchdog);
+    orl_shared_sweep_step(&server->sweep, &server->loop);
+    orl_retention_tick(&server->retention, &server->loop);
 }
 
 static void on_drain_over(uv_timer_t *timer)
@@ -126,16 +126,16 @@ static void on_job_changed(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_server *server = ctx;
     orl_events_wake(server->events);
-    orl_hub_changed(server->hub, job);
+    orl_event_broker_job_changed(server->broker, job);
     server->sweep.wanted = server->sweep.wanted || orl_jobs_ended(job);
-    uv_async_send(&server->kept_changed);
+    uv_async_send(&server->cache_changed);
 }
 
 static void on_job_leaving(void *ctx, const struct orl_jobs_job *job)
 {
     struct orl_server *server = ctx;
-    orl_events_forget(server->events, job);
-    orl_hub_forget(server->hub, job);
+    orl_events_job_removed(server->events, job);
+    orl_event_broker_job_removed(server->broker, job);
 }
 
 static void on_signal(int signum, void *ctx)
@@ -169,13 +169,13 @@ static void on_reload(int signum, void *ctx)
 /* ---- Changes of stored data ----------------------------------------------------------------- */
 
 /* Runs on the loop's next turn after maps were built or released, or a job ended. */
-static void on_kept_changed(uv_async_t *handle)
+static void on_cache_changed(uv_async_t *handle)
 {
     struct orl_server *server = handle->data;
     struct orl_error err;
     if (orl_map_cache_flush(server->maps, &err))
         orl_log_event(&server->log, ORL_LOG_ERROR, "map-row-failed", "s", "why", err.message);
-    orl_storage_trim(&server->storage);
+    orl_storage_evict(&server->storage);
 }
 
 /* Called from a worker. */
@@ -190,7 +190,7 @@ static void write_log(uv_prepare_t *handle)
 {
     struct orl_server *server = handle->data;
     orl_log_flush(&server->log);
-    orl_pulse_turn(&server->pulse);
+    orl_loop_watchdog_end_turn(&server->watchdog);
 }
 
 /* Buffers the log, so that the lines of one turn of the loop need only one write. */
@@ -220,19 +220,21 @@ static void open_checks(struct orl_server *server)
     orl_checks_open(&server->checks, &server->loop);
 }
 
-static bool receive_body(struct orl_server *server, struct orl_hold *hold, uint64_t bytes)
+static bool reserve_body_bytes(struct orl_server *server, struct orl_reservation *reservation,
+                               uint64_t bytes)
 {
-    return orl_storage_receive(&server->storage, hold, bytes);
+    return orl_storage_reserve_body(&server->storage, reservation, bytes);
 }
 
-static bool admit_bytes(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes)
+static bool reserve_storage_bytes(struct orl_server *server,
+                                  const struct orl_reservation *reservation, uint64_t bytes)
 {
-    return orl_storage_admit(&server->storage, hold, bytes);
+    return orl_storage_admit(&server->storage, reservation, bytes);
 }
 
-static struct orl_room *upload_room(struct orl_server *server)
+static struct orl_quota *get_upload_quota(struct orl_server *server)
 {
-    return &server->storage.room;
+    return &server->storage.upload_quota;
 }
 
 static uint64_t storage_budget(const struct orl_server *server)
@@ -245,7 +247,7 @@ static uint64_t jobs_of(const struct orl_server *server, const char *owner)
     return orl_jobs_of_owner(server->jobs, owner);
 }
 
-static void on_swept(struct orl_server *server)
+static void on_http_tick(struct orl_server *server)
 {
     orl_checks_sweep(&server->checks);
 }
@@ -253,14 +255,14 @@ static void on_swept(struct orl_server *server)
 static void open_context(struct orl_server *server, const struct orl_routes *routes)
 {
     static const struct orl_http_calls calls = {
-        .receive = receive_body,
-        .admit = admit_bytes,
-        .room = upload_room,
+        .reserve_body = reserve_body_bytes,
+        .reserve_storage = reserve_storage_bytes,
+        .upload_quota = get_upload_quota,
         .budget = storage_budget,
         .jobs_of = jobs_of,
-        .swept = on_swept,
-        .worked = on_worked,
-        .served = stop_if_quiet,
+        .on_tick = on_http_tick,
+        .work_done = on_work_done,
+        .on_served = stop_if_quiet,
     };
     server->context = (struct orl_http_context){
         .server = server,
@@ -283,44 +285,45 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     int rc = orl_folders_open(&server->folders, server->config.data, err);
     if (rc)
         return rc;
-    orl_disk_room_open(&server->disk, &server->folders, &server->log);
+    orl_disk_reserve_open(&server->disk, &server->folders, &server->log);
     server->context.disk_full = server->disk.full;
-    orl_blame_open(server->config.data, server->config.log_json, &server->past);
+    orl_crash_record_open(server->config.data, server->config.log_json, &server->previous_exit);
     orl_folders_path(&server->folders, path, "oriel.db");
     rc = orl_link_key_open(&server->folders, server->context.link_key, err);
     if (rc == 0)
-        rc = orl_opening_database(&server->folders,
-                                  server->config.set_orphans_aside ? ORL_OPENING_SET_ASIDE
-                                                                   : ORL_OPENING_REFUSE,
-                                  &server->db, err);
+        rc = orl_store_open(&server->folders,
+                            server->config.set_orphans_aside ? ORL_LOST_DATABASE_SET_ASIDE
+                                                             : ORL_LOST_DATABASE_REFUSE,
+                            &server->db, err);
     if (rc == 0)
         rc = orl_db_serve(&server->db, err);
     if (rc == ORL_ERR_FULL)
         orl_error_hint(err, "Free some MiB of the disk; photon maps (%.200s/maps) are made anew",
                        server->config.data);
     if (rc == 0)
-        orl_disk_room_for_log(&server->disk);
+        orl_disk_reserve_wal(&server->disk);
     if (rc == 0)
-        rc = orl_aging_open(&server->aging, &server->db, &server->folders, &server->log,
-                            server->config.keep_orphans_days, err);
+        rc = orl_retention_open(&server->retention, &server->db, &server->folders, &server->log,
+                                server->config.keep_orphans_days, err);
     if (rc == 0)
-        rc = orl_folding_open(&server->db, path, &server->folding, err);
+        rc = orl_wal_checkpointer_open(&server->db, path, &server->checkpointer, err);
     if (rc == 0)
-        rc = orl_settling_open(&server->loop, &server->db, path, on_settled, server,
-                               &server->settling, err);
-    server->context.settling = server->settling;
+        rc = orl_wal_sync_open(&server->loop, &server->db, path, on_synced, server,
+                               &server->wal_sync, err);
+    server->context.wal_sync = server->wal_sync;
     if (rc == 0)
-        rc = orl_blobs_open(&server->loop, &server->folders, &server->db, server->settling,
+        rc = orl_blobs_open(&server->loop, &server->folders, &server->db, server->wal_sync,
                             &server->blobs, err);
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
-                                &server->kept_changed, &server->maps, err);
+                                &server->cache_changed, &server->maps, err);
     if (rc == 0) {
-        server->checks.lanes = orl_lanes_new();
-        rc = server->checks.lanes ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        server->checks.check_pool = orl_check_pool_new();
+        rc = server->checks.check_pool ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     orl_memory_open(&server->memory, server->config.memory_bytes);
-    server->shelf = orl_shelf_new(server->config.shelf_bytes); /* NULL: jobs are slower */
+    server->memory_cache =
+        orl_memory_cache_new(server->config.memory_cache_bytes); /* NULL: jobs are slower */
     return rc;
 }
 
@@ -339,8 +342,8 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
         return 0;
     int rc = orl_token_rows(&server->db, record_any_token, &any, err);
     if (rc == 0) {
-        server->context.token_finder = orl_token_finder(&server->db, err);
-        rc = server->context.token_finder ? 0 : ORL_ERR_IO;
+        server->context.token_statement = orl_token_find_statement(&server->db, err);
+        rc = server->context.token_statement ? 0 : ORL_ERR_IO;
     }
     if (rc == 0 && !any) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "there are no access tokens yet");
@@ -351,16 +354,16 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
 
 static void close_storage(struct orl_server *server)
 {
-    orl_lanes_free(server->checks.lanes);
+    orl_check_pool_free(server->checks.check_pool);
     orl_map_cache_close(server->maps);
-    orl_shelf_free(server->shelf);
+    orl_memory_cache_free(server->memory_cache);
     orl_blobs_close(server->blobs);
-    sqlite3_finalize(server->context.token_finder);
-    orl_settling_free(server->settling);
-    orl_folding_close(server->folding);
+    sqlite3_finalize(server->context.token_statement);
+    orl_wal_sync_free(server->wal_sync);
+    orl_wal_checkpointer_close(server->checkpointer);
     orl_db_close(&server->db);
-    orl_disk_room_close(&server->disk);
-    orl_blame_close();
+    orl_disk_reserve_close(&server->disk);
+    orl_crash_record_close();
     orl_folders_close(&server->folders);
 }
 
@@ -371,11 +374,11 @@ static void watch_signals(struct orl_server *server)
     uv_timer_init(&server->loop, &server->saving);
     server->saving.data = server;
     uv_timer_start(&server->saving, on_saving, SAVING_MS, SAVING_MS);
-    orl_signal_heed(&server->loop, SIGHUP, on_reload, server);
+    orl_signal_handle(&server->loop, SIGHUP, on_reload, server);
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
-        orl_signal_heed(&server->loop, numbers[i], on_signal, server);
-        orl_stop_limit_heed(numbers[i], server->config.drain_s);
+        orl_signal_handle(&server->loop, numbers[i], on_signal, server);
+        orl_shutdown_timeout_watch(numbers[i], server->config.drain_s);
     }
 }
 
@@ -387,32 +390,32 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
     struct orl_jobs_env env = {
         .loop = &server->loop,
         .db = &server->db,
-        .settling = server->settling,
+        .wal_sync = server->wal_sync,
         .folders = &server->folders,
         .blobs = server->blobs,
         .maps = server->maps,
-        .shelf = server->shelf,
-        .place = server->config.runner.slurm ? &server->place : NULL,
+        .memory_cache = server->memory_cache,
+        .slurm = server->config.runner.slurm ? &server->slurm : NULL,
         .memory = &server->memory,
-        .past = &server->past,
+        .previous_exit = &server->previous_exit,
         .log = &server->log,
         .metrics = &server->metrics,
         .threads = server->config.threads,
-        .at_once = server->config.jobs,
+        .max_running = server->config.jobs,
         .job_timeout_s = server->config.job_timeout_s,
         .keep_jobs = server->config.keep_jobs,
         .keep_days = server->config.keep_days,
-        .held = server->disk.full,
-        .clock = &server->aging.clock,
+        .paused = server->disk.full,
+        .clock = &server->retention.clock,
         .changed = on_job_changed,
-        .leaving = on_job_leaving,
+        .removing = on_job_leaving,
         .idle = on_jobs_idle,
         .ctx = server,
     };
     memcpy(env.program, server->program, sizeof env.program);
     const int rc = orl_jobs_open(&env, &server->jobs, err);
     server->sweep = (struct orl_shared_sweep){
-        .place = env.place, .jobs = server->jobs, .log = &server->log, .wanted = true};
+        .slurm = env.slurm, .jobs = server->jobs, .log = &server->log, .wanted = true};
     return rc;
 }
 
@@ -424,11 +427,11 @@ static void open_budget(struct orl_server *server)
     storage->jobs = server->jobs;
     storage->blobs = server->blobs;
     storage->log = &server->log;
-    storage->clock = &server->aging.clock;
+    storage->clock = &server->retention.clock;
     storage->budget = server->config.storage_bytes;
     if (storage->budget == 0)
         storage->budget = orl_storage_default(server->config.data, orl_storage_total(storage));
-    orl_storage_trim(storage); /* the budget may be smaller than in the last run */
+    orl_storage_evict(storage); /* the budget may be smaller than in the last run */
 }
 
 static void announce_address(struct orl_server *server, void (*announce)(const char *url))
@@ -456,66 +459,66 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     server.started_s = orl_time_steady_s();
     if (uv_loop_init(&server.loop) != 0)
         return orl_error_set(err, ORL_ERR_INTERNAL, "cannot start the event loop");
-    orl_stop_limit_open();
+    orl_shutdown_timeout_open();
     orl_program_digest(server.program);
-    orl_pool_prepare(&server.loop, config->threads + ORL_SERVER_IO_THREADS);
-    orl_pulse_open(&server.pulse, &server.loop);
-    uv_async_init(&server.loop, &server.kept_changed, on_kept_changed);
-    server.kept_changed.data = &server;
+    orl_uv_pool_prepare(&server.loop, config->threads + ORL_SERVER_IO_THREADS);
+    orl_loop_watchdog_open(&server.watchdog, &server.loop);
+    uv_async_init(&server.loop, &server.cache_changed, on_cache_changed);
+    server.cache_changed.data = &server;
     open_checks(&server);
     open_context(&server, routes);
-    uv_timer_init(&server.loop, &server.storage.notes);
-    server.storage.notes.data = &server.storage;
+    uv_timer_init(&server.loop, &server.storage.fetch_timer);
+    server.storage.fetch_timer.data = &server.storage;
     gather_log(&server);
     /* Starts HTTP before the jobs: nothing is served until the loop runs, and a port in use is
      * found before a job starts. */
     int rc = open_storage(&server, err);
     if (rc == 0 && config->runner.slurm)
-        rc = orl_shared_place_open(&config->runner, &server.place, err);
+        rc = orl_slurm_config_open(&config->runner, &server.slurm, err);
     if (rc == 0)
         rc = open_tokens(&server, err);
     if (rc == 0)
         rc = orl_events_open(&server, &server.events, err);
     if (rc == 0)
-        rc = orl_hub_open(&server, &server.hub, err);
+        rc = orl_event_broker_open(&server, &server.broker, err);
     if (rc == 0)
         rc = orl_http_start(&server.context, &server.config.address.any, &server.http, err);
     if (rc == 0)
         rc = open_jobs(&server, err);
     if (rc == 0) {
-        orl_aging_log(&server.aging);
-        orl_aging_look(&server.aging, &server.loop);
-        orl_missing_log(&server.db, &server.folders, &server.log);
+        orl_retention_log_orphans(&server.retention);
+        orl_retention_tick(&server.retention, &server.loop);
+        orl_missing_files_log(&server.db, &server.folders, &server.log);
         open_budget(&server);
-        server.scrubbing = orl_scrubbing_start(&server.folders, &server.log, server.maps,
-                                               config->scrub_bytes_per_s);
+        server.scrub_thread = orl_scrub_thread_start(&server.folders, &server.log, server.maps,
+                                                     config->scrub_bytes_per_s);
         watch_signals(&server);
         announce_address(&server, announce);
     } else {
         orl_events_stop(server.events);
-        orl_hub_stop(server.hub);
+        orl_event_broker_stop(server.broker);
         orl_http_stop(server.http);
         orl_storage_stop(&server.storage);
         orl_checks_close(&server.checks);
-        orl_settling_stop(server.settling);
-        uv_close((uv_handle_t *)&server.kept_changed, NULL);
+        orl_wal_sync_stop(server.wal_sync);
+        uv_close((uv_handle_t *)&server.cache_changed, NULL);
         uv_close((uv_handle_t *)&server.log_lines, NULL);
     }
     uv_run(&server.loop, UV_RUN_DEFAULT);
-    orl_scrubbing_stop(server.scrubbing);
+    orl_scrub_thread_stop(server.scrub_thread);
     orl_http_free(server.http);
     orl_events_free(server.events);
-    orl_hub_free(server.hub);
+    orl_event_broker_free(server.broker);
     if (server.maps)
         orl_map_cache_flush(server.maps, NULL);
     orl_status_cache_free(server.statuses);
     orl_jobs_close(server.jobs);
-    orl_aging_close(&server.aging);
+    orl_retention_close(&server.retention);
     orl_shared_sweep_done(&server.sweep);
     close_storage(&server);
     uv_loop_close(&server.loop);
     uv_library_shutdown(); /* ends the pool's threads before the data they use is freed */
-    orl_stop_limit_close();
+    orl_shutdown_timeout_close();
     if (rc == 0)
         orl_log_event(&server.log, ORL_LOG_INFO, "stopped", "");
     return rc;

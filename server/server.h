@@ -6,7 +6,7 @@
  * until none runs, the time limit is over, or a second signal comes. Then it accepts no new
  * connections, stops jobs that still run and queues them again, sends the pending answers, and
  * closes everything in the opposite order. Further signals change nothing (process/signals.h). A
- * stop that takes longer than health/stop_limit.h allows ends the process at once.
+ * stop that takes longer than health/shutdown_timeout.h allows ends the process at once.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
@@ -16,61 +16,61 @@
 
 #include "cache/map_cache.h"
 #include "checks/checks.h"
-#include "health/blame.h"
+#include "handlers/events/event_broker.h"
+#include "handlers/events/events.h"
+#include "handlers/jobs/status_cache.h"
+#include "health/crash_record.h"
+#include "health/loop_watchdog.h"
 #include "health/memory.h"
 #include "health/metrics.h"
-#include "health/pulse.h"
 #include "http/context.h"
 #include "http/http_server.h"
 #include "jobs/jobs.h"
+#include "maintenance/disk_reserve.h"
+#include "maintenance/retention.h"
+#include "maintenance/shared_sweep.h"
+#include "maintenance/storage.h"
 #include "process/config.h"
 #include "process/log.h"
-#include "resources/events.h"
-#include "resources/hub.h"
-#include "resources/status_cache.h"
-#include "store/db.h"
-#include "store/folders.h"
-#include "store/log_folding.h"
-#include "store/settling.h"
-#include "store/verified.h"
-#include "upkeep/aging.h"
-#include "upkeep/disk_room.h"
-#include "upkeep/shared_sweep.h"
-#include "upkeep/storage.h"
+#include "store/database/db.h"
+#include "store/durability/wal_checkpoint.h"
+#include "store/durability/wal_sync.h"
+#include "store/files/folders.h"
+#include "store/files/verified_files.h"
 
 struct orl_server {
     struct orl_config config;
     struct orl_log log;
     uv_loop_t loop;
-    uv_async_t kept_changed;
+    uv_async_t cache_changed;
     uv_timer_t drain, saving;
     uv_prepare_t log_lines;    /* writes buffered lines before the loop sleeps */
     char program[ORL_SHA_HEX]; /* program.h */
     struct orl_folders folders;
     struct orl_db db;
-    struct orl_aging aging;
-    struct orl_folding *folding;   /* checkpoints of the database's log */
-    struct orl_settling *settling; /* syncs of the database's commits */
+    struct orl_retention retention;
+    struct orl_wal_checkpointer *checkpointer; /* checkpoints of the database's log */
+    struct orl_wal_sync *wal_sync;             /* syncs of the database's commits */
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shared_place place; /* shared folder of jobs in parts */
+    struct orl_slurm_config slurm; /* shared folder of jobs in parts */
     struct orl_shared_sweep sweep;
-    struct orl_shelf *shelf;
-    struct orl_disk_room disk;
+    struct orl_memory_cache *memory_cache;
+    struct orl_disk_reserve disk;
     struct orl_storage storage;
-    struct orl_verified verified;
-    struct orl_scrubbing *scrubbing; /* scrub.h; or NULL */
+    struct orl_verified_files verified;
+    struct orl_scrub_thread *scrub_thread; /* scrub.h; or NULL */
     struct orl_jobs *jobs;
     struct orl_status_cache *statuses;
     struct orl_http_context context; /* state of the HTTP layer */
     struct orl_http_server *http;
     struct orl_events *events;
-    struct orl_hub *hub; /* events of all jobs */
+    struct orl_event_broker *broker; /* events of all jobs */
     struct orl_metrics metrics;
-    struct orl_pulse pulse;
+    struct orl_loop_watchdog watchdog;
     struct orl_checks checks;
     struct orl_memory memory;
-    struct orl_past past;
+    struct orl_previous_exit previous_exit;
     double started_s;
     bool draining, jobs_idle;
     bool answering, answers_late; /* only answers are left to send; they have had their time */

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/version.h>
+#include <oriel/base/version.h>
 
-#include "annual_shades.h"
-#include "chart/page_sheet.h"
+#include "annual_job/annual_shades_json.h"
+#include "chart/page_text.h"
 #include "chart/temporal_map.h"
 
 /* All lengths in page units. */
@@ -22,10 +22,10 @@ static const double parts_apart = 18;
 static void name_figure(const struct orl_annual_figure *figure, char *ret_text, size_t size)
 {
     const double low = figure->metric.low_lx;
-    if (figure->over == ORL_OVER_SHARE && figure->metric.kind == ORL_METRIC_DA)
+    if (figure->aggregate == ORL_AGGREGATE_SHARE && figure->metric.kind == ORL_METRIC_DA)
         snprintf(ret_text, size, "sDA%g/%g: area with %g lx in %g %% of the time", low,
                  figure->least, low, figure->least);
-    else if (figure->over == ORL_OVER_SHARE)
+    else if (figure->aggregate == ORL_AGGREGATE_SHARE)
         snprintf(ret_text, size, "ASE%g,%g: area with direct sun for %g h", low, figure->least,
                  figure->least);
     else
@@ -33,26 +33,27 @@ static void name_figure(const struct orl_annual_figure *figure, char *ret_text, 
 }
 
 /* Draws figures no lower than bottom. Returns the y where they end. */
-static double draw_figures(const struct orl_page_sheet *s, double x, double y, double right,
+static double draw_figures(const struct orl_page_canvas *s, double x, double y, double right,
                            double bottom)
 {
     const struct orl_annual_report *report = s->page->report;
     const size_t places = report->n_grids + 1;
-    y = orl_page_put_heading(s, x, y, right,
-                             "Figures, and averages over the area, with 95 % intervals");
+    y = orl_page_draw_heading(s, x, y, right,
+                              "Figures, and averages over the area, with 95 % intervals");
     for (size_t f = 0; f < report->n_figures; f++) {
         char name[96], value[120];
         if (y + ORL_PAGE_LINE > bottom) {
             snprintf(value, sizeof value, "and %zu more, in result.json", report->n_figures - f);
-            orl_page_put(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray, value);
+            orl_page_draw_text(s, x, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray, value);
             return y + ORL_PAGE_LINE;
         }
         name_figure(&report->figures[f], name, sizeof name);
         orl_page_value_text(&report->areas[f * places + s->page->grid].value,
                             orl_page_figure_unit(&report->figures[f]), value, sizeof value);
-        orl_page_put(s, right, y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_ink, value);
-        orl_page_put_within(s, x, y, right - x - orl_canvas_text_width(value, ORL_PAGE_TEXT) - 8,
-                            orl_page_ink, name);
+        orl_page_draw_text(s, right, y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_ink, value);
+        orl_page_draw_text_within(s, x, y,
+                                  right - x - orl_canvas_text_width(value, ORL_PAGE_TEXT) - 8,
+                                  orl_page_ink, name);
         y += ORL_PAGE_LINE;
     }
     return y;
@@ -79,12 +80,12 @@ static double fit_map(const struct orl_annual_page *page, double room)
 
 /* Draws daylight autonomy beside hours of direct sun, or the one that exists. Moves y below
  * them. */
-static int draw_maps(const struct orl_page_sheet *s, double room, double *y)
+static int draw_maps(const struct orl_page_canvas *s, double room, double *y)
 {
     static const enum orl_metric_kind kinds[2] = {ORL_METRIC_DA, ORL_METRIC_DIRECT_HOURS};
     const struct orl_annual_page *page = s->page;
     const double side = fit_map(page, room);
-    double x = ORL_PAGE_RIM, wide = 0, high = 0;
+    double x = ORL_PAGE_MARGIN, wide = 0, high = 0;
     int code = 0;
     for (int i = 0; i < 2 && code == 0; i++) {
         const size_t metric = find_metric(page->report, kinds[i]);
@@ -101,7 +102,7 @@ static int draw_maps(const struct orl_page_sheet *s, double room, double *y)
 
 /* ---- The year -------------------------------------------------------------------------------- */
 
-static int draw_year(const struct orl_page_sheet *s, double y, double high)
+static int draw_year(const struct orl_page_canvas *s, double y, double high)
 {
     const struct orl_annual_page *page = s->page;
     const struct orl_annual_report *report = page->report;
@@ -117,31 +118,32 @@ static int draw_year(const struct orl_page_sheet *s, double y, double high)
                                          .values = values,
                                          .marks = report->marks};
     if (code == 0)
-        code = orl_temporal_map_draw(&map, s->canvas, ORL_PAGE_RIM - 10, y,
-                                     ORL_PAGE_WIDTH - 2 * ORL_PAGE_RIM + 20, high);
+        code = orl_temporal_map_draw(&map, s->canvas, ORL_PAGE_MARGIN - 10, y,
+                                     ORL_PAGE_WIDTH - 2 * ORL_PAGE_MARGIN + 20, high);
     free(values);
     return code;
 }
 
 /* ---- Assumptions ----------------------------------------------------------------------------- */
 
-static double put_line(const struct orl_page_sheet *s, double y, const char *format, ...)
+static double put_line(const struct orl_page_canvas *s, double y, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-static double put_line(const struct orl_page_sheet *s, double y, const char *format, ...)
+static double put_line(const struct orl_page_canvas *s, double y, const char *format, ...)
 {
     char text[256];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    orl_page_put_within(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - 2 * ORL_PAGE_RIM, orl_page_gray, text);
+    orl_page_draw_text_within(s, ORL_PAGE_MARGIN, y, ORL_PAGE_WIDTH - 2 * ORL_PAGE_MARGIN,
+                              orl_page_gray, text);
     return y + ORL_PAGE_FINE_LINE;
 }
 
 enum { GROUPS_SHOWN = 3 };
 
 /* Writes a group's hours per state: "   south: open 2900 h, closed 750 h". */
-static double put_group(const struct orl_page_sheet *s, double y,
+static double put_group(const struct orl_page_canvas *s, double y,
                         const struct orl_window_group *group, const struct orl_state_hours *hours)
 {
     char text[200];
@@ -163,7 +165,7 @@ static double measure_assumptions(const struct orl_annual_page *page)
 }
 
 /* Writes a line for each of the first GROUPS_SHOWN groups, and the number of the others. */
-static double put_shades(const struct orl_page_sheet *s, double y)
+static double put_shades(const struct orl_page_canvas *s, double y)
 {
     const struct orl_annual_page *page = s->page;
     const size_t n = page->request->n_groups;
@@ -181,7 +183,7 @@ static double put_shades(const struct orl_page_sheet *s, double y)
 }
 
 /* Writes the direction of north in plans, which have the model's +Y up. */
-static double put_north(const struct orl_page_sheet *s, double y)
+static double put_north(const struct orl_page_canvas *s, double y)
 {
     const double north_deg = s->page->request->north_deg;
     if (north_deg == 0)
@@ -190,17 +192,17 @@ static double put_north(const struct orl_page_sheet *s, double y)
                     fabs(north_deg), north_deg > 0 ? "counter-clockwise" : "clockwise");
 }
 
-static void draw_assumptions(const struct orl_page_sheet *s, double y)
+static void draw_assumptions(const struct orl_page_canvas *s, double y)
 {
     const struct orl_annual_page *page = s->page;
-    const struct orl_occupancy *use = &page->wishes->occupancy;
+    const struct orl_occupancy *use = &page->report_request->occupancy;
     const struct orl_annual_report *report = page->report;
     char year[24] = "";
     if (page->request->weather_year > 0)
         snprintf(year, sizeof year, ", rows of %d", page->request->weather_year);
-    y = orl_page_put_heading(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - ORL_PAGE_RIM, "Assumed");
-    if (page->wishes->occupancy_file)
-        y = put_line(s, y, "Occupied as in %s: %.5g h.", page->wishes->occupancy_file,
+    y = orl_page_draw_heading(s, ORL_PAGE_MARGIN, y, ORL_PAGE_WIDTH - ORL_PAGE_MARGIN, "Assumed");
+    if (page->report_request->occupancy_file)
+        y = put_line(s, y, "Occupied as in %s: %.5g h.", page->report_request->occupancy_file,
                      report->periods[ORL_WHEN_OCCUPIED].hours);
     else
         y = put_line(s, y, "Occupied from %g to %g h, local standard time, %s: %.5g h.",
@@ -233,34 +235,35 @@ static void draw_assumptions(const struct orl_page_sheet *s, double y)
 
 /* ---- The page -------------------------------------------------------------------------------- */
 
-static double draw_head(const struct orl_page_sheet *s)
+static double draw_head(const struct orl_page_canvas *s)
 {
     const struct orl_annual_page *page = s->page;
     const struct orl_annual_grid *grid = &page->report->grids[page->grid];
     char text[160];
-    orl_page_put_title(s, ORL_PAGE_RIM + ORL_PAGE_TITLE, page->title ? page->title : grid->name);
+    orl_page_draw_title(s, ORL_PAGE_MARGIN + ORL_PAGE_TITLE,
+                        page->title ? page->title : grid->name);
     snprintf(text, sizeof text, "%s%sA year of daylight at %zu sensors",
              page->title ? grid->name : "", page->title ? ": " : "", grid->count);
-    orl_page_put_within(s, ORL_PAGE_RIM, ORL_PAGE_RIM + ORL_PAGE_TITLE + 20,
-                        ORL_PAGE_WIDTH - 2 * ORL_PAGE_RIM, orl_page_gray, text);
-    return ORL_PAGE_RIM + ORL_PAGE_TITLE + 52;
+    orl_page_draw_text_within(s, ORL_PAGE_MARGIN, ORL_PAGE_MARGIN + ORL_PAGE_TITLE + 20,
+                              ORL_PAGE_WIDTH - 2 * ORL_PAGE_MARGIN, orl_page_gray, text);
+    return ORL_PAGE_MARGIN + ORL_PAGE_TITLE + 52;
 }
 
 /* Draws figures and targets side by side, no lower than bottom. */
-static double draw_columns(const struct orl_page_sheet *s, double y, double bottom)
+static double draw_columns(const struct orl_page_canvas *s, double y, double bottom)
 {
     const double middle = ORL_PAGE_WIDTH / 2.0;
-    struct orl_page_column left = {ORL_PAGE_RIM, y, middle - 10};
-    struct orl_page_column right = {middle + 10, y, ORL_PAGE_WIDTH - ORL_PAGE_RIM};
+    struct orl_page_column left = {ORL_PAGE_MARGIN, y, middle - 10};
+    struct orl_page_column right = {middle + 10, y, ORL_PAGE_WIDTH - ORL_PAGE_MARGIN};
     left.y = draw_figures(s, left.x, left.y, left.right, bottom);
-    orl_page_draw_targets(s, &left, &right, bottom);
+    orl_page_draw_verdicts(s, &left, &right, bottom);
     return fmax(left.y, right.y);
 }
 
 /* Draws all parts from top to bottom. Each leaves the parts below it the least height they need. */
-static int draw_page(const struct orl_page_sheet *s)
+static int draw_page(const struct orl_page_canvas *s)
 {
-    const double assumptions = ORL_PAGE_HEIGHT - ORL_PAGE_RIM - measure_assumptions(s->page);
+    const double assumptions = ORL_PAGE_HEIGHT - ORL_PAGE_MARGIN - measure_assumptions(s->page);
     const double year =
         assumptions - parts_apart - year_height; /* latest start of the year's carpet */
     double y = draw_head(s), wide, high;
@@ -281,7 +284,7 @@ static int draw_page(const struct orl_page_sheet *s)
 int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_kind kind,
                           const char *path, struct orl_error *err)
 {
-    struct orl_page_sheet s = {.page = page};
+    struct orl_page_canvas s = {.page = page};
     int code = orl_canvas_open(kind, path, ORL_PAGE_WIDTH, ORL_PAGE_HEIGHT,
                                kind == ORL_CANVAS_PDF ? pdf_scale : png_scale, &s.canvas, err);
     if (code < 0)

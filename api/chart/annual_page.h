@@ -5,13 +5,13 @@
 #ifndef ORL_CHART_ANNUAL_PAGE_H
 #define ORL_CHART_ANNUAL_PAGE_H
 
-#include <oriel/annual_report.h>
-#include <oriel/canvas.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/canvas.h>
 
 struct orl_annual_page {
     const char *title; /* NULL: only the grid's name */
     const struct orl_annual_request *request;
-    const struct orl_annual_wishes *wishes;
+    const struct orl_report_request *report_request;
     const struct orl_annual_result *result;
     const struct orl_annual_report *report;
     const struct orl_annual_plans *plans;

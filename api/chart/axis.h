@@ -2,8 +2,8 @@
  * A logarithmic axis: maps values above zero to a range on the page. Ticks are at 1, 2 and 5
  * times powers of ten, or only at powers of ten if those are too dense.
  */
-#ifndef ORL_STUDY_AXIS_H
-#define ORL_STUDY_AXIS_H
+#ifndef ORL_API_CHART_AXIS_H
+#define ORL_API_CHART_AXIS_H
 
 #include <stddef.h>
 

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/bsdf_peaks.h>
-#include <oriel/picture.h>
-#include <oriel/units.h>
+#include <oriel/base/units.h>
+#include <oriel/bsdf/bsdf_peaks.h>
+#include <oriel/job/picture.h>
 
 #include "chart/polar_map.h"
 
@@ -30,7 +30,7 @@ struct page {
 static void write_text(const struct page *p, double x, double y, double size, bool bold,
                        const unsigned char rgb[3], const char *text)
 {
-    struct orl_canvas_letters as = {.size = size, .bold = bold};
+    struct orl_canvas_text_style as = {.size = size, .bold = bold};
     memcpy(as.rgb, rgb, 3);
     orl_canvas_text(p->canvas, x, y, &as, text);
 }

@@ -4,14 +4,14 @@
  * findings. Two files are drawn one above the other, followed by a map of second minus first.
  *
  * Maps have theta from the middle outwards, x to the right and y up, in the frame of
- * oriel/bsdf_polar.h; a small circle marks the direction of straight transmission or mirror
+ * oriel/bsdf/bsdf_polar.h; a small circle marks the direction of straight transmission or mirror
  * reflection.
  */
 #ifndef ORL_CHART_BSDF_CHART_H
 #define ORL_CHART_BSDF_CHART_H
 
-#include <oriel/bsdf.h>
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
+#include <oriel/bsdf/bsdf.h>
 
 struct orl_bsdf_chart_file {
     const char *name;

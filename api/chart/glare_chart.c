@@ -23,7 +23,7 @@ static const struct class_band {
 };
 enum { BANDS = sizeof bands / sizeof bands[0] };
 
-struct sketch {
+struct glare_drawing {
     struct orl_canvas *canvas;
     const struct orl_glare_hour *hours;
     size_t count;
@@ -52,7 +52,7 @@ static bool rises(const struct orl_glare_hour *hours, size_t count)
 }
 
 /* Finds the DGP range, in multiples of 0.1; it always includes DGP's class bounds. */
-static void find_range(struct sketch *s)
+static void find_range(struct glare_drawing *s)
 {
     s->low = 0.1;
     s->high = 0.6;
@@ -69,7 +69,7 @@ static void find_range(struct sketch *s)
     s->high = fmin(s->high, 1);
 }
 
-static double x_of(const struct sketch *s, size_t i)
+static double x_of(const struct glare_drawing *s, size_t i)
 {
     const double wide = right - left - 2 * room;
     if (s->timed) {
@@ -80,20 +80,20 @@ static double x_of(const struct sketch *s, size_t i)
                          : left + room + wide * (double)i / (double)(s->count - 1);
 }
 
-static double y_of(const struct sketch *s, double dgp)
+static double y_of(const struct glare_drawing *s, double dgp)
 {
     return bottom - (bottom - top) * (dgp - s->low) / (s->high - s->low);
 }
 
-static void write_text(const struct sketch *s, double x, double y, double size,
+static void write_text(const struct glare_drawing *s, double x, double y, double size,
                        enum orl_canvas_align align, const unsigned char rgb[3], const char *text)
 {
-    struct orl_canvas_letters letters = {.size = size, .align = align};
+    struct orl_canvas_text_style letters = {.size = size, .align = align};
     memcpy(letters.rgb, rgb, 3);
     orl_canvas_text(s->canvas, x, y, &letters, text);
 }
 
-static void draw_band(const struct sketch *s, int i)
+static void draw_band(const struct glare_drawing *s, int i)
 {
     const double from = fmax(bands[i].from, s->low);
     const double to = fmin(i + 1 < BANDS ? bands[i + 1].from : 1, s->high);
@@ -106,7 +106,7 @@ static void draw_band(const struct sketch *s, int i)
                orl_glare_class_name((enum orl_glare_class)i));
 }
 
-static void draw_bounds(const struct sketch *s)
+static void draw_bounds(const struct glare_drawing *s)
 {
     for (int i = 1; i < BANDS; i++) {
         const double y = y_of(s, bands[i].from);
@@ -114,7 +114,7 @@ static void draw_bounds(const struct sketch *s)
     }
 }
 
-static void draw_ticks(const struct sketch *s)
+static void draw_ticks(const struct glare_drawing *s)
 {
     char text[16];
     for (int tenth = (int)lrint(10 * s->low); tenth <= (int)lrint(10 * s->high); tenth++) {
@@ -127,7 +127,7 @@ static void draw_ticks(const struct sketch *s)
 }
 
 /* Draws a label only if it does not overlap the one before. */
-static void draw_labels(const struct sketch *s)
+static void draw_labels(const struct glare_drawing *s)
 {
     const double size = 9;
     double free_from = 0;
@@ -142,10 +142,11 @@ static void draw_labels(const struct sketch *s)
     }
 }
 
-static void draw_frame(const struct sketch *s)
+static void draw_frame(const struct glare_drawing *s)
 {
     const double xs[5] = {left, right, right, left, left}, ys[5] = {top, top, bottom, bottom, top};
-    const struct orl_canvas_letters upright = {.size = 9.5, .upright = true, .rgb = {26, 26, 26}};
+    const struct orl_canvas_text_style upright = {
+        .size = 9.5, .upright = true, .rgb = {26, 26, 26}};
     static const char what[] = "daylight glare probability";
     const double half = orl_canvas_text_width(what, upright.size) / 2;
     orl_canvas_path(s->canvas, 5, xs, ys, 1, black);
@@ -163,7 +164,7 @@ static const unsigned char *ink_of(const struct orl_glare_hour *h)
     return bands[i].ink;
 }
 
-static void draw_mark(const struct sketch *s, double x, double y, const unsigned char *ink,
+static void draw_mark(const struct glare_drawing *s, double x, double y, const unsigned char *ink,
                       bool hollow)
 {
     orl_canvas_disc(s->canvas, x, y, 5, ink);
@@ -171,7 +172,7 @@ static void draw_mark(const struct sketch *s, double x, double y, const unsigned
         orl_canvas_disc(s->canvas, x, y, 3, paper);
 }
 
-static void draw_interval(const struct sketch *s, double x, double y0, double y1,
+static void draw_interval(const struct glare_drawing *s, double x, double y0, double y1,
                           const unsigned char *ink)
 {
     orl_canvas_line(s->canvas, x, y0, x, y1, 1.6, ink);
@@ -179,14 +180,14 @@ static void draw_interval(const struct sketch *s, double x, double y0, double y1
     orl_canvas_line(s->canvas, x - 4, y1, x + 4, y1, 1.6, ink);
 }
 
-static void draw_dark(const struct sketch *s, double x)
+static void draw_dark(const struct glare_drawing *s, double x)
 {
     const double y = bottom - 9;
     orl_canvas_line(s->canvas, x - 4, y - 4, x + 4, y + 4, 1.4, gray);
     orl_canvas_line(s->canvas, x - 4, y + 4, x + 4, y - 4, 1.4, gray);
 }
 
-static void draw_hours(const struct sketch *s)
+static void draw_hours(const struct glare_drawing *s)
 {
     for (size_t i = 1; i < s->count; i++) {
         const struct orl_glare_hour *a = &s->hours[i - 1], *b = &s->hours[i];
@@ -210,9 +211,9 @@ static void draw_hours(const struct sketch *s)
 
 /* ---- Texts ----------------------------------------------------------------------------------- */
 
-static void draw_title(const struct sketch *s, const char *title)
+static void draw_title(const struct glare_drawing *s, const char *title)
 {
-    struct orl_canvas_letters letters = {.size = 12, .bold = true, .rgb = {26, 26, 26}};
+    struct orl_canvas_text_style letters = {.size = 12, .bold = true, .rgb = {26, 26, 26}};
     const double width = orl_canvas_text_width(title, letters.size), most = page_width - left - 16;
     if (width > most)
         letters.size *= most / width;
@@ -220,7 +221,7 @@ static void draw_title(const struct sketch *s, const char *title)
 }
 
 /* Writes the worst DGP as text. */
-static void draw_worst(const struct sketch *s)
+static void draw_worst(const struct glare_drawing *s)
 {
     const struct orl_glare_hour *worst = NULL;
     char text[128], margin[32] = "";
@@ -236,7 +237,7 @@ static void draw_worst(const struct sketch *s)
     write_text(s, left, 52, 9.5, ORL_CANVAS_LEFT, black, text);
 }
 
-static void draw_legend(const struct sketch *s)
+static void draw_legend(const struct glare_drawing *s)
 {
     const double y = page_height - 24;
     bool undecided = false, dark = false;
@@ -270,7 +271,7 @@ static void draw_legend(const struct sketch *s)
 int orl_glare_chart_write(const struct orl_glare_hour *hours, size_t count, const char *title,
                           enum orl_canvas_kind kind, const char *path, struct orl_error *err)
 {
-    struct sketch s = {.hours = hours, .count = count, .timed = rises(hours, count)};
+    struct glare_drawing s = {.hours = hours, .count = count, .timed = rises(hours, count)};
     const int code =
         orl_canvas_open(kind, path, page_width, page_height, png_scale, &s.canvas, err);
     if (code < 0)

@@ -8,8 +8,8 @@
 
 #include <stddef.h>
 
-#include <oriel/canvas.h>
-#include <oriel/glare.h>
+#include <oriel/base/canvas.h>
+#include <oriel/job/glare.h>
 
 struct orl_glare_hour {
     char label[32];

@@ -1,5 +1,5 @@
 /* Draws a table of a grid's sensors. */
-#include "chart/page_sheet.h"
+#include "chart/page_text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,25 +20,26 @@ static const struct orl_annual_metric *find_metric(const struct orl_annual_repor
 
 static double right_of(int column)
 {
-    return ORL_PAGE_WIDTH - ORL_PAGE_RIM - (COLUMNS - 1 - column) * (double)COLUMN_WIDTH;
+    return ORL_PAGE_WIDTH - ORL_PAGE_MARGIN - (COLUMNS - 1 - column) * (double)COLUMN_WIDTH;
 }
 
-static double put_titles(const struct orl_page_sheet *s, double y)
+static double put_titles(const struct orl_page_canvas *s, double y)
 {
-    orl_page_put(s, ORL_PAGE_RIM, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
-                 "Position and direction");
+    orl_page_draw_text(s, ORL_PAGE_MARGIN, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
+                       "Position and direction");
     for (int c = 0; c < COLUMNS; c++) {
         const struct orl_annual_metric *metric = find_metric(s->page->report, kinds[c]);
         char title[96];
         if (!metric)
             continue;
         orl_annual_metric_title(metric, title, sizeof title);
-        orl_page_put(s, right_of(c), y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_gray, title);
+        orl_page_draw_text(s, right_of(c), y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_gray,
+                           title);
     }
     return y + ORL_PAGE_LINE;
 }
 
-static double put_sensor(const struct orl_page_sheet *s, size_t i, double y)
+static double put_sensor(const struct orl_page_canvas *s, size_t i, double y)
 {
     const struct orl_annual_report *report = s->page->report;
     const struct orl_sensor *sensor = &s->page->request->sensors[i];
@@ -46,8 +47,9 @@ static double put_sensor(const struct orl_page_sheet *s, size_t i, double y)
     char text[160];
     snprintf(text, sizeof text, "(%.6g, %.6g, %.6g), (%.3g, %.3g, %.3g)", p.x, p.y, p.z, d.x, d.y,
              d.z);
-    orl_page_put_within(s, ORL_PAGE_RIM, y, right_of(0) - COLUMN_WIDTH - ORL_PAGE_RIM + 40,
-                        orl_page_ink, text);
+    orl_page_draw_text_within(s, ORL_PAGE_MARGIN, y,
+                              right_of(0) - COLUMN_WIDTH - ORL_PAGE_MARGIN + 40, orl_page_ink,
+                              text);
     for (int c = 0; c < COLUMNS; c++) {
         const struct orl_annual_metric *metric = find_metric(report, kinds[c]);
         if (!metric)
@@ -55,24 +57,25 @@ static double put_sensor(const struct orl_page_sheet *s, size_t i, double y)
         const size_t row = (size_t)(metric - report->metrics);
         orl_page_value_text(&report->values[row * report->n_sensors + i],
                             orl_annual_unit(metric->kind), text, sizeof text);
-        orl_page_put(s, right_of(c), y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_ink, text);
+        orl_page_draw_text(s, right_of(c), y, ORL_CANVAS_RIGHT, ORL_PAGE_TEXT, orl_page_ink, text);
     }
     return y + ORL_PAGE_LINE;
 }
 
-double orl_page_draw_sensors(const struct orl_page_sheet *s, double y, double bottom)
+double orl_page_draw_sensors(const struct orl_page_canvas *s, double y, double bottom)
 {
     const struct orl_annual_grid *grid = &s->page->report->grids[s->page->grid];
     size_t n = 0;
-    y = orl_page_put_heading(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - ORL_PAGE_RIM,
-                             "Sensors, with 95 % intervals");
+    y = orl_page_draw_heading(s, ORL_PAGE_MARGIN, y, ORL_PAGE_WIDTH - ORL_PAGE_MARGIN,
+                              "Sensors, with 95 % intervals");
     y = put_titles(s, y);
     while (n < grid->count && n < MOST_ROWS && y + 2 * ORL_PAGE_LINE < bottom)
         y = put_sensor(s, grid->first + n++, y);
     if (n < grid->count) {
         char text[64];
         snprintf(text, sizeof text, "and %zu more, in sensors.csv", grid->count - n);
-        orl_page_put(s, ORL_PAGE_RIM, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray, text);
+        orl_page_draw_text(s, ORL_PAGE_MARGIN, y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
+                           text);
         y += ORL_PAGE_LINE;
     }
     return y;

@@ -1,5 +1,5 @@
 /* Draws warnings above the figures, because warnings may invalidate figures. */
-#include "chart/page_sheet.h"
+#include "chart/page_text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -24,56 +24,57 @@ static bool is_of_another_grid(const struct orl_annual_page *page, const char *w
     return false;
 }
 
-struct list {
+struct warning_list {
     double y;
     size_t lines, left_out;
     bool cut; /* true if a warning was cut short */
 };
 
-static void put_warning(const struct orl_page_sheet *s, const char *text, struct list *list)
+static void put_warning(const struct orl_page_canvas *s, const char *text,
+                        struct warning_list *warning_list)
 {
-    const double x = ORL_PAGE_RIM + INDENT, width = ORL_PAGE_WIDTH - ORL_PAGE_RIM - x;
-    const size_t n_all =
-        orl_page_put_wrapped(NULL, x, list->y, width, LINES_OF_ONE + 1, orl_page_ink, text);
+    const double x = ORL_PAGE_MARGIN + INDENT, width = ORL_PAGE_WIDTH - ORL_PAGE_MARGIN - x;
+    const size_t n_all = orl_page_draw_wrapped(NULL, x, warning_list->y, width, LINES_OF_ONE + 1,
+                                               orl_page_ink, text);
     const size_t n = n_all > LINES_OF_ONE ? LINES_OF_ONE : n_all;
-    if (list->left_out > 0 || list->lines + n > LINES_OF_ALL) {
-        list->left_out++;
+    if (warning_list->left_out > 0 || warning_list->lines + n > LINES_OF_ALL) {
+        warning_list->left_out++;
         return;
     }
-    list->cut = list->cut || n_all > n;
-    orl_canvas_disc(s->canvas, ORL_PAGE_RIM + 5, list->y - ORL_PAGE_TEXT / 2, 5, amber);
-    orl_page_put_wrapped(s, x, list->y, width, LINES_OF_ONE, orl_page_ink, text);
-    list->y += (double)n * ORL_PAGE_FINE_LINE + 3;
-    list->lines += n;
+    warning_list->cut = warning_list->cut || n_all > n;
+    orl_canvas_disc(s->canvas, ORL_PAGE_MARGIN + 5, warning_list->y - ORL_PAGE_TEXT / 2, 5, amber);
+    orl_page_draw_wrapped(s, x, warning_list->y, width, LINES_OF_ONE, orl_page_ink, text);
+    warning_list->y += (double)n * ORL_PAGE_FINE_LINE + 3;
+    warning_list->lines += n;
 }
 
-static void put_rest(const struct orl_page_sheet *s, struct list *list)
+static void put_rest(const struct orl_page_canvas *s, struct warning_list *warning_list)
 {
     char text[64] = "result.json has the full warnings";
-    if (list->left_out > 0)
-        snprintf(text, sizeof text, "and %zu more warning%s, in result.json", list->left_out,
-                 list->left_out > 1 ? "s" : "");
-    else if (!list->cut)
+    if (warning_list->left_out > 0)
+        snprintf(text, sizeof text, "and %zu more warning%s, in result.json",
+                 warning_list->left_out, warning_list->left_out > 1 ? "s" : "");
+    else if (!warning_list->cut)
         return;
-    orl_page_put(s, ORL_PAGE_RIM + INDENT, list->y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
-                 text);
-    list->y += ORL_PAGE_LINE;
+    orl_page_draw_text(s, ORL_PAGE_MARGIN + INDENT, warning_list->y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT,
+                       orl_page_gray, text);
+    warning_list->y += ORL_PAGE_LINE;
 }
 
-double orl_page_draw_warnings(const struct orl_page_sheet *s, double y)
+double orl_page_draw_warnings(const struct orl_page_canvas *s, double y)
 {
     const struct orl_annual_page *page = s->page;
     const struct orl_annual_result *result = page->result;
     const char *grid = page->report->grids[page->grid].name;
-    struct list list = {.y = y + ORL_PAGE_HEADING};
+    struct warning_list warning_list = {.y = y + ORL_PAGE_HEADING};
     for (int own = 1; own >= 0; own--)
         for (size_t i = 0; i < result->n_warnings; i++)
             if (is_of(result->warnings[i], grid) == own &&
                 (own || !is_of_another_grid(page, result->warnings[i])))
-                put_warning(s, result->warnings[i], &list);
-    if (list.lines == 0)
+                put_warning(s, result->warnings[i], &warning_list);
+    if (warning_list.lines == 0)
         return y;
-    orl_page_put_heading(s, ORL_PAGE_RIM, y, ORL_PAGE_WIDTH - ORL_PAGE_RIM, "Warnings");
-    put_rest(s, &list);
-    return list.y + 10;
+    orl_page_draw_heading(s, ORL_PAGE_MARGIN, y, ORL_PAGE_WIDTH - ORL_PAGE_MARGIN, "Warnings");
+    put_rest(s, &warning_list);
+    return warning_list.y + 10;
 }

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/picture.h>
-#include <oriel/units.h>
+#include <oriel/base/units.h>
+#include <oriel/job/picture.h>
 
 enum { DECADES = 4, LEVELS = 64, CIRCLE = 72 };
 static const unsigned char ink[3] = {26, 26, 26}, paper[3] = {255, 255, 255},
@@ -83,7 +83,7 @@ static void draw_cell(const struct orl_polar_map *m, int theta, int phi, int lev
 static void write_at(struct orl_canvas *canvas, double x, double y, enum orl_canvas_align align,
                      const char *text)
 {
-    struct orl_canvas_letters as = {.size = letters, .align = align};
+    struct orl_canvas_text_style as = {.size = letters, .align = align};
     memcpy(as.rgb, ink, 3);
     orl_canvas_text(canvas, x, y, &as, text);
 }

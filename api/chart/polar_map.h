@@ -6,8 +6,8 @@
 #ifndef ORL_CHART_POLAR_MAP_H
 #define ORL_CHART_POLAR_MAP_H
 
-#include <oriel/bsdf_polar.h>
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
+#include <oriel/bsdf/bsdf_polar.h>
 
 struct orl_polar_map {
     struct orl_canvas *canvas;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "chart/layout.h"
+#include "chart/study_layout.h"
 
 static const double png_scale = 2;
 static const unsigned char black[3] = {26, 26, 26}, gray[3] = {115, 115, 115},
@@ -12,7 +12,7 @@ static const unsigned char black[3] = {26, 26, 26}, gray[3] = {115, 115, 115},
                            dark_red[3] = {140, 26, 26}, paper[3] = {255, 255, 255};
 
 /* State for drawing. */
-struct pen {
+struct study_drawing {
     const struct orl_chart *chart;
     const struct orl_study *study;
     struct orl_canvas *canvas;
@@ -31,14 +31,14 @@ static const unsigned char *ink_of(enum orl_technique technique)
     return inks[technique];
 }
 
-static double x_of(const struct pen *pen, const struct orl_study_point *p)
+static double x_of(const struct study_drawing *study_drawing, const struct orl_study_point *p)
 {
-    return orl_axis_at(&pen->chart->x, p->total_s);
+    return orl_axis_at(&study_drawing->chart->x, p->total_s);
 }
 
-static double y_of(const struct pen *pen, const struct orl_study_point *p)
+static double y_of(const struct study_drawing *study_drawing, const struct orl_study_point *p)
 {
-    return orl_axis_at(&pen->chart->y, 100 * p->rms);
+    return orl_axis_at(&study_drawing->chart->y, 100 * p->rms);
 }
 
 /* ---- Points ---------------------------------------------------------------------------------- */
@@ -94,54 +94,60 @@ static void draw_cross(struct orl_canvas *canvas, double x, double y)
 }
 
 /* Draws standard errors of error and time, clipped at the plot's edge. */
-static void draw_bars(const struct pen *pen, const struct orl_study_point *p)
+static void draw_bars(const struct study_drawing *study_drawing, const struct orl_study_point *p)
 {
-    const struct orl_chart_box *plot = &pen->chart->plot;
-    const double x = x_of(pen, p), y = y_of(pen, p), tiny = 1e-3;
+    const struct orl_chart_box *plot = &study_drawing->chart->plot;
+    const double x = x_of(study_drawing, p), y = y_of(study_drawing, p), tiny = 1e-3;
     const double up = p->rms_error, right = p->total_error_s;
     const unsigned char *ink = ink_of(p->setting.technique);
     if (up > 0) {
-        const double low = orl_axis_at(&pen->chart->y, 100 * fmax(p->rms - up, tiny * p->rms));
-        const double high = orl_axis_at(&pen->chart->y, 100 * (p->rms + up));
-        orl_canvas_line(pen->canvas, x, fmax(high, plot->y0), x, fmin(low, plot->y1), 1, ink);
+        const double low =
+            orl_axis_at(&study_drawing->chart->y, 100 * fmax(p->rms - up, tiny * p->rms));
+        const double high = orl_axis_at(&study_drawing->chart->y, 100 * (p->rms + up));
+        orl_canvas_line(study_drawing->canvas, x, fmax(high, plot->y0), x, fmin(low, plot->y1), 1,
+                        ink);
     }
     if (right > 0) {
-        const double low = orl_axis_at(&pen->chart->x, fmax(p->total_s - right, tiny * p->total_s));
-        const double high = orl_axis_at(&pen->chart->x, p->total_s + right);
-        orl_canvas_line(pen->canvas, fmax(low, plot->x0), y, fmin(high, plot->x1), y, 1, ink);
+        const double low =
+            orl_axis_at(&study_drawing->chart->x, fmax(p->total_s - right, tiny * p->total_s));
+        const double high = orl_axis_at(&study_drawing->chart->x, p->total_s + right);
+        orl_canvas_line(study_drawing->canvas, fmax(low, plot->x0), y, fmin(high, plot->x1), y, 1,
+                        ink);
     }
 }
 
 /* ---- Curves ---------------------------------------------------------------------------------- */
 
-static void draw_curve(const struct pen *pen, size_t n, double weight, const unsigned char rgb[3])
+static void draw_curve(const struct study_drawing *study_drawing, size_t n, double weight,
+                       const unsigned char rgb[3])
 {
     for (size_t i = 0; i < n; i++) {
-        const struct orl_study_point *p = &pen->study->points[pen->index[i]];
-        pen->x[i] = x_of(pen, p);
-        pen->y[i] = y_of(pen, p);
+        const struct orl_study_point *p = &study_drawing->study->points[study_drawing->index[i]];
+        study_drawing->x[i] = x_of(study_drawing, p);
+        study_drawing->y[i] = y_of(study_drawing, p);
     }
     if (n > 1)
-        orl_canvas_path(pen->canvas, n, pen->x, pen->y, weight, rgb);
+        orl_canvas_path(study_drawing->canvas, n, study_drawing->x, study_drawing->y, weight, rgb);
 }
 
-static void draw_technique(const struct pen *pen, enum orl_technique technique)
+static void draw_technique(const struct study_drawing *study_drawing, enum orl_technique technique)
 {
-    const struct orl_study *study = pen->study;
-    const size_t n = orl_chart_line(study, technique, pen->index);
+    const struct orl_study *study = study_drawing->study;
+    const size_t n = orl_chart_technique_front(study, technique, study_drawing->index);
     for (size_t i = 0; i < study->n_points; i++) {
         const struct orl_study_point *p = &study->points[i];
         if (p->setting.technique == technique && orl_chart_shows(p))
-            draw_bars(pen, p);
+            draw_bars(study_drawing, p);
     }
-    draw_curve(pen, n, 1.8, ink_of(technique));
+    draw_curve(study_drawing, n, 1.8, ink_of(technique));
     for (size_t i = 0; i < study->n_points; i++) {
         const struct orl_study_point *p = &study->points[i];
         bool on_line = false;
         for (size_t k = 0; k < n; k++)
-            on_line = on_line || pen->index[k] == i;
+            on_line = on_line || study_drawing->index[k] == i;
         if (p->setting.technique == technique && orl_chart_shows(p))
-            draw_marker(pen->canvas, technique, x_of(pen, p), y_of(pen, p), on_line);
+            draw_marker(study_drawing->canvas, technique, x_of(study_drawing, p),
+                        y_of(study_drawing, p), on_line);
     }
 }
 
@@ -155,18 +161,21 @@ static void draw_reference(struct orl_canvas *canvas, double x0, double x1, doub
     }
 }
 
-static void draw_curves(const struct pen *pen)
+static void draw_curves(const struct study_drawing *study_drawing)
 {
-    const struct orl_chart *chart = pen->chart;
-    const double noise = 100 * pen->study->reference.standard_error;
-    draw_curve(pen, orl_chart_front(pen->study, pen->index), 11, gold);
+    const struct orl_chart *chart = study_drawing->chart;
+    const double noise = 100 * study_drawing->study->reference.standard_error;
+    draw_curve(study_drawing, orl_chart_front(study_drawing->study, study_drawing->index), 11,
+               gold);
     if (noise > chart->y.low && noise < chart->y.high)
-        draw_reference(pen->canvas, chart->plot.x0, chart->plot.x1, orl_axis_at(&chart->y, noise));
+        draw_reference(study_drawing->canvas, chart->plot.x0, chart->plot.x1,
+                       orl_axis_at(&chart->y, noise));
     for (int technique = 0; technique < ORL_TECHNIQUE_COUNT; technique++)
-        draw_technique(pen, (enum orl_technique)technique);
-    for (size_t i = 0; i < pen->study->n_given; i++)
-        draw_cross(pen->canvas, orl_axis_at(&chart->x, pen->study->given[i].here_s),
-                   orl_axis_at(&chart->y, 100 * pen->study->given[i].rms));
+        draw_technique(study_drawing, (enum orl_technique)technique);
+    for (size_t i = 0; i < study_drawing->study->n_external; i++)
+        draw_cross(study_drawing->canvas,
+                   orl_axis_at(&chart->x, study_drawing->study->external[i].here_s),
+                   orl_axis_at(&chart->y, 100 * study_drawing->study->external[i].rms));
 }
 
 /* ---- Frame, legend, texts -------------------------------------------------------------------- */
@@ -213,26 +222,26 @@ static void draw_row(const struct orl_chart_row *row, struct orl_canvas *canvas)
 
 static void draw_text(const struct orl_chart_text *t, struct orl_canvas *canvas)
 {
-    const bool given = t->role == ORL_CHART_GIVEN, point = t->role == ORL_CHART_POINT;
-    struct orl_canvas_letters letters = {.size = orl_chart_letters(t->role),
-                                         .upright = t->upright,
-                                         .bold = t->role == ORL_CHART_TITLE,
-                                         .rimmed = given || point};
-    memcpy(letters.rgb, given ? dark_red : point ? gray : black, 3);
-    if (t->leads)
+    const bool external = t->role == ORL_CHART_GIVEN, point = t->role == ORL_CHART_POINT;
+    struct orl_canvas_text_style letters = {.size = orl_chart_cap_height(t->role),
+                                            .upright = t->upright,
+                                            .bold = t->role == ORL_CHART_TITLE,
+                                            .rimmed = external || point};
+    memcpy(letters.rgb, external ? dark_red : point ? gray : black, 3);
+    if (t->has_leader)
         orl_canvas_line(canvas, t->from_x, t->from_y, fmin(fmax(t->from_x, t->box.x0), t->box.x1),
                         fmin(fmax(t->from_y, t->box.y0), t->box.y1), 0.7, gray);
     orl_canvas_text(canvas, t->x, t->y, &letters, t->text);
 }
 
-static void draw_chart(const struct pen *pen)
+static void draw_chart(const struct study_drawing *study_drawing)
 {
-    draw_frame(pen->chart, pen->canvas);
-    draw_curves(pen);
-    for (size_t i = 0; i < pen->chart->n_rows; i++)
-        draw_row(&pen->chart->rows[i], pen->canvas);
-    for (size_t i = 0; i < pen->chart->n_texts; i++)
-        draw_text(&pen->chart->texts[i], pen->canvas);
+    draw_frame(study_drawing->chart, study_drawing->canvas);
+    draw_curves(study_drawing);
+    for (size_t i = 0; i < study_drawing->chart->n_rows; i++)
+        draw_row(&study_drawing->chart->rows[i], study_drawing->canvas);
+    for (size_t i = 0; i < study_drawing->chart->n_texts; i++)
+        draw_text(&study_drawing->chart->texts[i], study_drawing->canvas);
 }
 
 int orl_study_chart_write(const struct orl_study *study, const char *title,
@@ -243,22 +252,23 @@ int orl_study_chart_write(const struct orl_study *study, const char *title,
     int code = orl_chart_make(study, title, &chart, err);
     if (code < 0)
         return code;
-    struct pen pen = {.chart = &chart,
-                      .study = study,
-                      .index = calloc(room, sizeof *pen.index),
-                      .x = calloc(room, sizeof *pen.x),
-                      .y = calloc(room, sizeof *pen.y)};
-    if (!pen.index || !pen.x || !pen.y)
+    struct study_drawing study_drawing = {.chart = &chart,
+                                          .study = study,
+                                          .index = calloc(room, sizeof *study_drawing.index),
+                                          .x = calloc(room, sizeof *study_drawing.x),
+                                          .y = calloc(room, sizeof *study_drawing.y)};
+    if (!study_drawing.index || !study_drawing.x || !study_drawing.y)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory drawing a chart");
     if (code == 0)
-        code = orl_canvas_open(kind, path, chart.width, chart.height, png_scale, &pen.canvas, err);
+        code = orl_canvas_open(kind, path, chart.width, chart.height, png_scale,
+                               &study_drawing.canvas, err);
     if (code == 0) {
-        draw_chart(&pen);
-        code = orl_canvas_close(pen.canvas, 0, err);
+        draw_chart(&study_drawing);
+        code = orl_canvas_close(study_drawing.canvas, 0, err);
     }
-    free(pen.index);
-    free(pen.x);
-    free(pen.y);
+    free(study_drawing.index);
+    free(study_drawing.x);
+    free(study_drawing.y);
     orl_chart_done(&chart);
     return code;
 }

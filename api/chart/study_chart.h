@@ -2,8 +2,8 @@
 #ifndef ORL_CHART_STUDY_CHART_H
 #define ORL_CHART_STUDY_CHART_H
 
-#include <oriel/canvas.h>
-#include <oriel/study.h>
+#include <oriel/base/canvas.h>
+#include <oriel/job/study.h>
 
 /* Writes the chart to a file, whole or absent. title: NULL for none. Returns 0, ORL_ERR_NOMEM
  * or ORL_ERR_IO. */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/picture.h>
+#include <oriel/job/picture.h>
 
 enum { LEVELS = 128, MONTHS = 12, HOURS = 24, DECADES = 3 };
 static const double page_width = 960, page_height = 360, png_scale = 2;
@@ -15,7 +15,7 @@ static const double head = 34, foot = 30, left_rim = 46, right_rim = 104, bar_wi
 static const unsigned char ink[3] = {26, 26, 26}, faint[3] = {150, 150, 150},
                            night[3] = {226, 226, 230}, paper[3] = {255, 255, 255};
 
-struct sheet {
+struct plot_area {
     const struct orl_temporal_map *map;
     struct orl_canvas *canvas;
     double x0, y0, x1, y1; /* corners of the carpet */
@@ -23,15 +23,16 @@ struct sheet {
     uint32_t days, per_day;
 };
 
-static void write_text(const struct sheet *s, double x, double y, enum orl_canvas_align align,
+static void write_text(const struct plot_area *s, double x, double y, enum orl_canvas_align align,
                        double size, const char *text)
 {
-    struct orl_canvas_letters letters = {.size = size, .align = align, .bold = size > letters_size};
+    struct orl_canvas_text_style letters = {
+        .size = size, .align = align, .bold = size > letters_size};
     memcpy(letters.rgb, ink, 3);
     orl_canvas_text(s->canvas, x, y, &letters, text);
 }
 
-static void fill_box(const struct sheet *s, double x0, double y0, double x1, double y1,
+static void fill_box(const struct plot_area *s, double x0, double y0, double x1, double y1,
                      const unsigned char rgb[3])
 {
     const double xs[4] = {x0, x1, x1, x0}, ys[4] = {y0, y0, y1, y1};
@@ -57,7 +58,7 @@ static double round_up(double value)
     return digits[i] * power;
 }
 
-static int find_top(struct sheet *s)
+static int find_top(struct plot_area *s)
 {
     const uint32_t count = s->map->steps.count;
     float *lit = calloc(count + 1, sizeof *lit);
@@ -78,7 +79,7 @@ static int find_top(struct sheet *s)
 
 enum { LEVEL_NIGHT = -1, LEVEL_NONE = -2 };
 
-static double share_of(const struct sheet *s, double value)
+static double share_of(const struct plot_area *s, double value)
 {
     const double part = fmin(1, value / s->top);
     if (!s->map->logarithmic)
@@ -86,7 +87,7 @@ static double share_of(const struct sheet *s, double value)
     return part > 0 ? fmax(0, 1 + log10(part) / DECADES) : 0;
 }
 
-static int level_of(const struct sheet *s, uint32_t step)
+static int level_of(const struct plot_area *s, uint32_t step)
 {
     const float value = s->map->values[step];
     if (isnan(value))
@@ -96,19 +97,19 @@ static int level_of(const struct sheet *s, uint32_t step)
     return (int)lrint(share_of(s, value) * (LEVELS - 1));
 }
 
-static double x_of(const struct sheet *s, double day)
+static double x_of(const struct plot_area *s, double day)
 {
     return s->x0 + (s->x1 - s->x0) * day / s->days;
 }
 
-static double y_of(const struct sheet *s, double hour)
+static double y_of(const struct plot_area *s, double hour)
 {
     return s->y1 - (s->y1 - s->y0) * hour / HOURS;
 }
 
 /* Draws a day. Successive steps of one colour are one box, slightly enlarged so that viewers
  * show no gaps between boxes. */
-static void draw_day(const struct sheet *s, uint32_t day)
+static void draw_day(const struct plot_area *s, uint32_t day)
 {
     const uint32_t first = day * s->per_day;
     const double hair = 0.25, right = fmin(s->x1, x_of(s, day + 1) + hair);
@@ -134,7 +135,7 @@ static void draw_day(const struct sheet *s, uint32_t day)
 
 /* ---- Axes and legend ------------------------------------------------------------------------- */
 
-static void draw_months(const struct sheet *s)
+static void draw_months(const struct plot_area *s)
 {
     static const char *const names[MONTHS] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
                                               "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
@@ -150,7 +151,7 @@ static void draw_months(const struct sheet *s)
     orl_canvas_line(s->canvas, s->x0, s->y1, s->x0, s->y1 + 5, 1, ink);
 }
 
-static void draw_hours(const struct sheet *s)
+static void draw_hours(const struct plot_area *s)
 {
     for (int hour = 0; hour <= HOURS; hour += 6) {
         char text[16];
@@ -162,7 +163,7 @@ static void draw_hours(const struct sheet *s)
 }
 
 /* Draws lines at the hours where marks begin or end on more than half of the days with marks. */
-static void draw_use(const struct sheet *s)
+static void draw_use(const struct plot_area *s)
 {
     uint32_t used_days = 0;
     for (uint32_t day = 0; s->map->marks && day < s->days; day++)
@@ -182,7 +183,7 @@ static void draw_use(const struct sheet *s)
 }
 
 /* Draws a number of the legend at its place. The last one has the unit. */
-static void draw_tick(const struct sheet *s, double x, double value, bool last)
+static void draw_tick(const struct plot_area *s, double x, double value, bool last)
 {
     char text[48];
     const double y = s->y1 - (s->y1 - s->y0) * share_of(s, value);
@@ -194,7 +195,7 @@ static void draw_tick(const struct sheet *s, double x, double value, bool last)
 
 /* Draws ticks at fifths of the scale. A logarithmic scale has them at its top and at 1 and 3 of
  * every decade that are far enough from the top. */
-static void draw_ticks(const struct sheet *s, double x)
+static void draw_ticks(const struct plot_area *s, double x)
 {
     enum { TICKS = 5 };
     for (int i = 0; i <= TICKS && !s->map->logarithmic; i++)
@@ -213,7 +214,7 @@ static void draw_ticks(const struct sheet *s, double x)
     draw_tick(s, x, s->top, true);
 }
 
-static void draw_legend(const struct sheet *s)
+static void draw_legend(const struct plot_area *s)
 {
     enum { STEPS = 96 };
     const double x0 = s->x1 + 16, x1 = x0 + bar_width;
@@ -226,7 +227,7 @@ static void draw_legend(const struct sheet *s)
     draw_ticks(s, x1);
 }
 
-static void draw_frame(const struct sheet *s)
+static void draw_frame(const struct plot_area *s)
 {
     const double xs[5] = {s->x0, s->x1, s->x1, s->x0, s->x0};
     const double ys[5] = {s->y0, s->y0, s->y1, s->y1, s->y0};
@@ -241,13 +242,13 @@ static void draw_frame(const struct sheet *s)
 int orl_temporal_map_draw(const struct orl_temporal_map *map, struct orl_canvas *canvas, double x,
                           double y, double width, double height)
 {
-    struct sheet s = {.map = map,
-                      .canvas = canvas,
-                      .x0 = x + left_rim,
-                      .y0 = y + head,
-                      .x1 = x + width - right_rim,
-                      .y1 = y + height - foot,
-                      .per_day = HOURS * map->steps.per_hour};
+    struct plot_area s = {.map = map,
+                          .canvas = canvas,
+                          .x0 = x + left_rim,
+                          .y0 = y + head,
+                          .x1 = x + width - right_rim,
+                          .y1 = y + height - foot,
+                          .per_day = HOURS * map->steps.per_hour};
     s.days = map->steps.count / s.per_day;
     const int code = find_top(&s);
     if (code < 0)

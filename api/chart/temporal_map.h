@@ -2,13 +2,14 @@
  * Draws a year as a carpet: days from left to right, hours of the day upwards, a colour for each
  * step. Steps without light from the sky are gray, unmeasured ones white.
  *
- * Values are those of all steps of a year (oriel/annual_metrics.h), hours in local standard time.
+ * Values are those of all steps of a year (oriel/annual/annual_metrics.h), hours in local standard
+ * time.
  */
 #ifndef ORL_CHART_TEMPORAL_MAP_H
 #define ORL_CHART_TEMPORAL_MAP_H
 
-#include <oriel/annual_report.h>
-#include <oriel/canvas.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/canvas.h>
 
 struct orl_temporal_map {
     const char *title, *unit;

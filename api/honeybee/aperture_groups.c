@@ -21,7 +21,7 @@ void orl_hb_groups_done(struct orl_hb_groups *groups)
     for (size_t i = 0; i < groups->count; i++)
         free(groups->items[i].members);
     free(groups->items);
-    json_decref(groups->places);
+    json_decref(groups->group_index);
 }
 
 /* Doubles the capacity of a full array. */
@@ -43,9 +43,9 @@ static int find_group(struct orl_hb *hb, struct orl_hb_groups *groups, const cha
 {
     char key[128];
     snprintf(key, sizeof key, "%s %s", shade ? "shade" : "window", identifier);
-    const json_t *place = json_object_get(groups->places, key);
-    if (place) {
-        *ret_group = &groups->items[json_integer_value(place)];
+    const json_t *index = json_object_get(groups->group_index, key);
+    if (index) {
+        *ret_group = &groups->items[json_integer_value(index)];
         return 0;
     }
     void *items = groups->items;
@@ -53,9 +53,9 @@ static int find_group(struct orl_hb *hb, struct orl_hb_groups *groups, const cha
     groups->items = items;
     if (rc)
         return rc;
-    if (!groups->places)
-        groups->places = json_object();
-    if (json_object_set_new(groups->places, key, json_integer((json_int_t)groups->count)))
+    if (!groups->group_index)
+        groups->group_index = json_object();
+    if (json_object_set_new(groups->group_index, key, json_integer((json_int_t)groups->count)))
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     *ret_group = &groups->items[groups->count++];
     **ret_group = (struct orl_hb_group){.identifier = identifier, .shades = shade, .inside = shade};
@@ -64,7 +64,7 @@ static int find_group(struct orl_hb *hb, struct orl_hb_groups *groups, const cha
 
 int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups,
                       const struct orl_hb_member *member, bool shade, bool inside,
-                      const struct orl_hb_at *at, bool *ret_moves)
+                      const struct orl_hb_at *at, bool *ret_is_dynamic)
 {
     const struct orl_hb_at properties = {at, "properties", 0},
                            radiance = {&properties, "radiance", 0},
@@ -72,7 +72,7 @@ int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups,
     const json_t *named = orl_hb_get(orl_hb_radiance(member->json), "dynamic_group_identifier");
     struct orl_hb_group *group = NULL;
     const char *identifier = NULL;
-    *ret_moves = named;
+    *ret_is_dynamic = named;
     if (!named)
         return 0;
     int rc = orl_hb_identifier(hb, named, &here, &identifier);
@@ -117,7 +117,7 @@ static int write_surface(struct orl_hb *hb, const struct orl_hb_member *surface,
     int rc = orl_hb_polygon_read(hb, json_object_get(surface->json, "geometry"), at, polygon);
     if (rc || orl_hb_modifier_is_void(hb, modifier))
         return rc;
-    orl_hb_polygon_turn(polygon, surface->front);
+    orl_hb_polygon_orient(polygon, surface->front);
     rc = orl_hb_modifier_write(hb, modifier, file);
     return rc ? rc
               : orl_hb_polygon_write(hb, polygon, hb->modifiers[modifier].identifier,
@@ -150,9 +150,9 @@ static int write_member(struct orl_hb *hb, const struct orl_hb_member *member, s
     const json_t *states = states_of(member->json);
     const char *name = json_string_value(json_object_get(member->json, "identifier"));
     const struct orl_hb_at at = {NULL, name ? name : "unnamed", 0}, list = {&at, "states", 0};
-    const size_t n = json_array_size(states), place = number < n ? number : n - 1;
-    const struct orl_hb_at here = {&list, NULL, place}, in = {&here, "modifier", 0};
-    const json_t *state = n > 0 ? json_array_get(states, place) : NULL;
+    const size_t n = json_array_size(states), index = number < n ? number : n - 1;
+    const struct orl_hb_at here = {&list, NULL, index}, in = {&here, "modifier", 0};
+    const json_t *state = n > 0 ? json_array_get(states, index) : NULL;
     const json_t *named = orl_hb_get(state, "modifier");
     struct orl_hb_member surface = *member;
     int rc = 0;
@@ -176,7 +176,7 @@ static int write_state(struct orl_hb *hb, const struct orl_hb_group *group, size
     for (size_t i = 0; i < group->count && rc == 0; i++)
         rc = write_member(hb, &group->members[i], number, polygon, &file);
     if (rc) {
-        orl_hb_drop(&file);
+        orl_hb_discard(&file);
         return rc;
     }
     return orl_hb_end(hb, &file, "%s/%s..default..%zu.rad", folders[folder_of(group)],

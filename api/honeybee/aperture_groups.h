@@ -23,14 +23,14 @@ struct orl_hb_group {
 struct orl_hb_groups {
     struct orl_hb_group *items;
     size_t count, room;
-    json_t *places; /* index in items by "shade IDENTIFIER" or "window IDENTIFIER" */
+    json_t *group_index; /* index in items by "shade IDENTIFIER" or "window IDENTIFIER" */
 };
 
 void orl_hb_groups_done(struct orl_hb_groups *groups);
-/* Adds an object to its group. *ret_moves is true if it has one. */
+/* Adds an object to its group. *ret_is_dynamic is true if it has one. */
 int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups,
                       const struct orl_hb_member *member, bool shade, bool inside,
-                      const struct orl_hb_at *at, bool *ret_moves);
+                      const struct orl_hb_at *at, bool *ret_is_dynamic);
 /* Writes the files of all states, and states.json of each folder. */
 int orl_hb_groups_write(struct orl_hb *hb, const struct orl_hb_groups *groups);
 

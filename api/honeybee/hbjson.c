@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "honeybee/assets.h"
+#include "honeybee/model_grids_views.h"
 #include "honeybee/model_luminaires.h"
 #include "honeybee/model_surfaces.h"
 #include "honeybee/modifier_sets.h"
@@ -87,7 +87,7 @@ static int write_files(struct orl_hb *hb)
         rc = orl_hb_views_write(hb);
     if (rc == 0)
         rc = orl_hb_warnings_end(hb);
-    orl_hb_drop(&hb->warnings);
+    orl_hb_discard(&hb->warnings);
     orl_hb_groups_done(&groups);
     return rc;
 }

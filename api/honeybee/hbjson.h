@@ -11,8 +11,8 @@
  * Rules (those of honeybee-radiance where the schema leaves a choice):
  * - Apertures and doors are cut out of their face: its outline runs to each hole and back. A face's
  *   own holes are cut likewise.
- * - Faces of a closed room are turned outwards (outward.h), and openings with their face. All other
- *   objects are oriented by their plane's normal, or else by the order of their corners.
+ * - Faces of a closed room are turned outwards (face_orientation.h), and openings with their face.
+ * All other objects are oriented by their plane's normal, or else by the order of their corners.
  * - If two faces bound each other, their common apertures and doors are written with the first. The
  *   second face is offset inwards by twice the model's tolerance, so that each side shows its own
  *   modifier.
@@ -41,7 +41,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 /* A file in memory; owned. */
 struct orl_text_file {

@@ -37,11 +37,11 @@ int orl_hb_mesh_face(struct orl_hb *hb, const json_t *face, const struct orl_hb_
         return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three or four numbers are wanted here");
     for (size_t i = 0; i < n; i++) {
         const json_t *corner = json_array_get(face, i);
-        const json_int_t place = json_integer_value(corner);
-        if (!json_is_integer(corner) || place < 0 || (size_t)place >= count)
+        const json_int_t index = json_integer_value(corner);
+        if (!json_is_integer(corner) || index < 0 || (size_t)index >= count)
             return orl_hb_fail(at, hb->err, ORL_ERR_RANGE, "the mesh has corners 0 to %zu",
                                count > 0 ? count - 1 : 0);
-        ret_face[i] = corners[place];
+        ret_face[i] = corners[index];
     }
     *ret_n = n;
     return 0;
@@ -88,7 +88,7 @@ static int write_mesh(struct orl_hb *hb, const json_t *shade, const struct orl_h
                            radiance = {&properties, "radiance", 0},
                            here = {&radiance, "modifier", 0};
     const json_t *own = orl_hb_get(orl_hb_radiance(shade), "modifier");
-    const enum orl_hb_use use =
+    const enum orl_hb_surface_use use =
         json_is_false(json_object_get(shade, "is_detached")) ? ORL_HB_SHADE : ORL_HB_CONTEXT;
     size_t modifier;
     int rc = own ? orl_hb_modifier_find(hb, own, &here, &modifier)
@@ -120,7 +120,7 @@ int orl_hb_meshes_write(struct orl_hb *hb)
         rc = orl_hb_end(hb, &mat, "model/scene/shade_meshes.mat");
     if (rc == 0)
         rc = orl_hb_end(hb, &rad, "model/scene/shade_meshes.rad");
-    orl_hb_drop(&mat);
-    orl_hb_drop(&rad);
+    orl_hb_discard(&mat);
+    orl_hb_discard(&rad);
     return rc;
 }

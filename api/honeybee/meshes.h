@@ -2,7 +2,7 @@
 #ifndef ORL_API_HONEYBEE_MESHES_H
 #define ORL_API_HONEYBEE_MESHES_H
 
-#include "honeybee/writing.h"
+#include "honeybee/hb_writer.h"
 
 int orl_hb_meshes_write(struct orl_hb *hb);
 

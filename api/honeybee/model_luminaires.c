@@ -3,7 +3,7 @@
 #include <string.h>
 
 /* State for writing luminaires: the current one, and the file that places all of them. */
-struct writing {
+struct luminaire_writer {
     struct orl_hb *hb;
     struct orl_hb_file *rad;
     const json_t *json;
@@ -12,7 +12,7 @@ struct writing {
 };
 
 /* Reads a factor above 0; 1 if absent. */
-static int read_factor(struct writing *w, const json_t *of, const struct orl_hb_at *at,
+static int read_factor(struct luminaire_writer *w, const json_t *of, const struct orl_hb_at *at,
                        const char *member, double *ret_factor)
 {
     const struct orl_hb_at here = {at, member, 0};
@@ -25,7 +25,7 @@ static int read_factor(struct writing *w, const json_t *of, const struct orl_hb_
 }
 
 /* Reads n numbers from 0 to 1. *ret_given is true if the member is present. */
-static int read_shares(struct writing *w, const json_t *lamp, const struct orl_hb_at *at,
+static int read_shares(struct luminaire_writer *w, const json_t *lamp, const struct orl_hb_at *at,
                        const char *member, double *ret_shares, size_t n, bool *ret_given)
 {
     const struct orl_hb_at here = {at, member, 0};
@@ -43,7 +43,7 @@ static int read_shares(struct writing *w, const json_t *lamp, const struct orl_h
     return rc;
 }
 
-static int write_file(struct writing *w, const char *ending, const char *text, size_t size)
+static int write_file(struct luminaire_writer *w, const char *ending, const char *text, size_t size)
 {
     struct orl_hb_file file;
     const int rc = orl_hb_begin(w->hb, &file);
@@ -55,7 +55,7 @@ static int write_file(struct writing *w, const char *ending, const char *text, s
 
 /* Makes ies2rad's options for a lamp with its own colour. As in Honeybee, the depreciation of a
  * white lamp counts twice: as a factor and in its table. */
-static int read_lamp(struct writing *w, char *ret_options, size_t size, double *ret_factor)
+static int read_lamp(struct luminaire_writer *w, char *ret_options, size_t size, double *ret_factor)
 {
     const struct orl_hb_at at = {w->at, "custom_lamp", 0};
     const json_t *lamp = orl_hb_get(w->json, "custom_lamp");
@@ -85,28 +85,28 @@ static int read_lamp(struct writing *w, char *ret_options, size_t size, double *
 }
 
 /* Reads {"x": 1, "y": 2, "z": 3}, or three numbers. */
-static int read_place(struct writing *w, const json_t *value, const struct orl_hb_at *at,
-                      struct orl_vec3 *ret_place)
+static int read_position(struct luminaire_writer *w, const json_t *value,
+                         const struct orl_hb_at *at, struct orl_vec3 *ret_position)
 {
     if (!json_is_object(value))
-        return orl_hb_point(w->hb, value, at, ret_place);
+        return orl_hb_point(w->hb, value, at, ret_position);
     json_t *numbers = json_pack("[O?, O?, O?]", json_object_get(value, "x"),
                                 json_object_get(value, "y"), json_object_get(value, "z"));
-    const int rc = numbers ? orl_hb_point(w->hb, numbers, at, ret_place)
+    const int rc = numbers ? orl_hb_point(w->hb, numbers, at, ret_position)
                            : orl_error_set(w->hb->err, ORL_ERR_NOMEM, "out of memory");
     json_decref(numbers);
     return rc;
 }
 
-static int write_place(struct writing *w, const json_t *instance, const struct orl_hb_at *at,
-                       const char *command)
+static int write_placement(struct luminaire_writer *w, const json_t *instance,
+                           const struct orl_hb_at *at, const char *command)
 {
     static const struct {
         const char *member, *option;
     } turns[] = {{"spin", "-rz"}, {"tilt", "-ry"}, {"rotation", "-rz"}};
     const struct orl_hb_at in_point = {at, "point", 0};
-    struct orl_vec3 place;
-    int rc = read_place(w, json_object_get(instance, "point"), &in_point, &place);
+    struct orl_vec3 position;
+    int rc = read_position(w, json_object_get(instance, "point"), &in_point, &position);
     if (rc)
         return rc;
     fprintf(w->rad->stream, "%s | xform", command);
@@ -117,11 +117,11 @@ static int write_place(struct writing *w, const json_t *instance, const struct o
         rc = value ? orl_hb_number(w->hb, value, &here, &degrees) : 0;
         fprintf(w->rad->stream, " %s %.17g", turns[i].option, degrees);
     }
-    fprintf(w->rad->stream, " -t %.17g %.17g %.17g\n", place.x, place.y, place.z);
+    fprintf(w->rad->stream, " -t %.17g %.17g %.17g\n", position.x, position.y, position.z);
     return rc ? rc : orl_hb_check(w->hb, w->rad);
 }
 
-static int write_places(struct writing *w, const char *command)
+static int write_placements(struct luminaire_writer *w, const char *command)
 {
     const struct orl_hb_at in_zone = {w->at, "luminaire_zone", 0},
                            list = {&in_zone, "instances", 0};
@@ -132,7 +132,7 @@ static int write_places(struct writing *w, const char *command)
         return orl_hb_fail(&list, w->hb->err, ORL_ERR_INVALID,
                            "the places of the luminaire are wanted here");
     for (const json_t *instance; rc == 0 && (instance = orl_hb_next(&instances));)
-        rc = write_place(w, instance, &instances.here, command);
+        rc = write_placement(w, instance, &instances.here, command);
     return rc;
 }
 
@@ -149,7 +149,7 @@ static const char *unit_option(const struct orl_hb *hb)
     return "-dm";
 }
 
-static int write_luminaire(struct writing *w)
+static int write_luminaire(struct luminaire_writer *w)
 {
     const struct orl_hb_at in_text = {w->at, "ies_content", 0};
     const json_t *ies = json_object_get(w->json, "ies_content");
@@ -169,7 +169,7 @@ static int write_luminaire(struct writing *w)
         return rc;
     snprintf(command, sizeof command, "!ies2rad %s -m %.17g%s %s.ies", unit_option(w->hb),
              loss * candela * lamp, options, w->name);
-    return write_places(w, command);
+    return write_placements(w, command);
 }
 
 static int write_all(struct orl_hb *hb, struct orl_hb_file *rad)
@@ -180,7 +180,7 @@ static int write_all(struct orl_hb *hb, struct orl_hb_file *rad)
     int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "luminaires", &luminaires);
     for (const json_t *json; rc == 0 && (json = orl_hb_next(&luminaires));) {
         const struct orl_hb_at named = {&luminaires.here, "identifier", 0};
-        struct writing w = {.hb = hb, .rad = rad, .json = json, .at = &luminaires.here};
+        struct luminaire_writer w = {.hb = hb, .rad = rad, .json = json, .at = &luminaires.here};
         const char *identifier;
         rc = orl_hb_identifier(hb, json_object_get(json, "identifier"), &named, &identifier);
         if (rc)
@@ -199,6 +199,6 @@ int orl_hb_luminaires_write(struct orl_hb *hb)
         rc = write_all(hb, &rad);
     if (rc == 0)
         rc = orl_hb_end(hb, &rad, "model/ies/luminaires.rad");
-    orl_hb_drop(&rad);
+    orl_hb_discard(&rad);
     return rc;
 }

@@ -5,7 +5,7 @@
 #ifndef ORL_API_HONEYBEE_MODEL_LUMINAIRES_H
 #define ORL_API_HONEYBEE_MODEL_LUMINAIRES_H
 
-#include "honeybee/writing.h"
+#include "honeybee/hb_writer.h"
 
 int orl_hb_luminaires_write(struct orl_hb *hb);
 

@@ -3,19 +3,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "honeybee/face_orientation.h"
 #include "honeybee/meshes.h"
 #include "honeybee/modifier_sets.h"
-#include "honeybee/outward.h"
 
 /* Output files for surfaces of one kind, and for their modifiers. */
-struct part {
+struct surface_files {
     struct orl_hb_file mat, rad;
 };
 
 struct surfaces {
     struct orl_hb *hb;
     struct orl_hb_groups *groups;
-    struct part envelope, apertures, shades;
+    struct surface_files envelope, apertures, shades;
     struct orl_hb_polygon polygon; /* scratch */
     json_t *seconds;               /* identifiers of objects whose counterpart is already written */
 };
@@ -28,62 +28,62 @@ struct context {
     struct orl_vec3 front; /* direction of the face's front; zero without a face */
 };
 
-static int begin_part(struct orl_hb *hb, struct part *part)
+static int begin_files(struct orl_hb *hb, struct surface_files *surface_files)
 {
-    const int rc = orl_hb_begin(hb, &part->mat);
-    return rc ? rc : orl_hb_begin(hb, &part->rad);
+    const int rc = orl_hb_begin(hb, &surface_files->mat);
+    return rc ? rc : orl_hb_begin(hb, &surface_files->rad);
 }
 
-static int end_part(struct orl_hb *hb, struct part *part, const char *name)
+static int end_files(struct orl_hb *hb, struct surface_files *surface_files, const char *name)
 {
-    const int rc = orl_hb_end(hb, &part->mat, "%s.mat", name);
-    return rc ? rc : orl_hb_end(hb, &part->rad, "%s.rad", name);
+    const int rc = orl_hb_end(hb, &surface_files->mat, "%s.mat", name);
+    return rc ? rc : orl_hb_end(hb, &surface_files->rad, "%s.rad", name);
 }
 
-static void drop_part(struct part *part)
+static void discard_files(struct surface_files *surface_files)
 {
-    orl_hb_drop(&part->mat);
-    orl_hb_drop(&part->rad);
+    orl_hb_discard(&surface_files->mat);
+    orl_hb_discard(&surface_files->rad);
 }
 
 /* Writes the scratch polygon with the object's name. */
 static int write_polygon(struct surfaces *s, const json_t *object, size_t modifier,
-                         struct part *part)
+                         struct surface_files *surface_files)
 {
     const char *name = json_string_value(json_object_get(object, "identifier"));
     if (orl_hb_modifier_is_void(s->hb, modifier))
         return 0;
-    const int rc = orl_hb_modifier_write(s->hb, modifier, &part->mat);
+    const int rc = orl_hb_modifier_write(s->hb, modifier, &surface_files->mat);
     return rc ? rc
               : orl_hb_polygon_write(s->hb, &s->polygon, s->hb->modifiers[modifier].identifier,
-                                     name ? name : "unnamed", &part->rad);
+                                     name ? name : "unnamed", &surface_files->rad);
 }
 
 /* Chooses the object's own modifier, or the set's for its use. */
 static int choose_modifier(struct surfaces *s, const json_t *object, const struct orl_hb_at *at,
-                           const json_t *set, enum orl_hb_use use, size_t *ret_place)
+                           const json_t *set, enum orl_hb_surface_use use, size_t *ret_index)
 {
     const struct orl_hb_at properties = {at, "properties", 0},
                            radiance = {&properties, "radiance", 0},
                            here = {&radiance, "modifier", 0};
     const json_t *own = orl_hb_get(orl_hb_radiance(object), "modifier");
-    return own ? orl_hb_modifier_find(s->hb, own, &here, ret_place)
-               : orl_hb_set_modifier(s->hb, set, use, ret_place);
+    return own ? orl_hb_modifier_find(s->hb, own, &here, ret_index)
+               : orl_hb_set_modifier(s->hb, set, use, ret_index);
 }
 
 /* ---- Shades ---------------------------------------------------------------------------------- */
 
 static int write_shade(struct surfaces *s, const json_t *shade, const struct orl_hb_at *at,
-                       const json_t *set, enum orl_hb_use use)
+                       const json_t *set, enum orl_hb_surface_use use)
 {
     size_t modifier;
-    bool moves;
+    bool is_dynamic;
     int rc = choose_modifier(s, shade, at, set, use, &modifier);
     if (rc == 0)
         rc = orl_hb_groups_add(s->hb, s->groups,
                                &(struct orl_hb_member){.json = shade, .modifier = modifier}, true,
-                               use == ORL_HB_SHADE_INSIDE, at, &moves);
-    if (rc || moves)
+                               use == ORL_HB_SHADE_INSIDE, at, &is_dynamic);
+    if (rc || is_dynamic)
         return rc;
     rc = orl_hb_polygon_read(s->hb, json_object_get(shade, "geometry"), at, &s->polygon);
     return rc ? rc : write_polygon(s, shade, modifier, &s->shades);
@@ -96,7 +96,7 @@ static int write_shades_of(struct surfaces *s, const json_t *object, const struc
     static const char *const members[] = {"indoor_shades", "outdoor_shades"};
     int rc = 0;
     for (size_t k = 0; k < 2 && rc == 0; k++) {
-        const enum orl_hb_use use = k == 0 ? ORL_HB_SHADE_INSIDE : ORL_HB_SHADE;
+        const enum orl_hb_surface_use use = k == 0 ? ORL_HB_SHADE_INSIDE : ORL_HB_SHADE;
         struct orl_hb_walk shades;
         rc = orl_hb_walk(s->hb, object, at, members[k], &shades);
         for (const json_t *shade; rc == 0 && (shade = orl_hb_next(&shades));)
@@ -107,7 +107,8 @@ static int write_shades_of(struct surfaces *s, const json_t *object, const struc
 
 /* ---- Apertures and doors --------------------------------------------------------------------- */
 
-static enum orl_hb_use use_of_aperture(const json_t *aperture, const struct context *context)
+static enum orl_hb_surface_use use_of_aperture(const json_t *aperture,
+                                               const struct context *context)
 {
     return context->inside                        ? ORL_HB_WINDOW_INSIDE
            : orl_hb_flag(aperture, "is_operable") ? ORL_HB_OPERABLE
@@ -115,7 +116,7 @@ static enum orl_hb_use use_of_aperture(const json_t *aperture, const struct cont
                                                   : ORL_HB_SKYLIGHT;
 }
 
-static enum orl_hb_use use_of_door(const json_t *door, const struct context *context)
+static enum orl_hb_surface_use use_of_door(const json_t *door, const struct context *context)
 {
     const bool glass = orl_hb_flag(door, "is_glass");
     if (context->inside)
@@ -127,7 +128,7 @@ static int write_opening(struct surfaces *s, const json_t *object, const struct 
                          const struct context *context, bool door)
 {
     size_t modifier;
-    bool moves = false;
+    bool is_dynamic = false;
     int rc = write_shades_of(s, object, at, context->set);
     if (rc || context->second)
         return rc;
@@ -137,13 +138,13 @@ static int write_opening(struct surfaces *s, const json_t *object, const struct 
     if (rc == 0)
         rc = orl_hb_groups_add(s->hb, s->groups,
                                &(struct orl_hb_member){object, modifier, context->front}, false,
-                               context->inside, at, &moves);
-    if (rc || moves)
+                               context->inside, at, &is_dynamic);
+    if (rc || is_dynamic)
         return rc;
     rc = orl_hb_polygon_read(s->hb, json_object_get(object, "geometry"), at, &s->polygon);
     if (rc)
         return rc;
-    orl_hb_polygon_turn(&s->polygon, context->front);
+    orl_hb_polygon_orient(&s->polygon, context->front);
     return write_polygon(s, object, modifier, context->inside ? &s->envelope : &s->apertures);
 }
 
@@ -166,7 +167,7 @@ static const char *word_of(const json_t *object, const char *member, const char 
 }
 
 static int use_of_face(struct surfaces *s, const json_t *face, const char *type,
-                       const struct orl_hb_at *at, enum orl_hb_use *ret_use)
+                       const struct orl_hb_at *at, enum orl_hb_surface_use *ret_use)
 {
     const struct orl_hb_at here = {at, "face_type", 0};
     const bool out = strcmp(word_of(orl_hb_get(face, "boundary_condition"), "type", "Outdoors"),
@@ -192,8 +193,8 @@ static int cut_openings(struct surfaces *s, const json_t *face, const struct orl
         struct orl_hb_walk openings;
         rc = orl_hb_walk(s->hb, face, at, members[k], &openings);
         for (const json_t *opening; rc == 0 && (opening = orl_hb_next(&openings));)
-            rc = orl_hb_polygon_cut(s->hb, json_object_get(opening, "geometry"), &openings.here,
-                                    &s->polygon);
+            rc = orl_hb_polygon_add_hole(s->hb, json_object_get(opening, "geometry"),
+                                         &openings.here, &s->polygon);
     }
     return rc;
 }
@@ -218,7 +219,7 @@ static int note_pair(struct surfaces *s, const json_t *face, struct context *con
 static int write_face_itself(struct surfaces *s, const json_t *face, const char *type,
                              const struct orl_hb_at *at, const struct context *context)
 {
-    enum orl_hb_use use = ORL_HB_WALL;
+    enum orl_hb_surface_use use = ORL_HB_WALL;
     size_t modifier;
     if (strcmp(type, "AirBoundary") == 0)
         return 0;
@@ -228,13 +229,13 @@ static int write_face_itself(struct surfaces *s, const json_t *face, const char 
     if (rc == 0)
         rc = orl_hb_polygon_read(s->hb, json_object_get(face, "geometry"), at, &s->polygon);
     if (rc == 0)
-        orl_hb_polygon_turn(&s->polygon, context->front);
+        orl_hb_polygon_orient(&s->polygon, context->front);
     if (rc == 0)
         rc = cut_openings(s, face, at);
     if (rc)
         return rc;
     if (context->second)
-        orl_hb_polygon_move(&s->polygon, orl_scale(context->front, -2 * s->hb->tolerance));
+        orl_hb_polygon_offset(&s->polygon, orl_scale(context->front, -2 * s->hb->tolerance));
     return write_polygon(s, face, modifier, &s->envelope);
 }
 
@@ -326,23 +327,23 @@ static int write_all(struct surfaces *s)
 int orl_hb_surfaces_write(struct orl_hb *hb, struct orl_hb_groups *groups)
 {
     struct surfaces s = {.hb = hb, .groups = groups, .seconds = json_object()};
-    int rc = s.seconds ? begin_part(hb, &s.envelope)
+    int rc = s.seconds ? begin_files(hb, &s.envelope)
                        : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     if (rc == 0)
-        rc = begin_part(hb, &s.apertures);
+        rc = begin_files(hb, &s.apertures);
     if (rc == 0)
-        rc = begin_part(hb, &s.shades);
+        rc = begin_files(hb, &s.shades);
     if (rc == 0)
         rc = write_all(&s);
     if (rc == 0)
-        rc = end_part(hb, &s.envelope, "model/scene/envelope");
+        rc = end_files(hb, &s.envelope, "model/scene/envelope");
     if (rc == 0)
-        rc = end_part(hb, &s.apertures, "model/aperture/aperture");
+        rc = end_files(hb, &s.apertures, "model/aperture/aperture");
     if (rc == 0)
-        rc = end_part(hb, &s.shades, "model/scene/shades");
-    drop_part(&s.envelope);
-    drop_part(&s.apertures);
-    drop_part(&s.shades);
+        rc = end_files(hb, &s.shades, "model/scene/shades");
+    discard_files(&s.envelope);
+    discard_files(&s.apertures);
+    discard_files(&s.shades);
     orl_hb_polygon_done(&s.polygon);
     json_decref(s.seconds);
     return rc ? rc : orl_hb_meshes_write(hb);

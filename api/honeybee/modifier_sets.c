@@ -65,15 +65,15 @@ int orl_hb_set_of_room(struct orl_hb *hb, const json_t *room, const struct orl_h
                : orl_hb_fail(&here, hb->err, ORL_ERR_INVALID, "the model has no such modifier set");
 }
 
-int orl_hb_set_modifier(struct orl_hb *hb, const json_t *set, enum orl_hb_use use,
-                        size_t *ret_place)
+int orl_hb_set_modifier(struct orl_hb *hb, const json_t *set, enum orl_hb_surface_use use,
+                        size_t *ret_index)
 {
     const json_t *value = orl_hb_get(orl_hb_get(set, uses[use].part), uses[use].member);
     const char *identifier = json_string_value(json_object_get(set, "identifier"));
     const struct orl_hb_at whole = {NULL, identifier ? identifier : "modifier_set", 0},
                            part = {&whole, uses[use].part, 0}, at = {&part, uses[use].member, 0};
     if (value)
-        return orl_hb_modifier_find(hb, value, &at, ret_place);
-    *ret_place = orl_hb_modifier_generic(hb, uses[use].generic);
+        return orl_hb_modifier_find(hb, value, &at, ret_index);
+    *ret_index = orl_hb_modifier_generic(hb, uses[use].generic);
     return 0;
 }

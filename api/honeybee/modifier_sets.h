@@ -8,7 +8,7 @@
 #include "honeybee/modifiers.h"
 
 /* Use of a surface. The second of a pair is for interior surfaces: between rooms, or in them. */
-enum orl_hb_use {
+enum orl_hb_surface_use {
     ORL_HB_WALL,
     ORL_HB_WALL_INSIDE,
     ORL_HB_FLOOR,
@@ -35,7 +35,7 @@ int orl_hb_sets_read(struct orl_hb *hb);
 int orl_hb_set_of_room(struct orl_hb *hb, const json_t *room, const struct orl_hb_at *at,
                        const json_t **ret_set);
 /* Finds the modifier for a use. set may be NULL. */
-int orl_hb_set_modifier(struct orl_hb *hb, const json_t *set, enum orl_hb_use use,
-                        size_t *ret_place);
+int orl_hb_set_modifier(struct orl_hb *hb, const json_t *set, enum orl_hb_surface_use use,
+                        size_t *ret_index);
 
 #endif

@@ -60,33 +60,34 @@ static const struct kind {
     {"aBSDF", "aBSDF", {{NULL, 0, 0, 0}}},
 };
 
-struct writing {
+struct modifier_writer {
     struct orl_hb *hb;
     struct orl_hb_file *file;
     unsigned depth;
 };
 
-static int write_one(struct writing *w, size_t place, const struct orl_hb_at *at);
+static int write_one(struct modifier_writer *w, size_t modifier_index, const struct orl_hb_at *at);
 
 /* Writes a modifier that another names, before it. For NULL, null and Void, *ret_identifier is
  * "void". */
-static int write_needed(struct writing *w, const json_t *value, const struct orl_hb_at *at,
+static int write_needed(struct modifier_writer *w, const json_t *value, const struct orl_hb_at *at,
                         const char **ret_identifier)
 {
-    size_t place = 0;
+    size_t modifier_index = 0;
     *ret_identifier = "void";
     if (!value || json_is_null(value) || strcasecmp(orl_hb_type_of(value), "Void") == 0 ||
         (json_is_string(value) && strcmp(json_string_value(value), "void") == 0))
         return 0;
-    int rc = orl_hb_modifier_find(w->hb, value, at, &place);
+    int rc = orl_hb_modifier_find(w->hb, value, at, &modifier_index);
     if (rc == 0)
-        rc = write_one(w, place, at);
+        rc = write_one(w, modifier_index, at);
     if (rc == 0)
-        *ret_identifier = w->hb->modifiers[place].identifier;
+        *ret_identifier = w->hb->modifiers[modifier_index].identifier;
     return rc;
 }
 
-static int write_dependencies(struct writing *w, const json_t *json, const struct orl_hb_at *at)
+static int write_dependencies(struct modifier_writer *w, const json_t *json,
+                              const struct orl_hb_at *at)
 {
     struct orl_hb_walk dependencies;
     const char *identifier;
@@ -96,7 +97,7 @@ static int write_dependencies(struct writing *w, const json_t *json, const struc
     return rc;
 }
 
-static int read_numbers(struct writing *w, const struct kind *kind, const json_t *json,
+static int read_numbers(struct modifier_writer *w, const struct kind *kind, const json_t *json,
                         const struct orl_hb_at *at, double values[NUMBERS], size_t *ret_count)
 {
     size_t n = 0;
@@ -118,7 +119,7 @@ static int read_numbers(struct writing *w, const struct kind *kind, const json_t
 
 /* Reads three numbers per reflectance or transmittance, up to the first that is absent. Later
  * ones are ignored. */
-static int read_diffuse(struct writing *w, const json_t *json, const struct orl_hb_at *at,
+static int read_diffuse(struct modifier_writer *w, const json_t *json, const struct orl_hb_at *at,
                         double values[NUMBERS], size_t *ret_count)
 {
     static const char *const names[] = {"front_diffuse_reflectance", "back_diffuse_reflectance",
@@ -142,7 +143,7 @@ static int read_diffuse(struct writing *w, const json_t *json, const struct orl_
 }
 
 /* Writes the XML in the model to a file. */
-static int write_bsdf_file(struct writing *w, struct orl_hb_modifier *modifier,
+static int write_bsdf_file(struct modifier_writer *w, struct orl_hb_modifier *modifier,
                            const struct orl_hb_at *at)
 {
     const struct orl_hb_at here = {at, "bsdf_data", 0};
@@ -176,7 +177,7 @@ static int count_words(const char *text, size_t length, size_t *ret_count)
 }
 
 /* Writes the strings of a BSDF: thickness (only of BSDF), file, up, function file, transform. */
-static int write_bsdf_strings(struct writing *w, struct orl_hb_modifier *modifier,
+static int write_bsdf_strings(struct modifier_writer *w, struct orl_hb_modifier *modifier,
                               const struct orl_hb_at *at)
 {
     const json_t *json = modifier->json, *up = orl_hb_get(json, "up_orientation"),
@@ -210,7 +211,7 @@ static int write_bsdf_strings(struct writing *w, struct orl_hb_modifier *modifie
 }
 
 /* Writes the string arguments after the modifier's name. */
-static int write_strings(struct writing *w, struct orl_hb_modifier *modifier,
+static int write_strings(struct modifier_writer *w, struct orl_hb_modifier *modifier,
                          const struct orl_hb_at *at, const char *alternate)
 {
     const char *type = orl_hb_type_of(modifier->json);
@@ -224,7 +225,7 @@ static int write_strings(struct writing *w, struct orl_hb_modifier *modifier,
 }
 
 /* Appends the optional index of refraction of glass. */
-static int add_index(struct writing *w, const json_t *json, const struct orl_hb_at *at,
+static int add_index(struct modifier_writer *w, const json_t *json, const struct orl_hb_at *at,
                      double values[NUMBERS], size_t *count)
 {
     const struct orl_hb_at here = {at, "refraction_index", 0};
@@ -238,10 +239,10 @@ static int add_index(struct writing *w, const json_t *json, const struct orl_hb_
     return rc;
 }
 
-static int write_values(struct writing *w, size_t place, const struct kind *kind,
+static int write_values(struct modifier_writer *w, size_t modifier_index, const struct kind *kind,
                         const char *modified_by, const char *alternate, const struct orl_hb_at *at)
 {
-    struct orl_hb_modifier *modifier = &w->hb->modifiers[place];
+    struct orl_hb_modifier *modifier = &w->hb->modifiers[modifier_index];
     double values[NUMBERS];
     size_t count = 0;
     const bool bsdf = !kind->fields[0].name;
@@ -263,9 +264,9 @@ static int write_values(struct writing *w, size_t place, const struct kind *kind
     return rc;
 }
 
-static int write_own(struct writing *w, size_t place, const struct orl_hb_at *at)
+static int write_own(struct modifier_writer *w, size_t modifier_index, const struct orl_hb_at *at)
 {
-    const json_t *json = w->hb->modifiers[place].json;
+    const json_t *json = w->hb->modifiers[modifier_index].json;
     const json_t *other = json_object_get(json, "alternate_material");
     const struct orl_hb_at in_modifier = {at, "modifier", 0},
                            in_other = {at, "alternate_material", 0}, in_type = {at, "type", 0};
@@ -285,36 +286,39 @@ static int write_own(struct writing *w, size_t place, const struct orl_hb_at *at
         rc = write_needed(w, json_object_get(json, "modifier"), &in_modifier, &modified_by);
     if (rc == 0 && other && !json_is_null(other))
         rc = write_needed(w, other, &in_other, &alternate);
-    return rc ? rc : write_values(w, place, &kinds[k], modified_by, alternate, at);
+    return rc ? rc : write_values(w, modifier_index, &kinds[k], modified_by, alternate, at);
 }
 
-static int write_one(struct writing *w, size_t place, const struct orl_hb_at *at)
+static int write_one(struct modifier_writer *w, size_t modifier_index, const struct orl_hb_at *at)
 {
-    struct orl_hb_modifier *modifier = &w->hb->modifiers[place];
+    struct orl_hb_modifier *modifier = &w->hb->modifiers[modifier_index];
     if (modifier->written == w->file->number)
         return 0;
-    if (modifier->under_way || w->depth == DEPTH)
+    if (modifier->is_being_written || w->depth == DEPTH)
         return orl_hb_fail(at, w->hb->err, ORL_ERR_INVALID,
-                           modifier->under_way ? "the modifier '%s' depends on itself"
-                                               : "the modifier '%s' depends on too many others",
+                           modifier->is_being_written
+                               ? "the modifier '%s' depends on itself"
+                               : "the modifier '%s' depends on too many others",
                            modifier->identifier);
-    modifier->under_way = true;
+    modifier->is_being_written = true;
     w->depth++;
     int rc = 0;
     if (modifier->json)
-        rc = write_own(w, place, at);
+        rc = write_own(w, modifier_index, at);
     else
         orl_hb_generic_write(modifier, w->file->stream);
     w->depth--;
-    modifier = &w->hb->modifiers[place]; /* reloaded because the array may have been reallocated */
-    modifier->under_way = false;
+    modifier =
+        &w->hb
+             ->modifiers[modifier_index]; /* reloaded because the array may have been reallocated */
+    modifier->is_being_written = false;
     modifier->written = w->file->number;
     return rc;
 }
 
-int orl_hb_modifier_write(struct orl_hb *hb, size_t place, struct orl_hb_file *file)
+int orl_hb_modifier_write(struct orl_hb *hb, size_t modifier_index, struct orl_hb_file *file)
 {
-    struct writing w = {hb, file, 0};
-    const struct orl_hb_at at = {NULL, hb->modifiers[place].identifier, 0};
-    return write_one(&w, place, &at);
+    struct modifier_writer w = {hb, file, 0};
+    const struct orl_hb_at at = {NULL, hb->modifiers[modifier_index].identifier, 0};
+    return write_one(&w, modifier_index, &at);
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 static const struct {
     const char *identifier, *type;
@@ -34,7 +34,7 @@ static const struct {
 /* ---- Look-up --------------------------------------------------------------------------------- */
 
 static int add_modifier(struct orl_hb *hb, const char *identifier, const json_t *json,
-                        size_t *ret_place)
+                        size_t *ret_index)
 {
     if (hb->n_modifiers == hb->modifier_room) {
         const size_t room = hb->modifier_room > 0 ? 2 * hb->modifier_room : 32;
@@ -44,10 +44,10 @@ static int add_modifier(struct orl_hb *hb, const char *identifier, const json_t 
         hb->modifiers = grown;
         hb->modifier_room = room;
     }
-    *ret_place = hb->n_modifiers;
+    *ret_index = hb->n_modifiers;
     hb->modifiers[hb->n_modifiers] =
         (struct orl_hb_modifier){.identifier = identifier, .json = json};
-    return json_object_set_new(hb->modifier_places, identifier,
+    return json_object_set_new(hb->modifier_indices, identifier,
                                json_integer((json_int_t)hb->n_modifiers++))
                ? orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory")
                : 0;
@@ -56,7 +56,7 @@ static int add_modifier(struct orl_hb *hb, const char *identifier, const json_t 
 /* Adds a modifier of the document. If an identifier occurs several times outside the list, the
  * first modifier counts. */
 static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at *at, bool in_list,
-                   size_t *ret_place)
+                   size_t *ret_index)
 {
     const struct orl_hb_at named = {at, "identifier", 0};
     const char *identifier = NULL;
@@ -65,16 +65,16 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
     int rc = orl_hb_identifier(hb, json_object_get(json, "identifier"), &named, &identifier);
     if (rc)
         return rc;
-    const json_t *known = json_object_get(hb->modifier_places, identifier);
+    const json_t *known = json_object_get(hb->modifier_indices, identifier);
     if (!known)
-        return add_modifier(hb, identifier, json, ret_place);
-    *ret_place = (size_t)json_integer_value(known);
-    if (!hb->modifiers[*ret_place].json)
+        return add_modifier(hb, identifier, json, ret_index);
+    *ret_index = (size_t)json_integer_value(known);
+    if (!hb->modifiers[*ret_index].json)
         orl_hb_warn(hb,
                     "modifier '%.100s': an object defines one with the identifier of Honeybee's "
                     "generic one, which is taken",
                     identifier);
-    else if (!json_equal(hb->modifiers[*ret_place].json, json))
+    else if (!json_equal(hb->modifiers[*ret_index].json, json))
         orl_hb_warn(hb,
                     "modifier '%.100s': several different ones have this identifier: %s is taken "
                     "for all",
@@ -87,40 +87,40 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     const struct orl_hb_at properties = {NULL, "properties", 0},
                            radiance = {&properties, "radiance", 0};
     struct orl_hb_walk modifiers;
-    size_t place = 0;
-    hb->modifier_places = json_object();
-    if (!hb->modifier_places)
+    size_t index = 0;
+    hb->modifier_indices = json_object();
+    if (!hb->modifier_indices)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifiers", &modifiers);
     for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));) {
-        rc = add_own(hb, modifier, &modifiers.here, true, &place);
+        rc = add_own(hb, modifier, &modifiers.here, true, &index);
         if (rc == 0)
-            hb->modifiers[place].json = modifier; /* the last in the list counts, as in Honeybee */
+            hb->modifiers[index].json = modifier; /* the last in the list counts, as in Honeybee */
     }
     for (size_t i = 0; i < sizeof generics / sizeof *generics && rc == 0; i++)
-        if (!json_object_get(hb->modifier_places, generics[i].identifier))
-            rc = add_modifier(hb, generics[i].identifier, NULL, &place);
+        if (!json_object_get(hb->modifier_indices, generics[i].identifier))
+            rc = add_modifier(hb, generics[i].identifier, NULL, &index);
     return rc;
 }
 
 void orl_hb_modifiers_done(struct orl_hb *hb)
 {
     free(hb->modifiers);
-    json_decref(hb->modifier_places);
+    json_decref(hb->modifier_indices);
     json_decref(hb->modifier_sets);
 }
 
 int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct orl_hb_at *at,
-                         size_t *ret_place)
+                         size_t *ret_index)
 {
     const char *identifier = json_string_value(value);
-    const json_t *place = json_object_get(hb->modifier_places, identifier ? identifier : "");
+    const json_t *index = json_object_get(hb->modifier_indices, identifier ? identifier : "");
     if (json_is_object(value))
-        return add_own(hb, value, at, false, ret_place);
+        return add_own(hb, value, at, false, ret_index);
     if (!identifier)
         return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier's identifier is wanted here");
-    if (place) {
-        *ret_place = (size_t)json_integer_value(place);
+    if (index) {
+        *ret_index = (size_t)json_integer_value(index);
         return 0;
     }
     orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "the model has no modifier '%.100s'", identifier);
@@ -130,7 +130,7 @@ int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct or
 
 size_t orl_hb_modifier_generic(const struct orl_hb *hb, const char *identifier)
 {
-    return (size_t)json_integer_value(json_object_get(hb->modifier_places, identifier));
+    return (size_t)json_integer_value(json_object_get(hb->modifier_indices, identifier));
 }
 
 const char *orl_hb_type_of(const json_t *json)
@@ -139,9 +139,9 @@ const char *orl_hb_type_of(const json_t *json)
     return type ? type : "";
 }
 
-bool orl_hb_modifier_is_void(const struct orl_hb *hb, size_t place)
+bool orl_hb_modifier_is_void(const struct orl_hb *hb, size_t index)
 {
-    const json_t *json = hb->modifiers[place].json;
+    const json_t *json = hb->modifiers[index].json;
     return json && strcasecmp(orl_hb_type_of(json), "Void") == 0;
 }
 

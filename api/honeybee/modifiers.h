@@ -10,29 +10,29 @@
 #ifndef ORL_API_HONEYBEE_MODIFIERS_H
 #define ORL_API_HONEYBEE_MODIFIERS_H
 
-#include "honeybee/writing.h"
+#include "honeybee/hb_writer.h"
 
 struct orl_hb_modifier {
     const char *identifier;
-    const json_t *json; /* NULL for a generic modifier */
-    uint32_t written;   /* number of the last file that has it */
-    bool under_way;     /* true while it is being written, to detect circular dependencies */
-    bool has_file;      /* true if its BSDF file is written */
+    const json_t *json;    /* NULL for a generic modifier */
+    uint32_t written;      /* number of the last file that has it */
+    bool is_being_written; /* true while it is being written, to detect circular dependencies */
+    bool has_file;         /* true if its BSDF file is written */
 };
 
 /* Reads all modifiers of the model, and adds the generic ones. */
 int orl_hb_modifiers_read(struct orl_hb *hb);
 void orl_hb_modifiers_done(struct orl_hb *hb);
 
-/* Finds a modifier given by an identifier of the model or by itself. *ret_place: its index in
+/* Finds a modifier given by an identifier of the model or by itself. *ret_index: its index in
  * hb->modifiers. */
 int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct orl_hb_at *at,
-                         size_t *ret_place);
+                         size_t *ret_index);
 /* Returns the index of a generic modifier. */
 size_t orl_hb_modifier_generic(const struct orl_hb *hb, const char *identifier);
-bool orl_hb_modifier_is_void(const struct orl_hb *hb, size_t place);
+bool orl_hb_modifier_is_void(const struct orl_hb *hb, size_t index);
 /* Writes the modifier to the file, unless the file has it. */
-int orl_hb_modifier_write(struct orl_hb *hb, size_t place, struct orl_hb_file *file);
+int orl_hb_modifier_write(struct orl_hb *hb, size_t index, struct orl_hb_file *file);
 
 /* ---- Shared by modifiers.c and modifier_text.c ----------------------------------------------- */
 

@@ -56,23 +56,23 @@ static int add_loop(struct orl_hb *hb, const json_t *corners, const struct orl_h
     return rc;
 }
 
-int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
-                       struct orl_hb_polygon *polygon)
+int orl_hb_polygon_add_hole(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
+                            struct orl_hb_polygon *polygon)
 {
     const struct orl_hb_at here = {at, "geometry", 0}, boundary = {&here, "boundary", 0};
     return add_loop(hb, json_object_get(geometry, "boundary"), &boundary, polygon);
 }
 
 /* Orders the corners by the plane's normal, if there is one. */
-static int turn_by_plane(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *here,
-                         struct orl_hb_polygon *polygon)
+static int orient_by_plane(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *here,
+                           struct orl_hb_polygon *polygon)
 {
     const struct orl_hb_at in_plane = {here, "plane", 0}, in_normal = {&in_plane, "n", 0};
     const json_t *plane = orl_hb_get(geometry, "plane");
     struct orl_vec3 normal;
     const int rc = plane ? orl_hb_point(hb, json_object_get(plane, "n"), &in_normal, &normal) : 0;
     if (rc == 0 && plane)
-        orl_hb_polygon_turn(polygon, normal);
+        orl_hb_polygon_orient(polygon, normal);
     return rc;
 }
 
@@ -82,9 +82,9 @@ int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct 
     const struct orl_hb_at here = {at, "geometry", 0};
     struct orl_hb_walk holes = {0};
     polygon->n_points = polygon->n_loops = 0;
-    int rc = orl_hb_polygon_cut(hb, geometry, at, polygon);
+    int rc = orl_hb_polygon_add_hole(hb, geometry, at, polygon);
     if (rc == 0)
-        rc = turn_by_plane(hb, geometry, &here, polygon);
+        rc = orient_by_plane(hb, geometry, &here, polygon);
     if (rc == 0)
         rc = orl_hb_walk(hb, geometry, &here, "holes", &holes);
     for (const json_t *hole; rc == 0 && (hole = orl_hb_next(&holes));)
@@ -119,7 +119,7 @@ struct orl_vec3 orl_hb_polygon_normal(const struct orl_hb_polygon *polygon)
 }
 
 /* Reverses the boundary only: holes are written in the opposite order to it anyway. */
-void orl_hb_polygon_turn(struct orl_hb_polygon *polygon, struct orl_vec3 front)
+void orl_hb_polygon_orient(struct orl_hb_polygon *polygon, struct orl_vec3 front)
 {
     if (!(orl_dot(area_of(polygon, 0), front) < 0))
         return;
@@ -130,7 +130,7 @@ void orl_hb_polygon_turn(struct orl_hb_polygon *polygon, struct orl_vec3 front)
     }
 }
 
-void orl_hb_polygon_move(struct orl_hb_polygon *polygon, struct orl_vec3 by)
+void orl_hb_polygon_offset(struct orl_hb_polygon *polygon, struct orl_vec3 by)
 {
     for (size_t i = 0; i < polygon->n_points; i++)
         polygon->points[i] = orl_add(polygon->points[i], by);

@@ -7,7 +7,7 @@
 #ifndef ORL_API_HONEYBEE_POLYGON_H
 #define ORL_API_HONEYBEE_POLYGON_H
 
-#include "honeybee/writing.h"
+#include "honeybee/hb_writer.h"
 
 struct orl_hb_polygon {
     struct orl_vec3 *points; /* all loops, one after the other */
@@ -22,13 +22,13 @@ void orl_hb_polygon_done(struct orl_hb_polygon *polygon);
 int orl_hb_polygon_read(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
                         struct orl_hb_polygon *polygon);
 /* Adds a hole: the boundary of a Face3D that is cut out. */
-int orl_hb_polygon_cut(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
-                       struct orl_hb_polygon *polygon);
+int orl_hb_polygon_add_hole(struct orl_hb *hb, const json_t *geometry, const struct orl_hb_at *at,
+                            struct orl_hb_polygon *polygon);
 /* Returns the unit normal by the order of the boundary's corners; zero if their area is zero. */
 struct orl_vec3 orl_hb_polygon_normal(const struct orl_hb_polygon *polygon);
 /* Reverses the polygon if its normal is opposite to front. */
-void orl_hb_polygon_turn(struct orl_hb_polygon *polygon, struct orl_vec3 front);
-void orl_hb_polygon_move(struct orl_hb_polygon *polygon, struct orl_vec3 by);
+void orl_hb_polygon_orient(struct orl_hb_polygon *polygon, struct orl_vec3 front);
+void orl_hb_polygon_offset(struct orl_hb_polygon *polygon, struct orl_vec3 by);
 /* Writes "MODIFIER polygon NAME ...". Characters of name that identifiers may not have become
  * '_'. */
 int orl_hb_polygon_write(struct orl_hb *hb, const struct orl_hb_polygon *polygon,

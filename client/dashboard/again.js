@@ -19,7 +19,7 @@ export function halved(document, result) {
 }
 
 // The first view, turned; sensors stay where they are, and are not asked for again.
-export function seenFrom(document, name, view) {
+export function withViewpoint(document, name, view) {
   const { sensors, heat_map: map, views: [{ file, entry, ...first }], ...rest } = document;
   return { ...rest, ...named(document, `, ${name}`), views: [{ ...first, name, view }] };
 }

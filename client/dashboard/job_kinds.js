@@ -33,7 +33,7 @@ function year(result) {
   ].filter(Boolean);
 }
 
-export function ofKind(job, result) {
+export function resultOfKind(job, result) {
   if (job.kind === 'annual') return result?.verdicts ? year(result) : [];
   return result?.skies ? skies(result) : [];
 }

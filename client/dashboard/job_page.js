@@ -4,8 +4,8 @@ import { Problem, ask, explain, get, jobPath, post } from './api.js';
 import { fill, h, say, setAttr, setText } from './dom.js';
 import { ErrorChart } from './error_chart.js';
 import { duration, fullMoment, isOver, jobName, percent, stateName } from './format.js';
-import { changed, halved, seenFrom } from './again.js';
-import { ofKind } from './job_kinds.js';
+import { changed, halved, withViewpoint } from './again.js';
+import { resultOfKind } from './job_kinds.js';
 import * as parts from './job_parts.js';
 import { Pictures } from './pictures.js';
 import { GOALS } from './words.js';
@@ -123,7 +123,7 @@ export class JobPage {
     fill(this.sensors, (sensors || underSkies) && this.resultKey, () => (sensors || underSkies) && parts.section('sensors', 'Sensors',
       sensors && parts.sensorFigures(sensors), sensors && parts.crossCheck(result.cross_check), h('p', { class: 'after' }, h('a', { href: `#/sensors/${job.id}` }, 'Heat map, threshold and table'))));
     if (job.kind === 'study') this.#showStudy().catch(() => {});
-    else fill(this.kind, result && this.resultKey, () => ofKind(job, result));
+    else fill(this.kind, result && this.resultKey, () => resultOfKind(job, result));
     const warnings = result?.warnings?.length ? result.warnings : job.warnings || [];
     fill(this.warnings, warnings, () => (warnings.length ? parts.warnings(warnings) : []));
     fill(this.plan, result?.plan, () => (result?.plan ? parts.plan(result.plan) : []));
@@ -194,7 +194,7 @@ export class JobPage {
     const { askForView } = await import('./view_dialog.js');
     const found = await askForView(document.views[0]);
     if (!found) return;
-    const job = await post('/v1/jobs', seenFrom(document, found.name, found.view));
+    const job = await post('/v1/jobs', withViewpoint(document, found.name, found.view));
     location.hash = `#/jobs/${job.id}`;
   }
 

@@ -1,11 +1,11 @@
-#include <oriel/coordinates.h>
+#include <oriel/base/coordinates.h>
 
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 
-#include <oriel/limits.h>
-#include <oriel/place.h>
+#include <oriel/base/limits.h>
+#include <oriel/job/named_point.h>
 
 static bool is_within_limit(struct orl_vec3 v)
 {
@@ -34,7 +34,7 @@ int orl_check_direction(struct orl_vec3 direction, const char *what, struct orl_
     return 0;
 }
 
-int orl_places_check(const struct orl_named_place *places, size_t n, struct orl_error *err)
+int orl_named_points_check(const struct orl_named_point *places, size_t n, struct orl_error *err)
 {
     int code = 0;
     for (size_t i = 0; i < n && code == 0; i++) {

@@ -1,4 +1,4 @@
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 #include <errno.h>
 #include <stdbool.h>

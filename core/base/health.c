@@ -1,4 +1,4 @@
-#include <oriel/health.h>
+#include <oriel/base/health.h>
 
 void orl_health_add(struct orl_health *sum, const struct orl_health *part)
 {

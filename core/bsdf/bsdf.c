@@ -2,14 +2,14 @@
  * Loads a BSDF: turns the file's sides into the surface's frame and drops a dummy transmission. It
  * fills a missing transmission by reciprocity, makes colour and peaks, and fills the description.
  */
-#include <oriel/bsdf.h>
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/bsdf/bsdf.h>
 
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "bsdf/front.h"
+#include "bsdf/bsdf_internal.h"
 
 void orl_bsdf_set_views(struct orl_bsdf *bsdf)
 {
@@ -18,11 +18,11 @@ void orl_bsdf_set_views(struct orl_bsdf *bsdf)
     for (int front = 0; front < 2; front++) {
         /* Front in the file is the exterior, which is the back here. */
         const struct orl_component *reflection =
-            &parts[front ? ORL_PART_REFLECTION_BACK : ORL_PART_REFLECTION_FRONT];
+            &parts[front ? ORL_COMPONENT_REFLECTION_BACK : ORL_COMPONENT_REFLECTION_FRONT];
         const struct orl_component *own =
-            &parts[front ? ORL_PART_TRANSMISSION_BACK : ORL_PART_TRANSMISSION_FRONT];
+            &parts[front ? ORL_COMPONENT_TRANSMISSION_BACK : ORL_COMPONENT_TRANSMISSION_FRONT];
         const struct orl_component *other =
-            &parts[front ? ORL_PART_TRANSMISSION_FRONT : ORL_PART_TRANSMISSION_BACK];
+            &parts[front ? ORL_COMPONENT_TRANSMISSION_FRONT : ORL_COMPONENT_TRANSMISSION_BACK];
         bsdf->info.has[front][0] = reflection->present;
         bsdf->info.has[front][1] = own->present;
         if (reflection->present)
@@ -61,14 +61,14 @@ static bool is_senseless_copy(const struct orl_bsdf *bsdf, const struct orl_comp
     return is_same(bsdf, front, back) && orl_bsdf_irreciprocal_transmission(bsdf) > 0.02;
 }
 
-/* Drops a dummy transmission (enum orl_bsdf_dummy). The views must be set before; they are set
- * again. */
+/* Drops a dummy transmission (enum orl_bsdf_placeholder). The views must be set before; they are
+ * set again. */
 static void drop_dummy(struct orl_bsdf *bsdf)
 {
-    struct orl_component *front = &bsdf->document.parts[ORL_PART_TRANSMISSION_FRONT];
-    struct orl_component *back = &bsdf->document.parts[ORL_PART_TRANSMISSION_BACK];
+    struct orl_component *front = &bsdf->document.parts[ORL_COMPONENT_TRANSMISSION_FRONT];
+    struct orl_component *back = &bsdf->document.parts[ORL_COMPONENT_TRANSMISSION_BACK];
     struct orl_component *dropped;
-    enum orl_bsdf_dummy kind = ORL_BSDF_DUMMY_ZERO;
+    enum orl_bsdf_placeholder kind = ORL_BSDF_PLACEHOLDER_ZERO;
     /* Rank 3: a dropped transmission would not be filled in by reciprocity. */
     if (!front->present || !back->present || bsdf->document.structure == ORL_STRUCTURE_TREE3)
         return;
@@ -76,7 +76,7 @@ static void drop_dummy(struct orl_bsdf *bsdf)
         dropped = is_black(bsdf, front) ? front : back;
     } else if (is_senseless_copy(bsdf, front, back)) {
         dropped = back;
-        kind = ORL_BSDF_DUMMY_COPY;
+        kind = ORL_BSDF_PLACEHOLDER_COPY;
     } else {
         return;
     }
@@ -132,17 +132,17 @@ static void describe_component(struct orl_bsdf_info *info, enum orl_structure st
         (!component->chroma.present && (component->chroma.given[0] || component->chroma.given[1]));
 }
 
-static void describe_bsdf(struct orl_bsdf *bsdf, struct orl_crew *crew)
+static void describe_bsdf(struct orl_bsdf *bsdf, struct orl_thread_pool *pool)
 {
     struct orl_bsdf_info *info = &bsdf->info;
     memcpy(info->name, bsdf->document.name, sizeof info->name);
     info->thickness_m = bsdf->document.thickness_m;
     info->skipped_bytes = bsdf->document.skipped_bytes;
     info->bytes = sizeof *bsdf;
-    for (int i = 0; i < ORL_PART_COUNT; i++)
+    for (int i = 0; i < ORL_COMPONENT_COUNT; i++)
         if (bsdf->document.parts[i].present)
             describe_component(info, bsdf->document.structure, &bsdf->document.parts[i]);
-    orl_crew_for(crew, 2, find_gain, bsdf);
+    orl_parallel_for(pool, 2, find_gain, bsdf);
 }
 
 /* Makes the colour of all components and the peaks of the transmissions. */
@@ -150,12 +150,13 @@ static int finish_components(struct orl_bsdf *bsdf, const char *name, struct orl
 {
     const enum orl_structure structure = bsdf->document.structure;
     int code = 0;
-    for (int i = 0; i < ORL_PART_COUNT && code == 0; i++) {
+    for (int i = 0; i < ORL_COMPONENT_COUNT && code == 0; i++) {
         struct orl_component *part = &bsdf->document.parts[i];
         if (!part->present)
             continue;
         code = orl_chroma_finish(structure, part, &bsdf->info.out_of_gamut, err);
-        if (code == 0 && (i == ORL_PART_TRANSMISSION_FRONT || i == ORL_PART_TRANSMISSION_BACK))
+        if (code == 0 &&
+            (i == ORL_COMPONENT_TRANSMISSION_FRONT || i == ORL_COMPONENT_TRANSMISSION_BACK))
             code = orl_peak_make(structure, part, err);
     }
     if (code < 0)
@@ -183,7 +184,7 @@ int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf, st
         orl_bsdf_unref(bsdf);
         return code;
     }
-    describe_bsdf(bsdf, xml->crew);
+    describe_bsdf(bsdf, xml->pool);
     *ret_bsdf = bsdf;
     return 0;
 }
@@ -206,7 +207,7 @@ void orl_bsdf_unref(struct orl_bsdf *bsdf)
     if (!bsdf || atomic_fetch_sub_explicit(&bsdf->references, 1, memory_order_acq_rel) > 1)
         return;
     if (bsdf->file.data)
-        orl_sealed_close(&bsdf->file);
+        orl_checked_file_close(&bsdf->file);
     else
         orl_document_done(&bsdf->document);
     free(bsdf);

@@ -1,6 +1,6 @@
 /* Directions that the data distinguish, and the cells that belong to them. */
-#include "bsdf/front.h"
-#include "bsdf/shirley.h"
+#include "bsdf/bsdf_internal.h"
+#include "bsdf/tree/shirley.h"
 
 /* Colour may be finer than luminance. */
 static unsigned depth_of(const struct orl_component *c)
@@ -74,7 +74,7 @@ double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_component_vi
     a = orl_coords_of(bsdf->document.structure, view->transposed ? out : in);
     b = orl_coords_of(bsdf->document.structure, view->transposed ? in : out);
     if (bsdf->document.structure == ORL_STRUCTURE_TREE4) {
-        orl_tree_look(&c->tree, a.square, b.square, &level);
+        orl_tree_eval_level(&c->tree, a.square, b.square, &level);
         return ORL_PI / (double)((size_t)1 << 2 * level);
     }
     if (bsdf->document.structure == ORL_STRUCTURE_TREE3)

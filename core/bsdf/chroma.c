@@ -270,8 +270,8 @@ struct orl_tint orl_chroma_tint(enum orl_structure structure, const struct orl_c
         return orl_tint_of_uv(orl_tree_eval(&c->tree[0], a->square, b->square),
                               orl_tree_eval(&c->tree[1], a->square, b->square), &counted);
     if (structure == ORL_STRUCTURE_TREE3)
-        return orl_tint_of_uv(orl_iso_eval(&c->iso[0], a->round, b->round),
-                              orl_iso_eval(&c->iso[1], a->round, b->round), &counted);
+        return orl_tint_of_uv(orl_iso_eval(&c->iso[0], a->disk, b->disk),
+                              orl_iso_eval(&c->iso[1], a->disk, b->disk), &counted);
     index = orl_matrix_index(&component->matrix, a->polar, b->polar);
     return index < 0 ? orl_tint_gray : c->values[index];
 }
@@ -286,7 +286,7 @@ struct orl_tint orl_chroma_total(enum orl_structure structure,
     if (structure == ORL_STRUCTURE_TREE4)
         return c->total[given][orl_square_cell(given, coords->square, c->depth)];
     if (structure == ORL_STRUCTURE_TREE3) {
-        const double ring = coords->round.radius * c->rings;
+        const double ring = coords->disk.radius * c->rings;
         return c->total[ORL_AXIS_A][ring < c->rings ? (size_t)ring : c->rings - 1];
     }
     const int cell = orl_matrix_cell(&component->matrix, given, coords->polar);

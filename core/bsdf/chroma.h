@@ -14,8 +14,8 @@
 
 #include "bsdf/color.h"
 #include "bsdf/data.h"
-#include "bsdf/matrix.h"
-#include "bsdf/tree.h"
+#include "bsdf/matrix/matrix.h"
+#include "bsdf/tree/tree.h"
 
 enum { ORL_CHROMA_CHANNELS = 2 }; /* X and Z, or u' and v' */
 

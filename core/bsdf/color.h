@@ -16,7 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 struct orl_tint {
     uint32_t code;

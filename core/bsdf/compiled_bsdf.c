@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sealed.h"
-#include "bsdf/front.h"
+#include "base/io/checked_file.h"
+#include "bsdf/bsdf_internal.h"
 
-static const struct orl_sealed_kind kind = {
+static const struct orl_checked_file_kind kind = {
     .magic = "ORIELBS",
     .version = ORL_COMPILED_VERSION,
     .shape = ((((uint64_t)sizeof(struct orl_bsdf) * 1000 + sizeof(struct orl_component)) * 1000 +
@@ -26,7 +26,7 @@ struct array {
     size_t bytes;
 };
 
-enum { ARRAYS_MAX = 48 * ORL_PART_COUNT };
+enum { ARRAYS_MAX = 48 * ORL_COMPONENT_COUNT };
 
 struct arrays {
     struct array items[ARRAYS_MAX];
@@ -97,7 +97,7 @@ static void add_peak(struct arrays *arrays, struct orl_peak *p)
 static void find_arrays(struct orl_bsdf *bsdf, struct arrays *ret)
 {
     ret->count = 0;
-    for (int i = 0; i < ORL_PART_COUNT; i++) {
+    for (int i = 0; i < ORL_COMPONENT_COUNT; i++) {
         struct orl_component *c = &bsdf->document.parts[i];
         if (!c->present)
             continue;
@@ -111,22 +111,22 @@ static void find_arrays(struct orl_bsdf *bsdf, struct arrays *ret)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-static void write_aligned(struct orl_sealed_writer *out, const void *data, size_t bytes)
+static void write_aligned(struct orl_checked_writer *out, const void *data, size_t bytes)
 {
-    orl_sealed_put(out, data, bytes);
-    orl_sealed_align(out, ORL_SEALED_BOUNDARY);
+    orl_checked_writer_put(out, data, bytes);
+    orl_checked_writer_align(out, ORL_CHECKED_FILE_BOUNDARY);
 }
 
-static void write_body(struct orl_sealed_writer *out, struct orl_bsdf *image,
+static void write_body(struct orl_checked_writer *out, struct orl_bsdf *image,
                        const struct arrays *arrays)
 {
     const void *data[ARRAYS_MAX];
-    uint64_t size = ORL_SEALED_HEADER + orl_sealed_aligned(sizeof *image);
+    uint64_t size = ORL_CHECKED_FILE_HEADER + orl_checked_file_aligned(sizeof *image);
     for (size_t i = 0; i < arrays->count; i++) {
         const uintptr_t offset = size;
         data[i] = pointer_in(arrays->items[i].slot);
         memcpy(arrays->items[i].slot, &offset, sizeof offset);
-        size += orl_sealed_aligned(arrays->items[i].bytes);
+        size += orl_checked_file_aligned(arrays->items[i].bytes);
     }
     write_aligned(out, image, sizeof *image);
     for (size_t i = 0; i < arrays->count; i++)
@@ -138,18 +138,18 @@ int orl_bsdf_write(const struct orl_bsdf *bsdf, const unsigned char content[ORL_
 {
     struct orl_bsdf *image = malloc(sizeof *image);
     struct arrays *arrays = malloc(sizeof *arrays);
-    struct orl_sealed_writer *out = malloc(sizeof *out);
+    struct orl_checked_writer *out = malloc(sizeof *out);
     int code = image && arrays && out ? 0 : ORL_ERR_NOMEM;
     if (code < 0)
         orl_error_set(err, code, "out of memory writing a BSDF");
     else
-        code = orl_sealed_begin(out, &kind, path, err);
+        code = orl_checked_writer_begin(out, &kind, path, err);
     if (code == 0) {
         memcpy(image, bsdf, sizeof *image);
         memset(image->views, 0, sizeof image->views);
         find_arrays(image, arrays);
         write_body(out, image, arrays);
-        code = orl_sealed_end(out, content, ret_bytes, err);
+        code = orl_checked_writer_end(out, content, ret_bytes, err);
     }
     free(out);
     free(arrays);
@@ -179,25 +179,25 @@ int orl_bsdf_open(const char *path, const unsigned char content[ORL_COMPILED_DIG
 {
     struct orl_bsdf *bsdf = malloc(sizeof *bsdf);
     struct arrays *arrays = malloc(sizeof *arrays);
-    struct orl_sealed_file file = {0};
+    struct orl_checked_file file = {0};
     int code;
     if (!bsdf || !arrays) {
         free(bsdf);
         free(arrays);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a BSDF");
     }
-    code = orl_sealed_open(&kind, path, content, &file, err);
-    if (code == 0 && file.size < ORL_SEALED_HEADER + sizeof *bsdf)
+    code = orl_checked_file_open(&kind, path, content, &file, err);
+    if (code == 0 && file.size < ORL_CHECKED_FILE_HEADER + sizeof *bsdf)
         code = ORL_ERR_CORRUPT;
     if (code == 0) {
-        memcpy(bsdf, file.data + ORL_SEALED_HEADER, sizeof *bsdf);
+        memcpy(bsdf, file.data + ORL_CHECKED_FILE_HEADER, sizeof *bsdf);
         code = restore_pointers(bsdf, arrays, file.data, file.size);
     }
     free(arrays);
     if (code < 0) {
         if (file.data)
             orl_error_set(err, code, "the kept BSDF '%s' is damaged", path);
-        orl_sealed_close(&file);
+        orl_checked_file_close(&file);
         free(bsdf);
         return code;
     }

@@ -2,8 +2,8 @@
  * A file that holds a loaded BSDF in its memory layout. It is mapped without parsing XML, and its
  * pages are shared between threads and processes.
  *
- * It is a sealed file (base/sealed.h): struct orl_bsdf with offsets in place of its pointers, then
- * the arrays that they point to.
+ * It is a sealed file (base/io/checked_file.h): struct orl_bsdf with offsets in place of its
+ * pointers, then the arrays that they point to.
  *
  * Any change of what loading makes of a file, or of its memory layout, needs a new version.
  */
@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-#include <oriel/bsdf.h>
+#include <oriel/bsdf/bsdf.h>
 
 enum { ORL_COMPILED_VERSION = 3, ORL_COMPILED_DIGEST = 32 };
 

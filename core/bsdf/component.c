@@ -1,8 +1,8 @@
 /* One component: dispatches to its kind of data. */
 #include "bsdf/document.h"
 
-const char *const orl_part_names[ORL_PART_COUNT] = {"Transmission Front", "Transmission Back",
-                                                    "Reflection Front", "Reflection Back"};
+const char *const orl_component_names[ORL_COMPONENT_COUNT] = {
+    "Transmission Front", "Transmission Back", "Reflection Front", "Reflection Back"};
 
 double orl_component_eval(enum orl_structure structure, const struct orl_component *c,
                           const struct orl_coords *a, const struct orl_coords *b)
@@ -10,7 +10,7 @@ double orl_component_eval(enum orl_structure structure, const struct orl_compone
     if (structure == ORL_STRUCTURE_TREE4)
         return orl_tree_eval(&c->tree, a->square, b->square);
     if (structure == ORL_STRUCTURE_TREE3)
-        return orl_iso_eval(&c->iso, a->round, b->round);
+        return orl_iso_eval(&c->iso, a->disk, b->disk);
     return orl_matrix_eval(&c->matrix, a->polar, b->polar);
 }
 
@@ -20,19 +20,19 @@ double orl_component_total(enum orl_structure structure, const struct orl_compon
     if (structure == ORL_STRUCTURE_TREE4)
         return orl_tree_total(&c->tree, given, coords->square);
     if (structure == ORL_STRUCTURE_TREE3)
-        return orl_iso_total(&c->iso, given, coords->round);
+        return orl_iso_total(&c->iso, given, coords->disk);
     return orl_matrix_total(&c->matrix, given, coords->polar);
 }
 
-double orl_component_draw(enum orl_structure structure, const struct orl_component *c,
-                          enum orl_tree_axis given, const struct orl_coords *coords,
-                          const double u[2], struct orl_vec3 *ret_other)
+double orl_component_sample(enum orl_structure structure, const struct orl_component *c,
+                            enum orl_tree_axis given, const struct orl_coords *coords,
+                            const double u[2], struct orl_vec3 *ret_other)
 {
     if (structure == ORL_STRUCTURE_TREE4)
-        return orl_tree_draw(&c->tree, given, coords->square, u, ret_other);
+        return orl_tree_sample(&c->tree, given, coords->square, u, ret_other);
     if (structure == ORL_STRUCTURE_TREE3)
-        return orl_iso_draw(&c->iso, given, coords->round, u, ret_other);
-    return orl_matrix_draw(&c->matrix, given, coords->polar, u, ret_other);
+        return orl_iso_sample(&c->iso, given, coords->disk, u, ret_other);
+    return orl_matrix_sample(&c->matrix, given, coords->polar, u, ret_other);
 }
 
 size_t orl_component_bytes(enum orl_structure structure, const struct orl_component *c)

@@ -2,9 +2,9 @@
 #ifndef ORL_BSDF_DATA_H
 #define ORL_BSDF_DATA_H
 
-#include "bsdf/basis.h"
-#include "bsdf/iso.h"
-#include "bsdf/shirley.h"
+#include "bsdf/matrix/basis.h"
+#include "bsdf/tree/iso.h"
+#include "bsdf/tree/shirley.h"
 
 enum orl_structure {
     ORL_STRUCTURE_NONE,
@@ -16,9 +16,9 @@ enum orl_structure {
 /* Computed once for a direction and used for all components. */
 struct orl_coords {
     union {
-        struct orl_square square; /* TREE4 */
-        struct orl_round round;   /* TREE3 */
-        struct orl_polar polar;   /* MATRIX */
+        struct orl_square square;   /* TREE4 */
+        struct orl_disk_polar disk; /* TREE3 */
+        struct orl_polar polar;     /* MATRIX */
     };
 };
 
@@ -29,7 +29,7 @@ static inline struct orl_coords orl_coords_of(enum orl_structure structure,
     if (structure == ORL_STRUCTURE_TREE4)
         coords.square = orl_disk_to_square(direction.x, direction.y);
     else if (structure == ORL_STRUCTURE_TREE3)
-        coords.round = orl_round_of(direction);
+        coords.disk = orl_disk_polar_of(direction);
     else
         coords.polar = orl_polar_of(direction);
     return coords;

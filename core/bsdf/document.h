@@ -5,24 +5,24 @@
 #ifndef ORL_BSDF_DOCUMENT_H
 #define ORL_BSDF_DOCUMENT_H
 
-#include <oriel/bsdf.h>
+#include <oriel/bsdf/bsdf.h>
 
 #include "bsdf/chroma.h"
 #include "bsdf/data.h"
-#include "bsdf/matrix.h"
+#include "bsdf/matrix/matrix.h"
 #include "bsdf/peak.h"
-#include "bsdf/tree.h"
+#include "bsdf/tree/tree.h"
 
 /* The file's own names for the four components; Front is the exterior. */
-enum orl_bsdf_part {
-    ORL_PART_TRANSMISSION_FRONT,
-    ORL_PART_TRANSMISSION_BACK,
-    ORL_PART_REFLECTION_FRONT,
-    ORL_PART_REFLECTION_BACK,
-    ORL_PART_COUNT
+enum orl_component_kind {
+    ORL_COMPONENT_TRANSMISSION_FRONT,
+    ORL_COMPONENT_TRANSMISSION_BACK,
+    ORL_COMPONENT_REFLECTION_FRONT,
+    ORL_COMPONENT_REFLECTION_BACK,
+    ORL_COMPONENT_COUNT
 };
 
-extern const char *const orl_part_names[ORL_PART_COUNT];
+extern const char *const orl_component_names[ORL_COMPONENT_COUNT];
 
 struct orl_component {
     bool present;
@@ -38,9 +38,9 @@ double orl_component_eval(enum orl_structure structure, const struct orl_compone
                           const struct orl_coords *a, const struct orl_coords *b);
 double orl_component_total(enum orl_structure structure, const struct orl_component *component,
                            enum orl_tree_axis given, const struct orl_coords *coords);
-double orl_component_draw(enum orl_structure structure, const struct orl_component *component,
-                          enum orl_tree_axis given, const struct orl_coords *coords,
-                          const double u[2], struct orl_vec3 *ret_other);
+double orl_component_sample(enum orl_structure structure, const struct orl_component *component,
+                            enum orl_tree_axis given, const struct orl_coords *coords,
+                            const double u[2], struct orl_vec3 *ret_other);
 
 /* bytes: memory used; values: number of values read; resolution: as in orl_bsdf_info; clamped:
  * number of clamped values. */
@@ -56,7 +56,7 @@ struct orl_document {
     size_t skipped_bytes; /* bytes of text before the XML */
     enum orl_structure structure;
     bool by_rows; /* MATRIX: true for Rows, false for Columns */
-    struct orl_component parts[ORL_PART_COUNT];
+    struct orl_component parts[ORL_COMPONENT_COUNT];
 };
 
 /* Reads the XML into *ret_document; free it with orl_document_done. */

@@ -150,7 +150,7 @@ static void read_neighbours(const struct orl_tree *tree, unsigned x, unsigned y,
                                            .finest = g->fine};
     for (unsigned k = 0; k < g->count; k++)
         g->value[k] = -1;
-    orl_tree_look_about(tree, &window);
+    orl_tree_read_window(tree, &window);
 }
 
 static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x, unsigned y)
@@ -163,7 +163,7 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
     /* Most straight cells are coarse or black; one look-up excludes them. */
     const struct orl_coords a = {.square = middle_of(x, y, depth, -1)};
     unsigned level;
-    if (!(orl_tree_look(&c->tree, a.square, middle_of(x, y, depth, 1), &level) > 0) ||
+    if (!(orl_tree_eval_level(&c->tree, a.square, middle_of(x, y, depth, 1), &level) > 0) ||
         level < depth)
         return;
     read_neighbours(&c->tree, x, y, &g);
@@ -224,7 +224,7 @@ static struct orl_coords iso_coords(const struct orl_iso *iso, size_t cell)
     const size_t n = 2 * (size_t)iso->half, x = cell / n, y = cell % n;
     const struct orl_square middle = {((double)x + 0.5) / iso->half - 1,
                                       ((double)y + 0.5) / iso->half - 1};
-    return (struct orl_coords){.round = orl_round_of(orl_square_to_hemisphere(middle))};
+    return (struct orl_coords){.disk = orl_disk_polar_of(orl_square_to_hemisphere(middle))};
 }
 
 static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
@@ -248,7 +248,7 @@ static void add_ring(struct orl_component *c, struct sums *sums, unsigned a)
     for (unsigned k = 0; k < g.count; k++) {
         if (!(p->members[a] >> k & 1) || !iso_cell(iso, a, k, &cell))
             continue;
-        const struct orl_coords from = {.round = {(a + 0.5) / iso->half, ORL_PI}};
+        const struct orl_coords from = {.disk = {(a + 0.5) / iso->half, ORL_PI}};
         const struct orl_coords b = iso_coords(iso, cell);
         sums->color[ORL_AXIS_A][a] =
             orl_rgb_add(sums->color[ORL_AXIS_A][a],
@@ -361,7 +361,7 @@ static int bit_of(enum orl_structure structure, const struct orl_component *c,
     }
     if (structure == ORL_STRUCTURE_TREE3) {
         unsigned ring;
-        const size_t cell = orl_iso_cell(&c->iso, a->round, b->round, &ring);
+        const size_t cell = orl_iso_cell(&c->iso, a->disk, b->disk, &ring);
         *ret_cell = ring;
         return iso_bit(&c->iso, ring, cell);
     }
@@ -400,7 +400,7 @@ static ptrdiff_t share_index(enum orl_structure structure, const struct orl_comp
     if (structure == ORL_STRUCTURE_TREE4)
         return (ptrdiff_t)orl_square_cell(given, coords->square, c->tree.depth);
     if (structure == ORL_STRUCTURE_TREE3)
-        return (ptrdiff_t)orl_iso_ring(&c->iso, coords->round);
+        return (ptrdiff_t)orl_iso_ring(&c->iso, coords->disk);
     return orl_matrix_cell(&c->matrix, given, coords->polar);
 }
 
@@ -411,7 +411,7 @@ double orl_peak_total(enum orl_structure structure, const struct orl_component *
     if (p->cells == 0)
         return 0;
     if (structure == ORL_STRUCTURE_TREE3 && given == ORL_AXIS_B)
-        return orl_iso_integral_near(&component->iso, coords->round, REACH, iso_part, component);
+        return orl_iso_integral_near(&component->iso, coords->disk, REACH, iso_part, component);
     const ptrdiff_t index = share_index(structure, component, given, coords);
     return index < 0 ? 0 : (double)p->share[given][index];
 }

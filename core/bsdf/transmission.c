@@ -1,7 +1,7 @@
 /* Transmission matrix of a matrix BSDF, as used by the three-phase method. */
 #include <stdlib.h>
 
-#include "bsdf/front.h"
+#include "bsdf/bsdf_internal.h"
 
 /* Returns the middle of a cell in the file's numbering. Incident directions are negated, because
  * cells hold them as the light travels. */

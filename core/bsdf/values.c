@@ -8,10 +8,10 @@
  * Sampling descends by float means, so it realises the pdf to about 1e-6 relative and leaves out no
  * region of positive f.
  */
-#include <oriel/bsdf.h>
+#include <oriel/bsdf/bsdf.h>
 
-#include "bsdf/front.h"
-#include "bsdf/placed.h"
+#include "bsdf/bsdf_internal.h"
+#include "bsdf/located_direction.h"
 
 enum { ABREAST = 16 }; /* samples whose tree descents are interleaved */
 
@@ -200,7 +200,7 @@ double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool a
  * corrects for that.
  */
 static void straighten_draw(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
-                            double sum, struct orl_bsdf_draw *draw)
+                            double sum, struct orl_bsdf_sample_result *draw)
 {
     const enum orl_structure structure = bsdf->document.structure;
     draw->straight = true;
@@ -252,15 +252,15 @@ static inline void prefetch_totals(const struct orl_bsdf *bsdf, enum orl_bsdf_si
     for (int t = 0; t < 2 && bsdf->document.structure == ORL_STRUCTURE_TREE4; t++) {
         const struct orl_component_view *view = view_for(bsdf, d->role, d->front, t);
         if (includes_side(sides, t) && view->component)
-            orl_tree_ask_for_total(&view->component->tree, orl_view_axis(view, d->role),
-                                   d->coords.square);
+            orl_tree_prefetch_total(&view->component->tree, orl_view_axis(view, d->role),
+                                    d->coords.square);
     }
 }
 
 /* Completes a sample from its value as filed and its direction with z > 0. */
 static inline void end_draw(const struct orl_bsdf *bsdf, const struct drawing *d,
                             struct orl_vec3 given, double value, struct orl_vec3 direction,
-                            struct orl_bsdf_draw *ret)
+                            struct orl_bsdf_sample_result *ret)
 {
     ret->direction = direction;
     ret->pdf = value * direction.z / d->sum;
@@ -273,7 +273,7 @@ static inline void end_draw(const struct orl_bsdf *bsdf, const struct drawing *d
 /* Samples the direction in the other role. With peaks, samples within a peak go straight. */
 static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
                        enum orl_bsdf_side sides, const double u[3], bool peaks,
-                       struct orl_bsdf_draw *ret)
+                       struct orl_bsdf_sample_result *ret)
 {
     const enum orl_structure structure = bsdf->document.structure;
     struct pair p = {.component = NULL};
@@ -283,8 +283,8 @@ static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct o
     if (!begin_draw(bsdf, sides, u[2], &d))
         return false;
     const struct orl_component *component = d.view->component;
-    p.value = orl_component_draw(structure, component, orl_view_axis(d.view, role), &d.coords, u,
-                                 &direction);
+    p.value = orl_component_sample(structure, component, orl_view_axis(d.view, role), &d.coords, u,
+                                   &direction);
     end_draw(bsdf, &d, given, p.value, direction, ret);
     if (component->chroma.present || (peaks && component->peak.cells > 0)) {
         const bool is_a = orl_view_axis(d.view, role) == ORL_AXIS_A;
@@ -302,51 +302,53 @@ static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct o
 }
 
 /* Completes samples of grey trees of rank 4 together; their descents take most of the time. */
-static void draw_from_trees(const struct orl_bsdf_ask *asks, const struct drawing *drawings,
-                            const size_t *which, size_t n, struct orl_bsdf_draw *ret)
+static void draw_from_trees(const struct orl_bsdf_sample_request *requests,
+                            const struct drawing *drawings, const size_t *which, size_t n,
+                            struct orl_bsdf_sample_result *ret)
 {
-    struct orl_tree_draw draws[ABREAST];
+    struct orl_tree_sample draws[ABREAST];
     for (size_t i = 0; i < n; i++) {
-        const struct orl_bsdf_ask *ask = &asks[which[i]];
+        const struct orl_bsdf_sample_request *request = &requests[which[i]];
         const struct drawing *d = &drawings[which[i]];
         draws[i].tree = &d->view->component->tree;
         draws[i].given = orl_view_axis(d->view, d->role);
         draws[i].place = d->coords.square;
-        draws[i].u[0] = ask->u[0];
-        draws[i].u[1] = ask->u[1];
+        draws[i].u[0] = request->u[0];
+        draws[i].u[1] = request->u[1];
     }
-    orl_tree_draw_many(draws, n);
+    orl_tree_sample_many(draws, n);
     for (size_t i = 0; i < n; i++) {
-        const struct orl_bsdf_ask *ask = &asks[which[i]];
-        end_draw(ask->bsdf, &drawings[which[i]], ask->given, draws[i].value, draws[i].direction,
-                 &ret[which[i]]);
+        const struct orl_bsdf_sample_request *request = &requests[which[i]];
+        end_draw(request->bsdf, &drawings[which[i]], request->given, draws[i].value,
+                 draws[i].direction, &ret[which[i]]);
     }
 }
 
 /* Processes up to ABREAST requests. */
-static void draw_abreast(const struct orl_bsdf_ask *asks, size_t n, struct orl_bsdf_draw *ret,
-                         bool *ret_found)
+static void draw_abreast(const struct orl_bsdf_sample_request *requests, size_t n,
+                         struct orl_bsdf_sample_result *ret, bool *ret_found)
 {
     struct drawing drawings[ABREAST];
     size_t which[ABREAST], trees = 0;
     for (size_t i = 0; i < n; i++) {
-        const enum orl_role role = asks[i].adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
-        place_draw(asks[i].bsdf, role, asks[i].given, &drawings[i]);
-        prefetch_totals(asks[i].bsdf, asks[i].sides, &drawings[i]);
+        const enum orl_role role = requests[i].adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN;
+        place_draw(requests[i].bsdf, role, requests[i].given, &drawings[i]);
+        prefetch_totals(requests[i].bsdf, requests[i].sides, &drawings[i]);
     }
     for (size_t i = 0; i < n; i++) {
-        const struct orl_bsdf_ask *ask = &asks[i];
+        const struct orl_bsdf_sample_request *request = &requests[i];
         struct drawing *d = &drawings[i];
-        ret_found[i] = begin_draw(ask->bsdf, ask->sides, ask->u[2], d);
+        ret_found[i] = begin_draw(request->bsdf, request->sides, request->u[2], d);
         if (!ret_found[i])
             continue;
-        if (ask->bsdf->document.structure == ORL_STRUCTURE_TREE4 &&
+        if (request->bsdf->document.structure == ORL_STRUCTURE_TREE4 &&
             !d->view->component->chroma.present)
             which[trees++] = i;
         else
-            draw_other(ask->bsdf, d->role, ask->given, ask->sides, ask->u, false, &ret[i]);
+            draw_other(request->bsdf, d->role, request->given, request->sides, request->u, false,
+                       &ret[i]);
     }
-    draw_from_trees(asks, drawings, which, trees, ret);
+    draw_from_trees(requests, drawings, which, trees, ret);
 }
 
 static double pdf_of(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
@@ -368,7 +370,7 @@ static bool draw_plain(const struct orl_bsdf *bsdf, enum orl_role role, struct o
                        enum orl_bsdf_side sides, const double u[3], struct orl_vec3 *ret_other,
                        struct orl_rgb *ret_weight, double *ret_pdf)
 {
-    struct orl_bsdf_draw draw;
+    struct orl_bsdf_sample_result draw;
     if (!draw_other(bsdf, role, given, sides, u, false, &draw))
         return false;
     *ret_other = draw.direction;
@@ -391,18 +393,20 @@ bool orl_bsdf_sample_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
     return draw_plain(bsdf, ORL_ROLE_OUT, out, sides, u, ret_in, ret_weight, ret_pdf);
 }
 
-void orl_bsdf_sample_many(const struct orl_bsdf_ask *asks, size_t n,
-                          struct orl_bsdf_draw *ret_draws, bool *ret_found)
+void orl_bsdf_sample_many(const struct orl_bsdf_sample_request *requests, size_t n,
+                          struct orl_bsdf_sample_result *ret_samples, bool *ret_found)
 {
     for (size_t i = 0; i < n; i += ABREAST)
-        draw_abreast(asks + i, n - i < ABREAST ? n - i : ABREAST, ret_draws + i, ret_found + i);
+        draw_abreast(requests + i, n - i < ABREAST ? n - i : ABREAST, ret_samples + i,
+                     ret_found + i);
 }
 
 bool orl_bsdf_sample_split(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool adjoint,
                            enum orl_bsdf_side sides, const double u[3],
-                           struct orl_bsdf_draw *ret_draw)
+                           struct orl_bsdf_sample_result *ret_sample)
 {
-    return draw_other(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given, sides, u, true, ret_draw);
+    return draw_other(bsdf, adjoint ? ORL_ROLE_OUT : ORL_ROLE_IN, given, sides, u, true,
+                      ret_sample);
 }
 
 double orl_bsdf_pdf(const struct orl_bsdf *bsdf, struct orl_vec3 in, enum orl_bsdf_side sides,
@@ -419,15 +423,15 @@ double orl_bsdf_pdf_adjoint(const struct orl_bsdf *bsdf, struct orl_vec3 out,
 
 /* ---- Precomputed directions ----------------------------------------------------------------- */
 
-struct orl_bsdf_direction orl_bsdf_place(const struct orl_bsdf *bsdf, struct orl_vec3 direction)
+struct orl_bsdf_direction orl_bsdf_locate(const struct orl_bsdf *bsdf, struct orl_vec3 direction)
 {
     return (struct orl_bsdf_direction){direction,
                                        orl_coords_of(bsdf->document.structure, direction)};
 }
 
-struct orl_bsdf_incidence orl_bsdf_place_incident(const struct orl_bsdf *bsdf, struct orl_vec3 in)
+struct orl_bsdf_incidence orl_bsdf_locate_incident(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
-    struct orl_bsdf_incidence incidence = {.from = orl_bsdf_place(bsdf, in),
+    struct orl_bsdf_incidence incidence = {.from = orl_bsdf_locate(bsdf, in),
                                            .gain = gain_of(bsdf, in)};
     double total[2];
     compute_totals(bsdf, ORL_ROLE_IN, in.z > 0, &incidence.from.coords, ORL_BSDF_TRANSMIT, total);

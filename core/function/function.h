@@ -40,8 +40,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/error.h>
-#include <oriel/files.h>
+#include <oriel/base/error.h>
+#include <oriel/base/files.h>
 
 enum {
     ORL_FUNCTION_LANES = 8,
@@ -130,11 +130,11 @@ bool orl_function_is_constant(const struct orl_function *function, size_t expres
                               double *ret_value);
 
 /*
- * Writes a program to a stream, or reads one (base/stream.h); NULL is valid, too. The owner of the
- * slot owns what is read, also after an error.
+ * Writes a program to a stream, or reads one (base/io/serializer.h); NULL is valid, too. The owner
+ * of the slot owns what is read, also after an error.
  */
-struct orl_stream;
-void orl_function_pass(struct orl_function **function, struct orl_stream *stream);
+struct orl_serializer;
+void orl_function_serialize(struct orl_function **function, struct orl_serializer *serializer);
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 

@@ -4,27 +4,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/arena.h"
-#include "base/phrase.h"
+#include "base/memory/arena.h"
+#include "base/text/shell_words.h"
 #include "light/sky.h"
 #include "scene/generate/generate.h"
 
 /* ---- Command line of the program that would give the same sky -------------------------------- */
 
 /* Adds a number with 17 digits, from which every double is read back unchanged. */
-static void add_number(struct orl_phrase *command, double value)
+static void add_number(struct orl_shell_words *command, double value)
 {
-    orl_phrase_add(command, "%.17g", value);
+    orl_shell_words_add(command, "%.17g", value);
 }
 
-static void add_option(struct orl_phrase *command, const char *option, double value)
+static void add_option(struct orl_shell_words *command, const char *option, double value)
 {
-    orl_phrase_add(command, "%s", option);
+    orl_shell_words_add(command, "%s", option);
     add_number(command, value);
 }
 
 /* Adds time and site, or the sun's position. If a sky needs neither, adds an arbitrary position. */
-static void add_when(struct orl_phrase *command, const struct orl_sky_request *request)
+static void add_when(struct orl_shell_words *command, const struct orl_sky_request *request)
 {
     if (!request->time_given) {
         add_option(command, "-ang", request->sun_given ? request->sun_altitude_deg : 45.0);
@@ -33,7 +33,7 @@ static void add_when(struct orl_phrase *command, const struct orl_sky_request *r
     }
     add_number(command, request->month);
     add_number(command, request->day);
-    orl_phrase_add(command, "%.12f", request->hour); /* gensky does not read exponents here */
+    orl_shell_words_add(command, "%.12f", request->hour); /* gensky does not read exponents here */
     add_option(command, "-a", request->latitude_deg);
     add_option(command, "-o", -request->longitude_deg);
     add_option(command, "-m", -15.0 * request->time_zone_h);
@@ -107,8 +107,8 @@ static int find_perez(const struct orl_sky_request *request, const struct orl_su
                                           [ORL_SKY_HORIZONTAL_W] = "-G",
                                           [ORL_SKY_GLOBAL_W] = "-E",
                                           [ORL_SKY_INDICES] = "-P"};
-    struct orl_phrase command = {.count = 0};
-    orl_phrase_add(&command, "gendaylit");
+    struct orl_shell_words command = {.count = 0};
+    orl_shell_words_add(&command, "gendaylit");
     add_when(&command, request);
     add_option(&command, "-g", request->ground_reflectance);
     add_option(&command, options[request->input], request->first);
@@ -133,10 +133,10 @@ static int find_cie(const struct orl_sky_request *request, const struct orl_sun_
                                         [ORL_SKY_UNIFORM] = "-u",
                                         [ORL_SKY_INTERMEDIATE] = "+i"};
     static const double gensky_disc_deg = 0.5;
-    struct orl_phrase command = {.count = 0};
-    orl_phrase_add(&command, "gensky");
+    struct orl_shell_words command = {.count = 0};
+    orl_shell_words_add(&command, "gensky");
     add_when(&command, request);
-    orl_phrase_add(&command, "%s", types[request->cie_type]);
+    orl_shell_words_add(&command, "%s", types[request->cie_type]);
     add_option(&command, "-g", request->ground_reflectance);
     add_option(&command, "-t", request->turbidity);
     if (request->input != ORL_SKY_TYPICAL)
@@ -166,7 +166,7 @@ static double horizontal_irradiance(const struct orl_sky *pattern, double sky, d
     return orl_sky_horizontal(&changed);
 }
 
-double orl_daylight_normal(const struct orl_daylight *daylight)
+double orl_daylight_direct_normal(const struct orl_daylight *daylight)
 {
     return daylight->sun_radiance * disc_sr(daylight->sun_angle_deg);
 }
@@ -174,7 +174,7 @@ double orl_daylight_normal(const struct orl_daylight *daylight)
 struct orl_sky_balance orl_daylight_balance(const struct orl_daylight *daylight, double diffuse,
                                             double reflectance, double per_sky, double per_ground)
 {
-    const double direct = orl_daylight_normal(daylight) * fmax(0.0, daylight->sun.z);
+    const double direct = orl_daylight_direct_normal(daylight) * fmax(0.0, daylight->sun.z);
     const double ground = reflectance / ORL_PI * (diffuse + direct);
     return (struct orl_sky_balance){(diffuse - ground * per_ground) / per_sky, ground};
 }
@@ -191,7 +191,7 @@ static void normalise(struct orl_daylight *daylight, double diffuse, double refl
     double *sky = pattern->a + brightness_argument(pattern), *ground = sky + 1;
     const double per_sky = horizontal_irradiance(pattern, 1, 0);
     const double per_ground = horizontal_irradiance(pattern, 0, 1);
-    const double direct = orl_daylight_normal(daylight) * fmax(0.0, daylight->sun.z);
+    const double direct = orl_daylight_direct_normal(daylight) * fmax(0.0, daylight->sun.z);
     const double share = reflectance / ORL_PI;
     if (!(per_sky > 0))
         return;
@@ -492,9 +492,9 @@ static int request_of_row(const struct orl_sky_request *request, const struct or
     return code;
 }
 
-int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weather_row *row,
-                        struct orl_daylight *ret_daylight, double *ret_diffuse,
-                        struct orl_error *err)
+int orl_daylight_from_row(const struct orl_weather *weather, const struct orl_weather_row *row,
+                          struct orl_daylight *ret_daylight, double *ret_diffuse,
+                          struct orl_error *err)
 {
     struct orl_text text = {0};
     struct orl_daylight daylight = {0};
@@ -524,14 +524,15 @@ struct orl_daylight_sun orl_daylight_sun_of_row(const struct orl_weather *weathe
     place.units = ORL_WEATHER_NORMAL_W;
     lit.missing = false;
     lit.direct = lit.diffuse = bright_w;
-    if (orl_daylight_of_row(&place, &lit, &daylight, &diffuse, NULL) < 0 || daylight.black ||
+    if (orl_daylight_from_row(&place, &lit, &daylight, &diffuse, NULL) < 0 || daylight.black ||
         !(daylight.sun_radiance > 0))
         return (struct orl_daylight_sun){.angle_deg = 0};
     return (struct orl_daylight_sun){daylight.sun, daylight.sun_angle_deg};
 }
 
-int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
-                      struct orl_daylight *ret_daylight, struct orl_error *err)
+int orl_daylight_from_request(const struct orl_sky_request *request,
+                              const struct orl_weather *weather, struct orl_daylight *ret_daylight,
+                              struct orl_error *err)
 {
     struct orl_text text = {0};
     struct orl_daylight daylight = {0};

@@ -1,5 +1,5 @@
 /*
- * Conversion of a job's request (oriel/sky.h) to sun, sky and ground for the rest of the core.
+ * Conversion of a job's request (oriel/job/sky.h) to sun, sky and ground for the rest of the core.
  *
  * The numbers are those of gendaylit and gensky for the same input, in full precision. With
  * ORL_SKY_FLUX they are then scaled, and the horizon cuts the sun's disc: a setting sun is a
@@ -11,11 +11,11 @@
 #ifndef ORL_LIGHT_DAYLIGHT_H
 #define ORL_LIGHT_DAYLIGHT_H
 
-#include <oriel/error.h>
-#include <oriel/sky.h>
+#include <oriel/base/error.h>
+#include <oriel/job/sky.h>
 
 #include "light/weather.h"
-#include "scene/description.h"
+#include "scene/parsed_scene.h"
 
 /* Maximum direct normal light, as in gendaylit: the solar constant. */
 #define ORL_DAYLIGHT_MOST_W 1367.0
@@ -36,12 +36,12 @@ int orl_daylight_check(const struct orl_sky_request *request, struct orl_error *
 /*
  * Makes the sky of a weather file's row, which must not be missing, without balancing its flux. The
  * caller scales the pattern's brightness and sets its ground (orl_daylight_balance) so that the
- * diffuse irradiance is *ret_diffuse, W/m2. The rest is as orl_daylight_find returns it with
- * ORL_SKY_FLUX.
+ * diffuse irradiance is *ret_diffuse, W/m2. The rest is as orl_daylight_from_request returns it
+ * with ORL_SKY_FLUX.
  */
-int orl_daylight_of_row(const struct orl_weather *weather, const struct orl_weather_row *row,
-                        struct orl_daylight *ret_daylight, double *ret_diffuse,
-                        struct orl_error *err);
+int orl_daylight_from_row(const struct orl_weather *weather, const struct orl_weather_row *row,
+                          struct orl_daylight *ret_daylight, double *ret_diffuse,
+                          struct orl_error *err);
 
 /* Returns the altitude of the sun's centre for a row's sky, degrees. */
 double orl_daylight_altitude_of_row(const struct orl_weather *weather,
@@ -68,11 +68,12 @@ struct orl_sky_balance orl_daylight_balance(const struct orl_daylight *daylight,
                                             double reflectance, double per_sky, double per_ground);
 
 /* Returns the irradiance from the sun's disc of a plane that faces it, W/m2 per channel. */
-double orl_daylight_normal(const struct orl_daylight *daylight);
+double orl_daylight_direct_normal(const struct orl_daylight *daylight);
 
 /* Makes the sky of a checked request. weather: the parsed file for ORL_SKY_BY_WEATHER, else
  * NULL. */
-int orl_daylight_find(const struct orl_sky_request *request, const struct orl_weather *weather,
-                      struct orl_daylight *ret_daylight, struct orl_error *err);
+int orl_daylight_from_request(const struct orl_sky_request *request,
+                              const struct orl_weather *weather, struct orl_daylight *ret_daylight,
+                              struct orl_error *err);
 
 #endif

@@ -1,13 +1,13 @@
 #include "light/direct.h"
 
-#include "light/mist.h"
 #include "light/path.h"
+#include "scene/built/volume.h"
 
 enum { MOST_PANES = 64 };
 static const uint32_t no_target = UINT32_MAX;
 
 /* A shadow ray. */
-struct way {
+struct segment {
     struct orl_vec3 origin, direction;
     double max_distance;
     bool through_ports;
@@ -15,105 +15,110 @@ struct way {
     bool to_surface;
     /* the facet that it is traced to, which does not block it; or no_target */
     uint32_t target;
-    int32_t *port; /* in and out as in orl_transmittance_by; or NULL */
+    int32_t *port; /* in and out as in orl_transmittance_to_infinity; or NULL */
 };
 
-static struct way way_to(struct orl_vec3 origin, struct orl_vec3 direction, double max_distance,
-                         bool through_ports)
+static struct segment segment_to(struct orl_vec3 origin, struct orl_vec3 direction,
+                                 double max_distance, bool through_ports)
 {
-    return (struct way){.origin = origin,
-                        .direction = direction,
-                        .max_distance = max_distance,
-                        .through_ports = through_ports,
-                        .target = no_target};
+    return (struct segment){.origin = origin,
+                            .direction = direction,
+                            .max_distance = max_distance,
+                            .through_ports = through_ports,
+                            .target = no_target};
 }
 
-static bool is_hidden(const struct way *way, const struct orl_material *m,
+static bool is_hidden(const struct segment *segment, const struct orl_material *m,
                       const struct orl_hit *hit)
 {
-    return way->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit->front;
+    return segment->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit->front;
 }
 
-static struct orl_rgb panes_transmittance(const struct orl_world *world, const struct way *way)
+static struct orl_rgb panes_transmittance(const struct orl_lit_scene *lit_scene,
+                                          const struct segment *segment)
 {
-    struct orl_path path = orl_path_from(way->origin, way->direction);
-    double max_distance = way->max_distance;
+    struct orl_path path = orl_path_from(segment->origin, segment->direction);
+    double max_distance = segment->max_distance;
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
-        if (!orl_geometry_intersect(world->geometry, path.origin, way->direction, max_distance,
-                                    &hit))
+        if (!orl_geometry_intersect(lit_scene->geometry, path.origin, segment->direction,
+                                    max_distance, &hit))
             return path.weight;
-        if (hit.facet == way->target)
+        if (hit.facet == segment->target)
             return path.weight;
-        const struct orl_material *m = orl_world_material(world, &hit);
-        if (is_hidden(way, m, &hit) || !orl_path_look_through(&path, m, &hit) ||
-            (!way->through_ports && orl_world_crossing(world, &hit) != ORL_CROSSING_NONE))
+        const struct orl_material *m = orl_lit_scene_material(lit_scene, &hit);
+        if (is_hidden(segment, m, &hit) || !orl_path_transmit_straight(&path, m, &hit) ||
+            (!segment->through_ports &&
+             orl_lit_scene_crossing(lit_scene, &hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
-        if (way->port && *way->port == ORL_NO_PORT &&
-            orl_world_crossing(world, &hit) == ORL_CROSSING_OUTWARDS)
-            *way->port = orl_world_port_of(world, hit.facet);
-        if (isinf(max_distance) && orl_world_leaves_clear(world, &hit))
+        if (segment->port && *segment->port == ORL_NO_PORT &&
+            orl_lit_scene_crossing(lit_scene, &hit) == ORL_CROSSING_OUTWARDS)
+            *segment->port = orl_lit_scene_port_of(lit_scene, hit.facet);
+        if (isinf(max_distance) && orl_lit_scene_leaves_clear(lit_scene, &hit))
             return path.weight;
         /* The ray starts again a little further on, but its end stays the same. */
         const struct orl_vec3 before = path.origin;
-        orl_path_pass(&path, world, &hit);
-        max_distance -= orl_dot(orl_sub(path.origin, before), way->direction);
+        orl_path_skip_surface(&path, lit_scene, &hit);
+        max_distance -= orl_dot(orl_sub(path.origin, before), segment->direction);
     }
     return orl_gray(0);
 }
 
 /* Returns the transmittance of panes on the way to a mirror, and the hit on the mirror. Returns
  * zero if the ray meets anything opaque before it. */
-static struct orl_rgb panes_transmittance_to_mirror(const struct orl_world *world,
+static struct orl_rgb panes_transmittance_to_mirror(const struct orl_lit_scene *lit_scene,
                                                     struct orl_vec3 origin,
                                                     struct orl_vec3 direction, bool through_ports,
                                                     uint32_t mirror, struct orl_hit *ret_hit)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
-        if (!orl_path_meet(world, &path, ret_hit))
+        if (!orl_path_intersect(lit_scene, &path, ret_hit))
             return orl_gray(0);
         if (ret_hit->facet == mirror)
             return path.weight;
-        if (!orl_path_look_through(&path, orl_world_material(world, ret_hit), ret_hit) ||
-            (!through_ports && orl_world_crossing(world, ret_hit) != ORL_CROSSING_NONE))
+        if (!orl_path_transmit_straight(&path, orl_lit_scene_material(lit_scene, ret_hit),
+                                        ret_hit) ||
+            (!through_ports && orl_lit_scene_crossing(lit_scene, ret_hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
-        orl_path_pass(&path, world, ret_hit);
+        orl_path_skip_surface(&path, lit_scene, ret_hit);
     }
     return orl_gray(0);
 }
 
-static struct orl_rgb transmittance_of(const struct orl_world *world, const struct way *way)
+static struct orl_rgb transmittance_of(const struct orl_lit_scene *lit_scene,
+                                       const struct segment *segment)
 {
-    const struct orl_rgb share = panes_transmittance(world, way);
-    if (!world->scene->mist || !(orl_rgb_max(share) > 0))
+    const struct orl_rgb share = panes_transmittance(lit_scene, segment);
+    if (!lit_scene->scene->mist || !(orl_rgb_max(share) > 0))
         return share;
-    return orl_rgb_mul(share, orl_mist_transmittance(world->scene, way->origin, way->direction,
-                                                     way->max_distance));
+    return orl_rgb_mul(share, orl_volume_transmittance(lit_scene->scene, segment->origin,
+                                                       segment->direction, segment->max_distance));
 }
 
-struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+struct orl_rgb orl_transmittance(const struct orl_lit_scene *lit_scene, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance, bool through_ports)
 {
-    const struct way way = way_to(origin, direction, max_distance, through_ports);
-    return transmittance_of(world, &way);
+    const struct segment segment = segment_to(origin, direction, max_distance, through_ports);
+    return transmittance_of(lit_scene, &segment);
 }
 
-struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struct orl_vec3 origin,
-                                            struct orl_vec3 direction, double max_distance,
-                                            bool through_ports)
+struct orl_rgb orl_transmittance_to_surface(const struct orl_lit_scene *lit_scene,
+                                            struct orl_vec3 origin, struct orl_vec3 direction,
+                                            double max_distance, bool through_ports)
 {
-    struct way way = way_to(origin, direction, max_distance, through_ports);
-    way.to_surface = true;
-    return transmittance_of(world, &way);
+    struct segment segment = segment_to(origin, direction, max_distance, through_ports);
+    segment.to_surface = true;
+    return transmittance_of(lit_scene, &segment);
 }
 
-struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
-                                    struct orl_vec3 direction, int32_t *port)
+struct orl_rgb orl_transmittance_to_infinity(const struct orl_lit_scene *lit_scene,
+                                             struct orl_vec3 origin, struct orl_vec3 direction,
+                                             int32_t *port)
 {
-    struct way way = way_to(origin, direction, INFINITY, true);
-    way.port = port;
-    return transmittance_of(world, &way);
+    struct segment segment = segment_to(origin, direction, INFINITY, true);
+    segment.port = port;
+    return transmittance_of(lit_scene, &segment);
 }
 
 /* Returns the cosine for irradiance, or the lobes' value times the cosine for radiance towards
@@ -121,13 +126,13 @@ struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_ve
 static struct orl_rgb response(const struct orl_direct_query *query, struct orl_vec3 light)
 {
     if (query->mist)
-        return orl_gray(orl_phase(query->forward, -orl_dot(light, query->eye)));
+        return orl_gray(orl_phase_function(query->asymmetry, -orl_dot(light, query->eye)));
     const double cosine = orl_dot(light, query->normal);
     if (!(cosine > 0))
         return orl_gray(0);
     if (!query->lobes)
         return orl_gray(query->shading ? fmax(orl_dot(light, *query->shading), 0) : cosine);
-    return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
+    return orl_rgb_scale(orl_material_eval_lobes(query->lobes, query->hit, light, query->eye),
                          cosine);
 }
 
@@ -139,8 +144,8 @@ static struct orl_rgb response(const struct orl_direct_query *query, struct orl_
 static double lobe_pdf(const struct orl_material *material, const struct orl_hit *hit,
                        struct orl_vec3 eye, struct orl_vec3 towards)
 {
-    return orl_scatter_pdf(material, hit, eye, ORL_TRANSPORT_EYE,
-                           (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), towards);
+    return orl_material_pdf(material, hit, eye, ORL_TRANSPORT_EYE,
+                            (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), towards);
 }
 
 /* Returns true if rays count the lamp's light: a spotlight's focus is implemented for shadow
@@ -151,206 +156,224 @@ static bool rays_count_lamp(const struct orl_material *lamp)
 }
 
 /* Returns the ray's MIS weight for the light of a lamp at that hit. */
-static double share_of_lamp(const struct orl_world *world, const struct orl_hit *lamp,
-                            const struct orl_chance *chance)
+static double share_of_lamp(const struct orl_lit_scene *lit_scene, const struct orl_hit *lamp,
+                            const struct orl_mis_pdf *mis_pdf)
 {
-    if (chance->mirror > 0 &&
-        !orl_lamp_images_cover(&world->lamp_images, lamp->facet, (uint32_t)(chance->mirror - 1)))
+    if (mis_pdf->mirror > 0 && !orl_virtual_lamps_contain(&lit_scene->virtual_lamps, lamp->facet,
+                                                          (uint32_t)(mis_pdf->mirror - 1)))
         return 1;
-    if (!(chance->pdf > 0))
+    if (!(mis_pdf->pdf > 0))
         return 0;
-    if (!isfinite(chance->pdf))
+    if (!isfinite(mis_pdf->pdf))
         return 1;
-    if (!rays_count_lamp(orl_world_material(world, lamp)))
+    if (!rays_count_lamp(orl_lit_scene_material(lit_scene, lamp)))
         return 0;
-    const double pdf = orl_lamp_aim_pdf_of_hit(world, lamp, chance->from);
-    return isfinite(pdf) ? chance->pdf / (chance->pdf + pdf) : 0;
+    const double pdf = orl_light_pdf_of_hit(lit_scene, lamp, mis_pdf->from);
+    return isfinite(pdf) ? mis_pdf->pdf / (mis_pdf->pdf + pdf) : 0;
 }
 
-struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
-                           struct orl_vec3 eye, const struct orl_chance *chance)
+struct orl_rgb orl_emitted_radiance(const struct orl_lit_scene *lit_scene,
+                                    const struct orl_hit *hit, struct orl_vec3 eye,
+                                    const struct orl_mis_pdf *mis_pdf)
 {
-    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_material *m = orl_lit_scene_material(lit_scene, hit);
     const bool glows = orl_material_glows(m);
     if (!glows && !orl_material_is_lamp(m))
         return orl_gray(0);
-    if (glows && !orl_is_lamp(world->geometry, world->most_aimed_glow, m, hit->facet))
+    if (glows && !orl_is_lamp(lit_scene->geometry, lit_scene->largest_sampled_glow, m, hit->facet))
         return orl_material_emission(m, hit, eye);
-    const double share = share_of_lamp(world, hit, chance);
+    const double share = share_of_lamp(lit_scene, hit, mis_pdf);
     return share > 0 ? orl_rgb_scale(orl_material_emission(m, hit, eye), share) : orl_gray(0);
 }
 
 /* Returns the MIS state after a reflection by a mirror: unchanged for lamps that have images in
  * it. */
-static struct orl_chance chance_after_mirror(const struct orl_world *world, uint32_t facet,
-                                             struct orl_chance before)
+static struct orl_mis_pdf mis_pdf_after_mirror(const struct orl_lit_scene *lit_scene,
+                                               uint32_t facet, struct orl_mis_pdf before)
 {
-    const struct orl_lamp_image *image =
-        before.mirror == ORL_MIRROR_NONE ? orl_lamp_images_in(&world->lamp_images, facet) : NULL;
+    const struct orl_virtual_lamp *image =
+        before.mirror == ORL_MIRROR_NONE
+            ? orl_virtual_lamps_in_mirror(&lit_scene->virtual_lamps, facet)
+            : NULL;
     if (!image)
-        return orl_chance_unsought();
-    return (struct orl_chance){before.pdf, orl_lamp_image_of(image, before.from),
-                               (int64_t)facet + 1};
+        return orl_mis_pdf_infinite();
+    return (struct orl_mis_pdf){before.pdf, orl_virtual_lamp_mirror_point(image, before.from),
+                                (int64_t)facet + 1};
 }
 
-struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
-                                   struct orl_vec3 eye, const struct orl_scatter *scatter,
-                                   struct orl_chance before)
+struct orl_mis_pdf orl_mis_pdf_update(const struct orl_lit_scene *lit_scene,
+                                      const struct orl_hit *hit, struct orl_vec3 eye,
+                                      const struct orl_surface_sample *sample,
+                                      struct orl_mis_pdf before)
 {
-    if (scatter->event == ORL_EVENT_STRAIGHT)
+    if (sample->event == ORL_EVENT_STRAIGHT)
         return before;
-    if (scatter->event == ORL_EVENT_DIFFUSE)
-        return orl_chance_found();
-    if (scatter->event == ORL_EVENT_MIRROR)
-        return chance_after_mirror(world, hit->facet, before);
-    if (scatter->event != ORL_EVENT_GLOSSY)
-        return orl_chance_unsought();
-    if (world->n_emitters == 0)
-        return orl_chance_found();
-    return (struct orl_chance){
-        lobe_pdf(orl_world_material(world, hit), hit, eye, scatter->direction),
-        orl_hit_leave(world->geometry, hit, scatter->direction), ORL_MIRROR_NONE};
+    if (sample->event == ORL_EVENT_DIFFUSE)
+        return orl_mis_pdf_zero();
+    if (sample->event == ORL_EVENT_MIRROR)
+        return mis_pdf_after_mirror(lit_scene, hit->facet, before);
+    if (sample->event != ORL_EVENT_GLOSSY)
+        return orl_mis_pdf_infinite();
+    if (lit_scene->n_emitters == 0)
+        return orl_mis_pdf_zero();
+    return (struct orl_mis_pdf){
+        lobe_pdf(orl_lit_scene_material(lit_scene, hit), hit, eye, sample->direction),
+        orl_hit_ray_origin(lit_scene->geometry, hit, sample->direction), ORL_MIRROR_NONE};
 }
 
 /* Returns the radiance towards `from`: at the sampled point for emitters whose radiance varies,
  * the mean for others. */
 static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
                                   const struct orl_material *material,
-                                  const struct orl_lamp_aim *aim, struct orl_vec3 from)
+                                  const struct orl_light_sample *light_sample, struct orl_vec3 from)
 {
     if (!orl_material_radiance_varies(material))
         return emitter->radiance;
-    const struct orl_hit hit = {.point = orl_madd(from, aim->light, aim->distance),
-                                .normal = aim->normal,
+    const struct orl_hit hit = {.point =
+                                    orl_madd(from, light_sample->light, light_sample->distance),
+                                .normal = light_sample->normal,
                                 .facet = emitter->facet,
                                 .front = true};
-    return orl_material_emission(material, &hit, orl_neg(aim->light));
+    return orl_material_emission(material, &hit, orl_neg(light_sample->light));
 }
 
 static bool is_flat(const struct orl_facet *facet)
 {
-    return facet->kind == ORL_SURFACE_RING || (facet->kind == ORL_SURFACE_POLYGON && !facet->bent);
+    return facet->kind == ORL_SURFACE_RING ||
+           (facet->kind == ORL_SURFACE_POLYGON && !facet->nonplanar);
 }
 
 /* Returns radiance times solid angle for a sampled point of a lamp, without occlusion. */
-static struct orl_rgb lamp_shining(const struct orl_world *world, const struct orl_emitter *emitter,
-                                   struct orl_vec3 from, const struct orl_lamp_aim *aim)
+static struct orl_rgb lamp_radiance(const struct orl_lit_scene *lit_scene,
+                                    const struct orl_emitter *emitter, struct orl_vec3 from,
+                                    const struct orl_light_sample *light_sample)
 {
     struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, emitter->facet, &own);
-    const struct orl_material *m = &world->materials[facet->material];
-    if (!orl_material_beams(m, orl_neg(aim->light)))
+    const struct orl_facet *facet = orl_facet_get_own(lit_scene->geometry, emitter->facet, &own);
+    const struct orl_material *m = &lit_scene->materials[facet->material];
+    if (!orl_spotlight_covers(m, orl_neg(light_sample->light)))
         return orl_gray(0);
-    const double spread = m->focus > 0 ? orl_spot_spread(m->focus, aim->distance) : 1;
-    return orl_rgb_scale(radiance_of(emitter, m, aim, from), aim->measure_sr * spread);
+    const double spread =
+        m->focus > 0 ? orl_spotlight_falloff(m->focus, light_sample->distance) : 1;
+    return orl_rgb_scale(radiance_of(emitter, m, light_sample, from),
+                         light_sample->measure_sr * spread);
 }
 
 /* Returns the transmittance to a point of a lamp at a distance. */
-static struct orl_rgb transmittance_to_lamp(const struct orl_world *world, struct orl_vec3 origin,
-                                            struct orl_vec3 light, double distance, uint32_t lamp,
-                                            bool through_ports)
+static struct orl_rgb transmittance_to_lamp(const struct orl_lit_scene *lit_scene,
+                                            struct orl_vec3 origin, struct orl_vec3 light,
+                                            double distance, uint32_t lamp, bool through_ports)
 {
     struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, lamp, &own);
+    const struct orl_facet *facet = orl_facet_get_own(lit_scene->geometry, lamp, &own);
     const double reach = distance - 2 * facet->offset;
-    struct way way = way_to(origin, light, reach, through_ports);
-    way.target = is_flat(facet) ? lamp : no_target;
-    return reach > 0 ? transmittance_of(world, &way) : orl_gray(1);
+    struct segment segment = segment_to(origin, light, reach, through_ports);
+    segment.target = is_flat(facet) ? lamp : no_target;
+    return reach > 0 ? transmittance_of(lit_scene, &segment) : orl_gray(1);
 }
 
-struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl_emitter *emitter,
-                                 struct orl_vec3 from, const struct orl_lamp_aim *aim,
-                                 bool through_ports)
+struct orl_rgb orl_light_sample_radiance(const struct orl_lit_scene *lit_scene,
+                                         const struct orl_emitter *emitter, struct orl_vec3 from,
+                                         const struct orl_light_sample *light_sample,
+                                         bool through_ports)
 {
-    const struct orl_rgb shining = lamp_shining(world, emitter, from, aim);
+    const struct orl_rgb shining = lamp_radiance(lit_scene, emitter, from, light_sample);
     if (!(orl_rgb_max(shining) > 0))
         return shining;
-    return orl_rgb_mul(shining, transmittance_to_lamp(world, from, aim->light, aim->distance,
-                                                      emitter->facet, through_ports));
+    return orl_rgb_mul(shining, transmittance_to_lamp(lit_scene, from, light_sample->light,
+                                                      light_sample->distance, emitter->facet,
+                                                      through_ports));
 }
 
 /* Returns the shadow ray's MIS weight for a lamp in that direction. The rest is left to rays
  * that are sampled from the query's lobes. */
-static double shadow_ray_weight(const struct orl_world *world, const struct orl_direct_query *query,
-                                const struct orl_emitter *emitter, const struct orl_lamp_aim *aim,
+static double shadow_ray_weight(const struct orl_lit_scene *lit_scene,
+                                const struct orl_direct_query *query,
+                                const struct orl_emitter *emitter,
+                                const struct orl_light_sample *light_sample,
                                 struct orl_vec3 direction)
 {
-    const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
-    if (!query->lobes || !rays_count_lamp(&world->materials[material]))
+    const uint32_t material = orl_facet_material(lit_scene->geometry, emitter->facet);
+    if (!query->lobes || !rays_count_lamp(&lit_scene->materials[material]))
         return 1;
-    return orl_lamp_aim_pdf(aim) /
-           (orl_lamp_aim_pdf(aim) + lobe_pdf(query->lobes, query->hit, query->eye, direction));
+    return orl_light_sample_pdf(light_sample) /
+           (orl_light_sample_pdf(light_sample) +
+            lobe_pdf(query->lobes, query->hit, query->eye, direction));
 }
 
-static struct orl_rgb light_from_emitter(const struct orl_world *world,
+static struct orl_rgb light_from_emitter(const struct orl_lit_scene *lit_scene,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
 {
-    struct orl_lamp_aim aim;
-    if (!orl_lamp_aim(world, emitter, query->point, u, &aim))
+    struct orl_light_sample light_sample;
+    if (!orl_light_sample(lit_scene, emitter, query->point, u, &light_sample))
         return orl_gray(0);
-    const struct orl_rgb seen = response(query, aim.light);
+    const struct orl_rgb seen = response(query, light_sample.light);
     if (!(orl_rgb_max(seen) > 0))
         return orl_gray(0);
-    const struct orl_rgb arriving =
-        orl_lamp_arriving(world, emitter, query->point, &aim, query->through_ports);
-    return orl_rgb_scale(orl_rgb_mul(arriving, seen),
-                         shadow_ray_weight(world, query, emitter, &aim, aim.light));
+    const struct orl_rgb arriving = orl_light_sample_radiance(lit_scene, emitter, query->point,
+                                                              &light_sample, query->through_ports);
+    return orl_rgb_scale(
+        orl_rgb_mul(arriving, seen),
+        shadow_ray_weight(lit_scene, query, emitter, &light_sample, light_sample.light));
 }
 
 /* Returns the transmittance from the query's point in that direction, by the mirror, to the
  * sampled point of the lamp. */
-static struct orl_rgb mirrored_transmittance(const struct orl_world *world,
+static struct orl_rgb mirrored_transmittance(const struct orl_lit_scene *lit_scene,
                                              const struct orl_direct_query *query,
-                                             const struct orl_lamp_image *image,
-                                             const struct orl_lamp_aim *aim,
+                                             const struct orl_virtual_lamp *image,
+                                             const struct orl_light_sample *light_sample,
                                              struct orl_vec3 direction)
 {
     struct orl_hit hit;
     const struct orl_rgb before = panes_transmittance_to_mirror(
-        world, query->point, direction, query->through_ports, image->mirror, &hit);
+        lit_scene, query->point, direction, query->through_ports, image->mirror, &hit);
     if (!(orl_rgb_max(before) > 0))
         return orl_gray(0);
     const double distance = orl_length(orl_sub(hit.point, query->point));
-    struct orl_rgb share = orl_rgb_mul(
-        before, orl_material_mirrored(orl_world_material(world, &hit), &hit, orl_neg(direction)));
-    if (!(orl_rgb_max(share) > 0) || !(distance < aim->distance))
+    struct orl_rgb share =
+        orl_rgb_mul(before, orl_material_mirrored(orl_lit_scene_material(lit_scene, &hit), &hit,
+                                                  orl_neg(direction)));
+    if (!(orl_rgb_max(share) > 0) || !(distance < light_sample->distance))
         return orl_gray(0);
-    if (world->scene->mist)
+    if (lit_scene->scene->mist)
         share = orl_rgb_mul(
-            share, orl_mist_transmittance(world->scene, query->point, direction, distance));
+            share, orl_volume_transmittance(lit_scene->scene, query->point, direction, distance));
     return orl_rgb_mul(
-        share,
-        transmittance_to_lamp(world, orl_hit_leave(world->geometry, &hit, aim->light), aim->light,
-                              aim->distance - distance, image->lamp, query->through_ports));
+        share, transmittance_to_lamp(
+                   lit_scene, orl_hit_ray_origin(lit_scene->geometry, &hit, light_sample->light),
+                   light_sample->light, light_sample->distance - distance, image->lamp,
+                   query->through_ports));
 }
 
 /* Returns the light of a lamp in a mirror, sampled from the mirror image of the query's point
- * (lamp_images.h). */
-static struct orl_rgb mirrored_lamp(const struct orl_world *world,
-                                    const struct orl_lamp_image *image,
-                                    const struct orl_direct_query *query, const double u[2])
+ * (virtual_lamps.h). */
+static struct orl_rgb light_of_virtual_lamp(const struct orl_lit_scene *lit_scene,
+                                            const struct orl_virtual_lamp *image,
+                                            const struct orl_direct_query *query, const double u[2])
 {
-    const struct orl_emitter *emitter = &world->emitters[image->emitter];
-    const struct orl_vec3 from = orl_lamp_image_of(image, query->point);
-    const double height = orl_lamp_image_height(image, query->point);
-    struct orl_lamp_aim aim;
-    if (!orl_lamp_aim(world, emitter, from, u, &aim))
+    const struct orl_emitter *emitter = &lit_scene->emitters[image->emitter];
+    const struct orl_vec3 from = orl_virtual_lamp_mirror_point(image, query->point);
+    const double height = orl_virtual_lamp_height(image, query->point);
+    struct orl_light_sample light_sample;
+    if (!orl_light_sample(lit_scene, emitter, from, u, &light_sample))
         return orl_gray(0);
-    const double along = height / orl_dot(aim.light, image->normal);
-    if (!(along > 0) || !(along < aim.distance))
+    const double along = height / orl_dot(light_sample.light, image->normal);
+    if (!(along > 0) || !(along < light_sample.distance))
         return orl_gray(0);
-    const struct orl_vec3 off = orl_sub(orl_madd(from, aim.light, along), image->center);
-    const struct orl_vec3 direction = orl_lamp_image_turned(image, aim.light);
+    const struct orl_vec3 off = orl_sub(orl_madd(from, light_sample.light, along), image->center);
+    const struct orl_vec3 direction = orl_virtual_lamp_reflect(image, light_sample.light);
     const struct orl_rgb seen = response(query, direction);
     if (!(orl_rgb_max(seen) > 0) || orl_dot(off, off) > image->radius * image->radius)
         return orl_gray(0);
-    const struct orl_rgb shining = lamp_shining(world, emitter, from, &aim);
+    const struct orl_rgb shining = lamp_radiance(lit_scene, emitter, from, &light_sample);
     if (!(orl_rgb_max(shining) > 0))
         return orl_gray(0);
-    const struct orl_rgb share = mirrored_transmittance(world, query, image, &aim, direction);
+    const struct orl_rgb share =
+        mirrored_transmittance(lit_scene, query, image, &light_sample, direction);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(shining, share), seen),
-                         shadow_ray_weight(world, query, emitter, &aim, direction));
+                         shadow_ray_weight(lit_scene, query, emitter, &light_sample, direction));
 }
 
 /* Computes the random numbers for the n-th light. Those of the caller are shifted by n times the
@@ -367,73 +390,75 @@ static void light_numbers(const struct orl_direct_query *query, size_t n, struct
 
 /* Returns the light of a sun's images in the scene's mirrors. u: numbers for the point of the
  * disc. */
-static struct orl_rgb mirrored_sun(const struct orl_world *world, size_t sun,
-                                   const struct orl_direct_query *query, const double u[2])
+static struct orl_rgb light_of_virtual_sun(const struct orl_lit_scene *lit_scene, size_t sun,
+                                           const struct orl_direct_query *query, const double u[2])
 {
     struct orl_rgb sum = orl_gray(0);
-    for (size_t i = 0; i < world->images.n_nodes; i++) {
-        const struct orl_image *image = &world->images.nodes[i];
+    for (size_t i = 0; i < lit_scene->images.n_nodes; i++) {
+        const struct orl_virtual_sun *image = &lit_scene->images.nodes[i];
         if (!image->shown || image->sun != sun ||
-            !orl_images_may_show(&world->images, i, query->point))
+            !orl_virtual_suns_may_show(&lit_scene->images, i, query->point))
             continue;
-        const struct orl_vec3 light = orl_image_sample(world, image, u);
+        const struct orl_vec3 light = orl_virtual_sun_sample(lit_scene, image, u);
         const struct orl_rgb seen = response(query, light);
         if (!(orl_rgb_max(seen) > 0))
             continue;
-        const struct orl_rgb share =
-            orl_image_transmittance(world, query->point, light, image, query->through_ports);
-        sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(world->suns[sun].irradiance, seen), share));
+        const struct orl_rgb share = orl_virtual_sun_transmittance(lit_scene, query->point, light,
+                                                                   image, query->through_ports);
+        sum = orl_rgb_add(sum,
+                          orl_rgb_mul(orl_rgb_mul(lit_scene->suns[sun].irradiance, seen), share));
     }
     return sum;
 }
 
-struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
-                                struct orl_random *random)
+struct orl_rgb orl_direct_light(const struct orl_lit_scene *lit_scene,
+                                const struct orl_direct_query *query, struct orl_random *random)
 {
     struct orl_rgb sum = orl_gray(0);
     double u[2];
-    for (size_t i = 0; i < world->n_suns; i++) {
-        const struct orl_sun *sun = &world->suns[i];
+    for (size_t i = 0; i < lit_scene->n_suns; i++) {
+        const struct orl_sun *sun = &lit_scene->suns[i];
         light_numbers(query, i, random, u);
         const struct orl_vec3 light = orl_sun_sample(sun, u);
         const struct orl_rgb seen = response(query, light);
         if (query->mirrored)
-            sum = orl_rgb_add(sum, mirrored_sun(world, i, query, u));
+            sum = orl_rgb_add(sum, light_of_virtual_sun(lit_scene, i, query, u));
         if (!(orl_rgb_max(seen) > 0))
             continue;
         const struct orl_rgb share =
-            orl_transmittance(world, query->point, light, INFINITY, query->through_ports);
+            orl_transmittance(lit_scene, query->point, light, INFINITY, query->through_ports);
         sum = orl_rgb_add(sum, orl_rgb_mul(orl_rgb_mul(sun->irradiance, seen), share));
     }
-    for (size_t i = 0; i < world->n_emitters; i++) {
-        if (!world->emitters[i].direct)
+    for (size_t i = 0; i < lit_scene->n_emitters; i++) {
+        if (!lit_scene->emitters[i].direct)
             continue;
-        light_numbers(query, world->n_suns + i, random, u);
-        sum = orl_rgb_add(sum, light_from_emitter(world, &world->emitters[i], query, u));
+        light_numbers(query, lit_scene->n_suns + i, random, u);
+        sum = orl_rgb_add(sum, light_from_emitter(lit_scene, &lit_scene->emitters[i], query, u));
     }
     const size_t n_images =
-        query->mirrored && world->n_emitters > 0 ? world->lamp_images.n_images : 0;
+        query->mirrored && lit_scene->n_emitters > 0 ? lit_scene->virtual_lamps.n_images : 0;
     for (size_t i = 0; i < n_images; i++) {
-        const struct orl_lamp_image *image = &world->lamp_images.images[i];
-        light_numbers(query, world->n_suns + world->n_emitters + i, random, u);
-        sum = orl_rgb_add(sum, mirrored_lamp(world, image, query, u));
+        const struct orl_virtual_lamp *image = &lit_scene->virtual_lamps.images[i];
+        light_numbers(query, lit_scene->n_suns + lit_scene->n_emitters + i, random, u);
+        sum = orl_rgb_add(sum, light_of_virtual_lamp(lit_scene, image, query, u));
     }
     return sum;
 }
 
-struct orl_rgb orl_direct_by_images(const struct orl_world *world,
-                                    const struct orl_direct_query *query, struct orl_random *random)
+struct orl_rgb orl_direct_by_virtual_suns(const struct orl_lit_scene *lit_scene,
+                                          const struct orl_direct_query *query,
+                                          struct orl_random *random)
 {
     struct orl_rgb sum = orl_gray(0);
     double u[2];
-    for (size_t i = 0; i < world->n_suns; i++) {
+    for (size_t i = 0; i < lit_scene->n_suns; i++) {
         light_numbers(query, i, random, u);
-        sum = orl_rgb_add(sum, mirrored_sun(world, i, query, u));
+        sum = orl_rgb_add(sum, light_of_virtual_sun(lit_scene, i, query, u));
     }
     return sum;
 }
 
-struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
+struct orl_rgb orl_direct_by_lobes(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random)
 {
@@ -441,27 +466,29 @@ struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct o
     struct orl_rgb sum = orl_gray(0);
     for (int side = 0; side < (orl_material_transmits_lobes(material) ? 2 : 1); side++) {
         const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
-        const struct orl_direct_query query = {.point = orl_hit_leave(world->geometry, hit, normal),
-                                               .normal = normal,
-                                               .through_ports = true,
-                                               .lobes = material,
-                                               .hit = hit,
-                                               .eye = eye,
-                                               .mirrored = true};
-        sum = orl_rgb_add(sum, orl_direct_light(world, &query, random));
+        const struct orl_direct_query query = {
+            .point = orl_hit_ray_origin(lit_scene->geometry, hit, normal),
+            .normal = normal,
+            .through_ports = true,
+            .lobes = material,
+            .hit = hit,
+            .eye = eye,
+            .mirrored = true};
+        sum = orl_rgb_add(sum, orl_direct_light(lit_scene, &query, random));
     }
     return sum;
 }
 
-struct orl_rgb orl_direct_in_mist(const struct orl_world *world, struct orl_vec3 point,
-                                  struct orl_vec3 along, double forward, struct orl_random *random)
+struct orl_rgb orl_direct_in_volume(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,
+                                    struct orl_vec3 along, double asymmetry,
+                                    struct orl_random *random)
 {
     const struct orl_direct_query query = {.point = point,
                                            .normal = along,
                                            .through_ports = true,
                                            .eye = orl_neg(along),
                                            .mist = true,
-                                           .forward = forward,
+                                           .asymmetry = asymmetry,
                                            .mirrored = true};
-    return orl_direct_light(world, &query, random);
+    return orl_direct_light(lit_scene, &query, random);
 }

@@ -6,26 +6,27 @@
 #ifndef ORL_LIGHT_DIRECT_H
 #define ORL_LIGHT_DIRECT_H
 
-#include "light/lamp_aim.h"
-#include "light/world.h"
+#include "light/light_sample.h"
+#include "light/lit_scene.h"
 
 /*
  * Returns the share of light that arrives straight from `direction`, from up to max_distance,
  * through thin glass on the way. If through_ports is false, ports block.
  */
-struct orl_rgb orl_transmittance(const struct orl_world *world, struct orl_vec3 origin,
+struct orl_rgb orl_transmittance(const struct orl_lit_scene *lit_scene, struct orl_vec3 origin,
                                  struct orl_vec3 direction, double max_distance,
                                  bool through_ports);
 /* Returns the transmittance towards a surface that is neither sun nor lamp. The front of an illum
  * blocks it: the illum shines in place of all such surfaces behind it. */
-struct orl_rgb orl_transmittance_to_surface(const struct orl_world *world, struct orl_vec3 origin,
-                                            struct orl_vec3 direction, double max_distance,
-                                            bool through_ports);
+struct orl_rgb orl_transmittance_to_surface(const struct orl_lit_scene *lit_scene,
+                                            struct orl_vec3 origin, struct orl_vec3 direction,
+                                            double max_distance, bool through_ports);
 /* Returns orl_transmittance for an infinite distance, through ports. If *port is ORL_NO_PORT, it
  * becomes the first port by which the ray leaves the building. Otherwise the path has left the
  * building before, and *port is unchanged. */
-struct orl_rgb orl_transmittance_by(const struct orl_world *world, struct orl_vec3 origin,
-                                    struct orl_vec3 direction, int32_t *port);
+struct orl_rgb orl_transmittance_to_infinity(const struct orl_lit_scene *lit_scene,
+                                             struct orl_vec3 origin, struct orl_vec3 direction,
+                                             int32_t *port);
 
 /*
  * A query for the irradiance at a point with a unit normal, from suns and lamps that are sampled
@@ -42,42 +43,44 @@ struct orl_direct_query {
     const struct orl_hit *hit;
     struct orl_vec3 eye;
     /* the point is in a volume, not on a surface: light is scattered towards eye by the phase
-     * function (mist.h) with parameter forward */
+     * function (volume.h) with parameter forward */
     bool mist;
-    double forward;
+    double asymmetry;
     bool mirrored; /* true to add the suns' and lamps' images in flat mirrors */
     /* two numbers in [0,1) of a low-discrepancy sequence; NULL: random ones */
     const double *u;
 };
-struct orl_rgb orl_direct_light(const struct orl_world *world, const struct orl_direct_query *query,
-                                struct orl_random *random);
+struct orl_rgb orl_direct_light(const struct orl_lit_scene *lit_scene,
+                                const struct orl_direct_query *query, struct orl_random *random);
 
 /* Returns the lamp's radiance from the sampled point towards `from`, times the transmittance on
  * the way and the solid angle. Times a cosine it is irradiance. If through_ports is false, ports
  * block. */
-struct orl_rgb orl_lamp_arriving(const struct orl_world *world, const struct orl_emitter *emitter,
-                                 struct orl_vec3 from, const struct orl_lamp_aim *aim,
-                                 bool through_ports);
+struct orl_rgb orl_light_sample_radiance(const struct orl_lit_scene *lit_scene,
+                                         const struct orl_emitter *emitter, struct orl_vec3 from,
+                                         const struct orl_light_sample *light_sample,
+                                         bool through_ports);
 
 /* Returns the part of orl_direct_light that comes from the suns' images in flat mirrors;
  * query.mirrored is ignored. */
-struct orl_rgb orl_direct_by_images(const struct orl_world *world,
-                                    const struct orl_direct_query *query,
-                                    struct orl_random *random);
+struct orl_rgb orl_direct_by_virtual_suns(const struct orl_lit_scene *lit_scene,
+                                          const struct orl_direct_query *query,
+                                          struct orl_random *random);
 
 /* Returns the radiance of suns and lamps that mist scatters at a point towards an eye, whose ray
- * has the direction `along`. The phase function has the parameter forward (mist.h). Traces one
+ * has the direction `along`. The phase function has the parameter forward (volume.h). Traces one
  * shadow ray for each light. */
-struct orl_rgb orl_direct_in_mist(const struct orl_world *world, struct orl_vec3 point,
-                                  struct orl_vec3 along, double forward, struct orl_random *random);
+struct orl_rgb orl_direct_in_volume(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,
+                                    struct orl_vec3 along, double asymmetry,
+                                    struct orl_random *random);
 
 /*
  * Returns the radiance of suns (their images in flat mirrors included) and lamps that the
  * material's lobes at a hit send towards eye. Both sides count if the material transmits. Traces
  * one shadow ray for each light. The rest of the lamps' light is left to rays sampled from the
- * lobes (orl_chance_after).
+ * lobes (orl_mis_pdf_update).
  */
-struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct orl_hit *hit,
+struct orl_rgb orl_direct_by_lobes(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random);
 
@@ -85,11 +88,11 @@ struct orl_rgb orl_direct_by_lobes(const struct orl_world *world, const struct o
  * The pdf with which a ray's direction was sampled, for the MIS weight of lamps that the ray hits:
  * shadow rays may have sampled the same lamps. The weights are the balance heuristic (Veach 1997,
  * chapter 9), so rays count more in a narrow lobe, and shadow rays in a wide one. After one
- * reflection by a flat mirror with lamp images (lamp_images.h), the weights hold for the lamps of
+ * reflection by a flat mirror with lamp images (virtual_lamps.h), the weights hold for the lamps of
  * these images.
  */
 enum { ORL_MIRROR_NONE = 0, ORL_MIRROR_UNKNOWN = -1 };
-struct orl_chance {
+struct orl_mis_pdf {
     /* 1/sr; 0: shadow rays have sampled all lamps; infinite: no shadow rays were traced */
     double pdf;
     /* the point where the ray was sampled from a lobe, or the point's mirror image */
@@ -100,29 +103,31 @@ struct orl_chance {
 };
 
 /* Returns the state of a ray whose lamps shadow rays have sampled, both straight and in mirrors. */
-static inline struct orl_chance orl_chance_found(void)
+static inline struct orl_mis_pdf orl_mis_pdf_zero(void)
 {
-    return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_NONE};
+    return (struct orl_mis_pdf){.pdf = 0, .mirror = ORL_MIRROR_NONE};
 }
 /* Returns the state of a ray whose lamps shadow rays have sampled straight only. */
-static inline struct orl_chance orl_chance_found_straight(void)
+static inline struct orl_mis_pdf orl_mis_pdf_zero_straight(void)
 {
-    return (struct orl_chance){.pdf = 0, .mirror = ORL_MIRROR_UNKNOWN};
+    return (struct orl_mis_pdf){.pdf = 0, .mirror = ORL_MIRROR_UNKNOWN};
 }
-static inline struct orl_chance orl_chance_unsought(void)
+static inline struct orl_mis_pdf orl_mis_pdf_infinite(void)
 {
-    return (struct orl_chance){.pdf = INFINITY, .mirror = ORL_MIRROR_UNKNOWN};
+    return (struct orl_mis_pdf){.pdf = INFINITY, .mirror = ORL_MIRROR_UNKNOWN};
 }
 
 /* Returns the radiance that the surface at a hit emits towards eye; for lamps it is multiplied
  * by the ray's MIS weight. */
-struct orl_rgb orl_shining(const struct orl_world *world, const struct orl_hit *hit,
-                           struct orl_vec3 eye, const struct orl_chance *chance);
+struct orl_rgb orl_emitted_radiance(const struct orl_lit_scene *lit_scene,
+                                    const struct orl_hit *hit, struct orl_vec3 eye,
+                                    const struct orl_mis_pdf *mis_pdf);
 
 /* Returns the MIS state after the event at a surface, where shadow rays have sampled suns and
  * lamps by way of its lobes. */
-struct orl_chance orl_chance_after(const struct orl_world *world, const struct orl_hit *hit,
-                                   struct orl_vec3 eye, const struct orl_scatter *scatter,
-                                   struct orl_chance before);
+struct orl_mis_pdf orl_mis_pdf_update(const struct orl_lit_scene *lit_scene,
+                                      const struct orl_hit *hit, struct orl_vec3 eye,
+                                      const struct orl_surface_sample *sample,
+                                      struct orl_mis_pdf before);
 
 #endif

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "scene/material/hemisphere.h"
 
 enum { BOUNCES = 16, PATHS_OF_A_PLACE = 4, PATHS_OF_A_SPACE = 32, MOST_PANES = 8 };
@@ -31,8 +31,8 @@ static bool is_indoor_pane(const struct orl_scene *scene, const struct orl_hit *
            orl_scene_crossing(scene, hit) == ORL_CROSSING_NONE;
 }
 
-bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from, struct orl_vec3 to,
-                            struct orl_hit *ret_hit)
+bool orl_enclosures_separator(const struct orl_scene *scene, struct orl_vec3 from,
+                              struct orl_vec3 to, struct orl_hit *ret_hit)
 {
     const struct orl_geometry *g = scene->geometry;
     for (int pane = 0; pane < MOST_PANES; pane++) {
@@ -45,7 +45,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
             return false;
         if (!is_indoor_pane(scene, ret_hit))
             return true;
-        from = orl_hit_leave(g, ret_hit, direction);
+        from = orl_hit_ray_origin(g, ret_hit, direction);
         if (!(orl_dot(orl_sub(to, from), direction) > 0))
             return false;
     }
@@ -55,7 +55,7 @@ bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from,
 static bool is_connected(struct search *s, struct orl_vec3 from, struct orl_vec3 to)
 {
     struct orl_hit hit;
-    return orl_ray_budget_take(s->budget) && !orl_enclosures_between(s->scene, from, to, &hit);
+    return orl_ray_budget_take(s->budget) && !orl_enclosures_separator(s->scene, from, to, &hit);
 }
 
 /* ---- Paths ----------------------------------------------------------------------------------- */
@@ -64,7 +64,7 @@ struct path {
     struct orl_vec3 point, direction;
 };
 
-static struct path path_from(const struct orl_outlook *place, struct orl_random *random)
+static struct path path_from(const struct orl_query_point *place, struct orl_random *random)
 {
     const double u = orl_random_uniform(random), v = orl_random_uniform(random);
     return (struct path){place->point, orl_hemisphere_about(place->normal, u, v)};
@@ -88,7 +88,7 @@ static bool advance_path(struct search *s, struct path *path, struct orl_enclosu
         const double u = orl_random_uniform(&s->random), v = orl_random_uniform(&s->random);
         path->direction = orl_hemisphere_about(orl_hit_facing(&hit), u, v);
     }
-    path->point = orl_hit_leave(scene->geometry, &hit, path->direction);
+    path->point = orl_hit_ray_origin(scene->geometry, &hit, path->direction);
     return true;
 }
 
@@ -102,7 +102,7 @@ static void add_point(struct orl_enclosure *e, struct orl_vec3 point, struct orl
         e->points[half + (size_t)(orl_random_uniform(random) * (double)half)] = point;
 }
 
-static void explore_space(struct search *s, const struct orl_outlook *place,
+static void explore_space(struct search *s, const struct orl_query_point *place,
                           struct orl_enclosure *enclosure)
 {
     for (int i = 0; i < PATHS_OF_A_SPACE; i++) {
@@ -115,7 +115,7 @@ static void explore_space(struct search *s, const struct orl_outlook *place,
     }
 }
 
-int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
+int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_query_point *place,
                           struct orl_ray_budget *budget, struct orl_enclosure *ret_enclosure)
 {
     struct search s = {
@@ -154,7 +154,7 @@ static bool is_near(struct search *s, const struct orl_enclosure *e, struct orl_
 
 /* Follows paths from the place until a point on one is connected to a known space with an index
  * from `first` up to `end`. Returns the index, or `end`. */
-static size_t search_by_paths(struct search *s, const struct orl_outlook *place, int n_paths,
+static size_t search_by_paths(struct search *s, const struct orl_query_point *place, int n_paths,
                               size_t first, size_t end)
 {
     struct orl_enclosure unused = {.count = 0};
@@ -173,7 +173,7 @@ static size_t search_by_paths(struct search *s, const struct orl_outlook *place,
     return end;
 }
 
-static size_t find_space(struct search *s, const struct orl_outlook *place, size_t before)
+static size_t find_space(struct search *s, const struct orl_query_point *place, size_t before)
 {
     struct orl_enclosures *found = s->found;
     if (before < found->n && is_in_sight(s, &found->at[before], place->point))
@@ -184,7 +184,7 @@ static size_t find_space(struct search *s, const struct orl_outlook *place, size
     return search_by_paths(s, place, PATHS_OF_A_PLACE, 0, found->n);
 }
 
-static size_t add_space(struct search *s, const struct orl_outlook *place, size_t index)
+static size_t add_space(struct search *s, const struct orl_query_point *place, size_t index)
 {
     struct orl_enclosure *e = &s->found->at[s->found->n];
     *e = (struct orl_enclosure){.first = index, .last = place->point};
@@ -192,7 +192,7 @@ static size_t add_space(struct search *s, const struct orl_outlook *place, size_
     return s->found->n++;
 }
 
-static int sort_places(struct search *s, const struct orl_outlook *places, size_t n)
+static int sort_places(struct search *s, const struct orl_query_point *places, size_t n)
 {
     size_t before = 0;
     for (size_t i = 0; i < n && s->budget->left > 0; i++) {
@@ -235,7 +235,7 @@ static void join_spaces(struct orl_enclosures *found, size_t part, size_t whole,
 
 /* Joins spaces to the largest, after a search with more paths: the few paths before may have
  * missed a door. */
-static int join_largest(struct search *s, const struct orl_outlook *places, size_t n)
+static int join_largest(struct search *s, const struct orl_query_point *places, size_t n)
 {
     struct orl_enclosures *found = s->found;
     const size_t main = found->largest = largest_of(found);
@@ -251,7 +251,7 @@ static int join_largest(struct search *s, const struct orl_outlook *places, size
     return budget_error(s->budget);
 }
 
-int orl_enclosures_new(const struct orl_scene *scene, const struct orl_outlook *places,
+int orl_enclosures_new(const struct orl_scene *scene, const struct orl_query_point *places,
                        size_t n_places, struct orl_ray_budget *budget,
                        struct orl_enclosures **ret_enclosures)
 {

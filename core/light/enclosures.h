@@ -13,14 +13,15 @@
 #ifndef ORL_LIGHT_ENCLOSURES_H
 #define ORL_LIGHT_ENCLOSURES_H
 
-#include "light/reach.h"
-#include "light/scene.h"
+#include "light/reachability.h"
+#include "scene/built/scene.h"
 
 enum { ORL_ENCLOSURES = 64, ORL_ENCLOSURE_POINTS = 48, ORL_ENCLOSURE_UNKNOWN = 255 };
 
 /* Rays that the searches of one job may trace. A search that uses up the last one has no result. */
 struct orl_ray_budget {
-    const struct orl_crew *crew; /* polled for cancellation, which sets `left` to 0; or NULL */
+    const struct orl_thread_pool
+        *pool; /* polled for cancellation, which sets `left` to 0; or NULL */
     uint64_t left, traced;
     bool cancelled;
 };
@@ -32,7 +33,7 @@ static inline bool orl_ray_budget_take(struct orl_ray_budget *budget)
     if (budget->left == 0)
         return false;
     budget->left--;
-    if (++budget->traced % POLL == 0 && orl_crew_cancelled(budget->crew)) {
+    if (++budget->traced % POLL == 0 && orl_thread_pool_cancelled(budget->pool)) {
         budget->cancelled = true;
         budget->left = 0;
     }
@@ -66,21 +67,22 @@ static inline bool orl_enclosure_is_open(const struct orl_enclosure *enclosure)
 }
 
 /* Finds the enclosures of places, which are in moved coordinates and clear of surfaces
- * (orl_stand). A place without a normal is left out. Returns 0 and enclosures that the caller
- * frees, or ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT if the budget is used up. */
-int orl_enclosures_new(const struct orl_scene *scene, const struct orl_outlook *places,
+ * (orl_offset_from_surface). A place without a normal is left out. Returns 0 and enclosures that
+ * the caller frees, or ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT if the budget is used up.
+ */
+int orl_enclosures_new(const struct orl_scene *scene, const struct orl_query_point *places,
                        size_t n_places, struct orl_ray_budget *budget,
                        struct orl_enclosures **ret_enclosures);
 void orl_enclosures_free(struct orl_enclosures *enclosures); /* NULL is allowed */
 
 /* Explores the space around a place by diffuse paths. *ret_enclosure holds only the results of
  * these rays. Returns 0, or ORL_ERR_CANCELLED or ORL_ERR_LIMIT as above. */
-int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_outlook *place,
+int orl_enclosure_explore(const struct orl_scene *scene, const struct orl_query_point *place,
                           struct orl_ray_budget *budget, struct orl_enclosure *ret_enclosure);
 
 /* Finds the first surface on the straight line between two points that separates them. Returns
  * false if there is none. */
-bool orl_enclosures_between(const struct orl_scene *scene, struct orl_vec3 from, struct orl_vec3 to,
-                            struct orl_hit *ret_hit);
+bool orl_enclosures_separator(const struct orl_scene *scene, struct orl_vec3 from,
+                              struct orl_vec3 to, struct orl_hit *ret_hit);
 
 #endif

@@ -3,58 +3,58 @@
 enum { SURE_BOUNCES = 3, MOST_PANES = 64 };
 
 /* State of a path outdoors. */
-struct outing {
+struct exterior_path {
     struct orl_eye_path eye; /* first member: sinks cast its address to the outing */
     /* set: the path may pass ports and finds light that has passed ports; NULL: first light only */
-    struct orl_entry *ret_entry;
+    struct orl_building_entry *ret_entry;
     bool diffused;
     struct orl_health *health;
 };
 
 /* Returns the light of suns and lamps on one side of the surface that its lobes scatter towards
  * the eye. */
-static struct orl_rgb lobes_of_side(const struct outing *o, const struct orl_hit *hit,
+static struct orl_rgb lobes_of_side(const struct exterior_path *o, const struct orl_hit *hit,
                                     struct orl_vec3 eye, struct orl_vec3 side)
 {
-    const struct orl_direct_query query = {.point =
-                                               orl_hit_leave(o->eye.world->geometry, hit, side),
-                                           .normal = side,
-                                           .through_ports = o->ret_entry != NULL,
-                                           .lobes = orl_world_material(o->eye.world, hit),
-                                           .hit = hit,
-                                           .eye = eye,
-                                           .mirrored = true};
-    return orl_direct_light(o->eye.world, &query, o->eye.random);
+    const struct orl_direct_query query = {
+        .point = orl_hit_ray_origin(o->eye.lit_scene->geometry, hit, side),
+        .normal = side,
+        .through_ports = o->ret_entry != NULL,
+        .lobes = orl_lit_scene_material(o->eye.lit_scene, hit),
+        .hit = hit,
+        .eye = eye,
+        .mirrored = true};
+    return orl_direct_light(o->eye.lit_scene, &query, o->eye.random);
 }
 
 /* Returns the light of suns and lamps that a surface of that albedo reflects diffusely, on the
  * eye's side. */
-static struct orl_rgb diffuse_direct(const struct outing *o, const struct orl_hit *hit,
+static struct orl_rgb diffuse_direct(const struct exterior_path *o, const struct orl_hit *hit,
                                      struct orl_vec3 normal, struct orl_rgb albedo)
 {
-    const struct orl_direct_query query = {.point =
-                                               orl_hit_leave(o->eye.world->geometry, hit, normal),
-                                           .normal = normal,
-                                           .through_ports = o->ret_entry != NULL,
-                                           .mirrored = true};
+    const struct orl_direct_query query = {
+        .point = orl_hit_ray_origin(o->eye.lit_scene->geometry, hit, normal),
+        .normal = normal,
+        .through_ports = o->ret_entry != NULL,
+        .mirrored = true};
     return orl_rgb_mul(orl_rgb_scale(albedo, 1 / ORL_PI),
-                       orl_direct_light(o->eye.world, &query, o->eye.random));
+                       orl_direct_light(o->eye.lit_scene, &query, o->eye.random));
 }
 
 /*
  * Returns true if this path counts light from behind the surface. First light has passed no port,
  * so light through a pane in front of another pane is excluded: that pane emits it.
  */
-static bool counts_light_behind(const struct outing *o, const struct orl_hit *hit)
+static bool counts_light_behind(const struct exterior_path *o, const struct orl_hit *hit)
 {
-    return o->ret_entry || orl_world_crossing(o->eye.world, hit) == ORL_CROSSING_NONE;
+    return o->ret_entry || orl_lit_scene_crossing(o->eye.lit_scene, hit) == ORL_CROSSING_NONE;
 }
 
 /* Returns the light of suns and lamps that this surface scatters towards the eye. */
-static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_hit *hit,
+static struct orl_rgb scattered_direct(const struct exterior_path *o, const struct orl_hit *hit,
                                        struct orl_vec3 eye)
 {
-    const struct orl_material *m = orl_world_material(o->eye.world, hit);
+    const struct orl_material *m = orl_lit_scene_material(o->eye.lit_scene, hit);
     const struct orl_vec3 normal = orl_hit_facing(hit);
     const struct orl_rgb diffuse = orl_material_diffuse(m, hit);
     struct orl_rgb sum = orl_gray(0);
@@ -73,25 +73,26 @@ static struct orl_rgb scattered_direct(const struct outing *o, const struct orl_
  * is kept and their shape is not: light is scattered diffusely, by the albedo for its direction of
  * incidence.
  */
-static struct orl_rgb diffused_bsdf_direct(const struct outing *o, const struct orl_hit *hit)
+static struct orl_rgb diffused_bsdf_direct(const struct exterior_path *o, const struct orl_hit *hit)
 {
-    const struct orl_world *world = o->eye.world;
-    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_lit_scene *lit_scene = o->eye.lit_scene;
+    const struct orl_material *m = orl_lit_scene_material(lit_scene, hit);
     const struct orl_vec3 normal = orl_hit_facing(hit);
     struct orl_rgb sum = orl_gray(0);
-    for (size_t i = 0; i < world->n_suns; i++) {
-        const struct orl_vec3 sun = world->suns[i].frame.n;
+    for (size_t i = 0; i < lit_scene->n_suns; i++) {
+        const struct orl_vec3 sun = lit_scene->suns[i].frame.n;
         const double cosine = orl_dot(sun, normal);
         if (cosine == 0 || (cosine < 0 && !counts_light_behind(o, hit)))
             continue;
         const struct orl_vec3 side = cosine > 0 ? normal : orl_neg(normal);
         const struct orl_rgb albedo = orl_material_albedo(
             m, hit, sun, cosine > 0 ? ORL_LOBE_REFLECTED : ORL_LOBE_TRANSMITTED);
-        const struct orl_rgb share = orl_transmittance(
-            world, orl_hit_leave(world->geometry, hit, side), sun, INFINITY, o->ret_entry != NULL);
-        sum = orl_rgb_add(
-            sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(albedo, share), world->suns[i].irradiance),
-                               fabs(cosine) / ORL_PI));
+        const struct orl_rgb share =
+            orl_transmittance(lit_scene, orl_hit_ray_origin(lit_scene->geometry, hit, side), sun,
+                              INFINITY, o->ret_entry != NULL);
+        sum = orl_rgb_add(sum, orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(albedo, share),
+                                                         lit_scene->suns[i].irradiance),
+                                             fabs(cosine) / ORL_PI));
     }
     return sum;
 }
@@ -100,105 +101,108 @@ static struct orl_rgb diffused_bsdf_direct(const struct outing *o, const struct 
  * Returns the radiance of unobstructed domes and of lights. Surfaces outside transmit or block
  * light, and reflect none.
  */
-static struct orl_rgb unreflected_radiance(struct outing *o)
+static struct orl_rgb unreflected_radiance(struct exterior_path *o)
 {
     struct orl_eye_path *p = &o->eye;
-    const struct orl_world *world = p->world;
+    const struct orl_lit_scene *lit_scene = p->lit_scene;
     o->health->paths++;
     for (int pane = 0; pane < MOST_PANES; pane++) {
         o->health->rays++;
-        if (!orl_path_meet(world, &p->path, &p->hit)) {
-            orl_eye_path_see(p, orl_world_dome_radiance(world, p->path.direction));
+        if (!orl_path_intersect(lit_scene, &p->path, &p->hit)) {
+            orl_eye_path_add_radiance(p, orl_lit_scene_dome_radiance(lit_scene, p->path.direction));
             return p->seen;
         }
-        orl_eye_path_see(p, orl_shining(world, &p->hit, orl_path_back(&p->path), &p->chance));
-        if (!orl_path_look_through(&p->path, orl_world_material(world, &p->hit), &p->hit) ||
+        orl_eye_path_add_radiance(
+            p, orl_emitted_radiance(lit_scene, &p->hit, orl_path_back(&p->path), &p->chance));
+        if (!orl_path_transmit_straight(&p->path, orl_lit_scene_material(lit_scene, &p->hit),
+                                        &p->hit) ||
             !counts_light_behind(o, &p->hit) ||
-            orl_world_crossing(world, &p->hit) == ORL_CROSSING_INWARDS)
+            orl_lit_scene_crossing(lit_scene, &p->hit) == ORL_CROSSING_INWARDS)
             return p->seen;
-        orl_path_pass(&p->path, world, &p->hit);
+        orl_path_skip_surface(&p->path, lit_scene, &p->hit);
     }
     return p->seen;
 }
 
-bool orl_port_looks(const struct orl_world *world, const struct orl_port *port)
+bool orl_port_traces_exterior(const struct orl_lit_scene *lit_scene, const struct orl_port *port)
 {
-    return !port->clear && !world->omit.exterior;
+    return !port->clear && !lit_scene->omit.exterior;
 }
 
-struct orl_rgb orl_port_radiance(const struct orl_world *world, const struct orl_port *port,
+struct orl_rgb orl_port_radiance(const struct orl_lit_scene *lit_scene, const struct orl_port *port,
                                  struct orl_vec3 origin, struct orl_vec3 direction,
                                  struct orl_random *random, struct orl_health *health)
 {
     if (!port->clear)
-        return orl_exterior_radiance(world, origin, direction, orl_chance_found_straight(), random,
-                                     health, NULL);
+        return orl_exterior_radiance(lit_scene, origin, direction, orl_mis_pdf_zero_straight(),
+                                     random, health, NULL);
     health->paths++;
-    return orl_world_dome_radiance(world, direction);
+    return orl_lit_scene_dome_radiance(lit_scene, direction);
 }
 
 /* ---- Path tracing ---------------------------------------------------------------------------- */
 
-static struct outing *outing_of(struct orl_eye_path *p)
+static struct exterior_path *exterior_path_of(struct orl_eye_path *p)
 {
-    return (struct outing *)p;
+    return (struct exterior_path *)p;
 }
 
 static bool is_entry(const struct orl_eye_path *p)
 {
-    return orl_world_crossing(p->world, &p->hit) == ORL_CROSSING_INWARDS;
+    return orl_lit_scene_crossing(p->lit_scene, &p->hit) == ORL_CROSSING_INWARDS;
 }
 
 /* Returns true if sunlight is scattered diffusely at the hit (diffused_bsdf_direct). */
-static bool is_diffused_bsdf(const struct outing *o, const struct orl_material *m)
+static bool is_diffused_bsdf(const struct exterior_path *o, const struct orl_material *m)
 {
     return o->diffused && m->kind == ORL_MATERIAL_BSDF && is_entry(&o->eye);
 }
 
 static void count_ray(struct orl_eye_path *p)
 {
-    outing_of(p)->health->rays++;
+    exterior_path_of(p)->health->rays++;
 }
 
 static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
 {
-    const struct outing *o = outing_of(p);
+    const struct exterior_path *o = exterior_path_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
     count_ray(p);
-    orl_eye_path_see(p, orl_shining(p->world, &p->hit, eye, &p->chance));
-    orl_eye_path_see(p, is_diffused_bsdf(o, m) ? diffused_bsdf_direct(o, &p->hit)
-                                               : scattered_direct(o, &p->hit, eye));
+    orl_eye_path_add_radiance(p, orl_emitted_radiance(p->lit_scene, &p->hit, eye, &p->chance));
+    orl_eye_path_add_radiance(p, is_diffused_bsdf(o, m) ? diffused_bsdf_direct(o, &p->hit)
+                                                        : scattered_direct(o, &p->hit, eye));
     return counts_light_behind(o, &p->hit)
                ? ORL_LOBE_ALL
                : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_DIFFUSE);
 }
 
 /* Russian roulette for long paths; hands paths that enter a building back to the caller. */
-static bool continue_path(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool continue_path(struct orl_eye_path *p, const struct orl_surface_sample *s)
 {
-    struct outing *o = outing_of(p);
+    struct exterior_path *o = exterior_path_of(p);
     if (p->bounce >= SURE_BOUNCES &&
-        !orl_path_survives(&p->path, orl_smaller(orl_rgb_max(p->path.weight), 1), p->random))
+        !orl_path_roulette(&p->path, orl_smaller(orl_rgb_max(p->path.weight), 1), p->random))
         return false;
-    p->chance = is_diffused_bsdf(o, orl_world_material(p->world, &p->hit))
-                    ? orl_chance_found()
-                    : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
+    p->chance =
+        is_diffused_bsdf(o, orl_lit_scene_material(p->lit_scene, &p->hit))
+            ? orl_mis_pdf_zero()
+            : orl_mis_pdf_update(p->lit_scene, &p->hit, orl_path_back(&p->path), s, p->chance);
     o->diffused = o->diffused || s->event == ORL_EVENT_DIFFUSE;
     if (!o->ret_entry || !s->transmitted || !is_entry(p))
         return true;
-    orl_path_leave(&p->path, p->world, &p->hit, s);
-    *o->ret_entry = (struct orl_entry){true, p->path, p->chance};
+    orl_path_spawn_ray(&p->path, p->lit_scene, &p->hit, s);
+    *o->ret_entry = (struct orl_building_entry){true, p->path, p->chance};
     return false;
 }
 
-static const struct orl_eye_sink sink = {
-    .escaped = count_ray, .met = shade_hit, .sent_on = continue_path};
+static const struct orl_path_visitor visitor = {
+    .escaped = count_ray, .met = shade_hit, .on_sampled = continue_path};
 
 /* Follows the path to its end, or to where it enters a building. */
-static struct orl_rgb trace_path(struct outing *o)
+static struct orl_rgb trace_path(struct exterior_path *o)
 {
     o->health->paths++;
-    orl_eye_path_follow(&o->eye, &sink, o->health);
+    orl_eye_path_trace(&o->eye, &visitor, o->health);
     return o->eye.seen;
 }
 
@@ -206,51 +210,55 @@ static struct orl_rgb trace_path(struct outing *o)
 
 /* Sets all members but the path. Does not clear the struct first: most of it is the hit, which
  * is written later. */
-static void init_outing(struct outing *o, const struct orl_world *world, struct orl_chance chance,
-                        struct orl_random *random, struct orl_health *health)
+static void init_exterior_path(struct exterior_path *o, const struct orl_lit_scene *lit_scene,
+                               struct orl_mis_pdf chance, struct orl_random *random,
+                               struct orl_health *health)
 {
     struct orl_eye_path *p = &o->eye;
-    p->world = world;
+    p->lit_scene = lit_scene;
     p->random = random;
     p->seen = orl_gray(0);
     p->chance = chance;
     p->bounce = 0;
-    p->outside = p->clear = p->looked = p->met = false;
+    p->outside = p->clear = p->next_hit_known = p->met = false;
     o->ret_entry = NULL;
     o->diffused = false;
     o->health = health;
 }
 
-struct orl_rgb orl_exterior_radiance_from(const struct orl_world *world, struct orl_vec3 direction,
-                                          const struct orl_hit *first, struct orl_chance chance,
-                                          struct orl_random *random, struct orl_health *health)
+struct orl_rgb orl_exterior_radiance_from(const struct orl_lit_scene *lit_scene,
+                                          struct orl_vec3 direction, const struct orl_hit *first,
+                                          struct orl_mis_pdf chance, struct orl_random *random,
+                                          struct orl_health *health)
 {
-    struct outing outing;
-    init_outing(&outing, world, chance, random, health);
-    outing.eye.path = orl_path_from(orl_v3(0, 0, 0), direction);
-    orl_eye_path_foresee(&outing.eye, first);
-    return trace_path(&outing);
+    struct exterior_path exterior_path;
+    init_exterior_path(&exterior_path, lit_scene, chance, random, health);
+    exterior_path.eye.path = orl_path_from(orl_v3(0, 0, 0), direction);
+    orl_eye_path_set_next_hit(&exterior_path.eye, first);
+    return trace_path(&exterior_path);
 }
 
-struct orl_rgb orl_exterior_radiance(const struct orl_world *world, struct orl_vec3 origin,
-                                     struct orl_vec3 direction, struct orl_chance chance,
+struct orl_rgb orl_exterior_radiance(const struct orl_lit_scene *lit_scene, struct orl_vec3 origin,
+                                     struct orl_vec3 direction, struct orl_mis_pdf chance,
                                      struct orl_random *random, struct orl_health *health,
-                                     struct orl_entry *ret_entry)
+                                     struct orl_building_entry *ret_entry)
 {
-    struct outing outing;
-    init_outing(&outing, world, chance, random, health);
-    outing.eye.path = orl_path_from(origin, direction);
-    outing.ret_entry = ret_entry;
+    struct exterior_path exterior_path;
+    init_exterior_path(&exterior_path, lit_scene, chance, random, health);
+    exterior_path.eye.path = orl_path_from(origin, direction);
+    exterior_path.ret_entry = ret_entry;
     if (ret_entry)
         ret_entry->entered = false;
-    return world->omit.exterior ? unreflected_radiance(&outing) : trace_path(&outing);
+    return lit_scene->omit.exterior ? unreflected_radiance(&exterior_path)
+                                    : trace_path(&exterior_path);
 }
 
-bool orl_exterior_pass(struct orl_eye_path *p, struct orl_health *health)
+bool orl_exterior_continue(struct orl_eye_path *p, struct orl_health *health)
 {
-    struct orl_entry entry;
-    orl_eye_path_see(p, orl_exterior_radiance(p->world, p->path.origin, p->path.direction,
-                                              p->chance, p->random, health, &entry));
+    struct orl_building_entry entry;
+    orl_eye_path_add_radiance(p,
+                              orl_exterior_radiance(p->lit_scene, p->path.origin, p->path.direction,
+                                                    p->chance, p->random, health, &entry));
     if (!entry.entered)
         return false;
     const struct orl_rgb weight = orl_rgb_mul(p->path.weight, entry.path.weight);

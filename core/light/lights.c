@@ -2,14 +2,14 @@
 
 #include <stdlib.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
-#include "base/circle.h"
-#include "base/vectors.h"
+#include "base/multiversion.h"
+#include "base/sampling/sincos.h"
 #include "light/sky.h"
 #include "scene/material/bounds.h"
 #include "scene/material/kinds.h"
-#include "scene/material/pattern.h"
+#include "scene/material/patterns/pattern.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;
@@ -24,7 +24,7 @@ struct distant {
     const struct orl_pattern *pattern;
     struct orl_vec3 direction;
     double angle_deg;
-    bool seen_alone;
+    bool views_only;
 };
 
 struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 direction)
@@ -45,7 +45,7 @@ static void add_distant(struct orl_lights *lights, const struct distant *d)
                                                              .sky = d->sky,
                                                              .pattern = d->pattern,
                                                              .light = d->kind == ORL_MATERIAL_LIGHT,
-                                                             .seen_alone = d->seen_alone};
+                                                             .views_only = d->views_only};
         return;
     }
     /* 1 - cos without cancellation: the sun's disc is only half a degree wide. */
@@ -64,16 +64,16 @@ static void add_distant(struct orl_lights *lights, const struct distant *d)
 
 static void add_scene_lights(struct orl_lights *lights)
 {
-    const struct orl_description *d = &lights->scene->description;
-    for (size_t i = 0; i < d->n_distants; i++) {
-        const struct orl_material *m = &d->materials[d->distants[i].material];
+    const struct orl_parsed_scene *d = &lights->scene->parsed_scene;
+    for (size_t i = 0; i < d->n_distant_sources; i++) {
+        const struct orl_material *m = &d->materials[d->distant_sources[i].material];
         add_distant(lights, &(struct distant){.kind = m->kind,
                                               .radiance = m->color,
                                               .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
                                               .pattern = m->pattern,
-                                              .direction = d->distants[i].direction,
-                                              .angle_deg = d->distants[i].angle_deg,
-                                              .seen_alone = m->kind == ORL_MATERIAL_GLOW &&
+                                              .direction = d->distant_sources[i].direction,
+                                              .angle_deg = d->distant_sources[i].angle_deg,
+                                              .views_only = m->kind == ORL_MATERIAL_GLOW &&
                                                             !orl_material_glows(m)});
     }
 }
@@ -104,45 +104,45 @@ static void add_sky_lights(struct orl_lights *lights, const struct orl_daylight 
 enum { MOST_AIMED_GLOWS = 64 };
 static const double most_of_sphere = 0.02;
 
-static double most_aimed_glow(const struct orl_scene *scene)
+static double largest_sampled_glow(const struct orl_scene *scene)
 {
     const double radius = scene->geometry->radius;
     size_t glows = 0;
-    for (size_t i = 0; i < scene->n_shining; i++)
-        glows += orl_material_glows(orl_scene_material(scene, scene->shining[i]));
+    for (size_t i = 0; i < scene->n_emissive; i++)
+        glows += orl_material_glows(orl_scene_material(scene, scene->emissive[i]));
     return glows <= MOST_AIMED_GLOWS ? most_of_sphere * 4 * ORL_PI * radius * radius : 0;
 }
 
-bool orl_is_lamp(const struct orl_geometry *geometry, double most_aimed_glow,
+bool orl_is_lamp(const struct orl_geometry *geometry, double largest_sampled_glow,
                  const struct orl_material *material, uint32_t facet)
 {
     return orl_material_is_lamp(material) ||
            (material->kind == ORL_MATERIAL_GLOW && orl_material_glows(material) &&
-            !orl_facet_is_placed(geometry, facet) &&
-            orl_facet_area(geometry, facet) <= most_aimed_glow);
+            !orl_facet_is_instanced(geometry, facet) &&
+            orl_facet_area(geometry, facet) <= largest_sampled_glow);
 }
 
 static void add_emitters(struct orl_lights *lights)
 {
     const struct orl_scene *scene = lights->scene;
-    lights->most_aimed_glow = most_aimed_glow(scene);
-    for (size_t i = 0; i < scene->n_shining; i++) {
-        const struct orl_material *m = orl_scene_material(scene, scene->shining[i]);
+    lights->largest_sampled_glow = largest_sampled_glow(scene);
+    for (size_t i = 0; i < scene->n_emissive; i++) {
+        const struct orl_material *m = orl_scene_material(scene, scene->emissive[i]);
         const bool direct =
-            orl_is_lamp(scene->geometry, lights->most_aimed_glow, m, scene->shining[i]);
+            orl_is_lamp(scene->geometry, lights->largest_sampled_glow, m, scene->emissive[i]);
         lights->emitters[lights->n_emitters++] =
-            (struct orl_emitter){scene->shining[i], orl_material_radiance_mean(m),
-                                 orl_material_radiance_most(m), direct};
+            (struct orl_emitter){scene->emissive[i], orl_material_mean_radiance(m),
+                                 orl_material_max_radiance(m), direct};
     }
 }
 
-int orl_lights_admit(const struct orl_description *description, struct orl_error *err)
+int orl_lights_check_sky(const struct orl_parsed_scene *parsed_scene, struct orl_error *err)
 {
-    if (description->n_distants == 0)
+    if (parsed_scene->n_distant_sources == 0)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID,
                   "the job gives a sky, but the scene has the distant source '%.100s' already",
-                  description->distants[0].name);
+                  parsed_scene->distant_sources[0].name);
     orl_error_at(err, NULL, 0, "sky");
     orl_error_hint(err, "leave the sky out of the job, or out of the scene");
     return ORL_ERR_INVALID;
@@ -151,8 +151,8 @@ int orl_lights_admit(const struct orl_description *description, struct orl_error
 int orl_lights_new(struct orl_scene *scene, const struct orl_daylight *sky,
                    struct orl_lights **ret_lights, struct orl_error *err)
 {
-    const size_t distants = scene->description.n_distants;
-    const int code = sky ? orl_lights_admit(&scene->description, err) : 0;
+    const size_t distant_sources = scene->parsed_scene.n_distant_sources;
+    const int code = sky ? orl_lights_check_sky(&scene->parsed_scene, err) : 0;
     struct orl_lights *lights = code == 0 ? calloc(1, sizeof *lights) : NULL;
     if (code < 0)
         return code;
@@ -160,9 +160,9 @@ int orl_lights_new(struct orl_scene *scene, const struct orl_daylight *sky,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
     atomic_init(&lights->holders, 1);
     lights->scene = orl_scene_hold(scene);
-    lights->suns = calloc(distants + 1, sizeof *lights->suns);
-    lights->domes = calloc(distants + OF_A_SKY, sizeof *lights->domes);
-    lights->emitters = calloc(scene->n_shining + 1, sizeof *lights->emitters);
+    lights->suns = calloc(distant_sources + 1, sizeof *lights->suns);
+    lights->domes = calloc(distant_sources + OF_A_SKY, sizeof *lights->domes);
+    lights->emitters = calloc(scene->n_emissive + 1, sizeof *lights->emitters);
     if (!lights->suns || !lights->domes || !lights->emitters) {
         orl_lights_release(lights);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
@@ -197,7 +197,7 @@ static inline struct orl_vec3 disc_point(const struct orl_sun *sun, const double
 {
     const double down = u[0] * (1 - sun->cos_half_angle), cosine = 1 - down;
     const double sine = sqrt(down * (2 - down));
-    const struct orl_circle circle = orl_circle_turn(u[1]);
+    const struct orl_sincos circle = orl_sincos_turn(u[1]);
     return orl_to_world(&sun->frame, orl_v3(sine * circle.cosine, sine * circle.sine, cosine));
 }
 
@@ -245,7 +245,7 @@ void orl_lights_digest(const struct orl_lights *lights, unsigned char ret_digest
                                   dome->radiance.r,
                                   dome->radiance.g,
                                   dome->radiance.b,
-                                  dome->light + 2 * dome->seen_alone};
+                                  dome->light + 2 * dome->views_only};
         orl_sha256_add(&hash, numbers, sizeof numbers);
         hash_sky(&hash, dome->sky);
         if (dome->pattern)

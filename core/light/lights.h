@@ -8,7 +8,7 @@
 #define ORL_LIGHT_LIGHTS_H
 
 #include "light/daylight.h"
-#include "light/scene.h"
+#include "scene/built/scene.h"
 
 /* A small distant light, which is sampled directly: the sun, as gendaylit writes it. */
 struct orl_sun {
@@ -30,7 +30,7 @@ struct orl_dome {
     /* multiplies radiance, for patterns that are not such a sky; NULL for none */
     const struct orl_pattern *pattern;
     bool light;      /* a light, not a glow */
-    bool seen_alone; /* exists for views only: it lights nothing */
+    bool views_only; /* exists for views only: it lights nothing */
 };
 
 /* Returns the radiance of a dome in a direction within it. */
@@ -58,7 +58,8 @@ struct orl_lights {
     size_t n_domes;
     struct orl_emitter *emitters;
     size_t n_emitters;
-    double most_aimed_glow; /* area up to which glows are sampled by shadow rays; 0: no glow is */
+    double
+        largest_sampled_glow; /* area up to which glows are sampled by shadow rays; 0: no glow is */
     atomic_uint holders;
 };
 
@@ -71,7 +72,7 @@ int orl_lights_new(struct orl_scene *scene, const struct orl_daylight *sky,
                    struct orl_lights **ret_lights, struct orl_error *err);
 
 /* Checks that a scene can be given a sky. Returns 0 or ORL_ERR_INVALID. */
-int orl_lights_admit(const struct orl_description *description, struct orl_error *err);
+int orl_lights_check_sky(const struct orl_parsed_scene *parsed_scene, struct orl_error *err);
 
 struct orl_lights *orl_lights_hold(struct orl_lights *lights);
 /* NULL is allowed. */
@@ -79,7 +80,7 @@ void orl_lights_release(struct orl_lights *lights);
 
 /* Returns true if a facet of that material is sampled by shadow rays. Glows are, up to the area
  * most_aimed_glow. */
-bool orl_is_lamp(const struct orl_geometry *geometry, double most_aimed_glow,
+bool orl_is_lamp(const struct orl_geometry *geometry, double largest_sampled_glow,
                  const struct orl_material *material, uint32_t facet);
 
 /* Computes a digest of suns and domes by the light that they emit: two requests for one sky have

@@ -1,17 +1,17 @@
 /* The table of classes of paths and of the strategies that find them. */
-#include <oriel/paths.h>
+#include <oriel/job/paths.h>
 
 #include <stddef.h>
 
 enum {
-    RAYS = ORL_FIND_BY_RAYS,
-    PORTS = ORL_FIND_BY_PORT_RAYS,
-    SHADOW = ORL_FIND_BY_SHADOW_RAYS,
-    IMAGES = ORL_FIND_BY_IMAGES,
-    BEAMS = ORL_FIND_BY_BEAMS,
-    CAUSTIC = ORL_FIND_BY_CAUSTIC_PHOTONS,
-    GLOBAL = ORL_FIND_BY_PHOTONS,
-    CHANCE = ORL_FIND_BY_CHANCE
+    RAYS = ORL_PATHS_BY_BSDF_SAMPLING,
+    PORTS = ORL_PATHS_BY_PORT_SAMPLING,
+    SHADOW = ORL_PATHS_BY_SHADOW_RAYS,
+    IMAGES = ORL_PATHS_BY_VIRTUAL_LIGHTS,
+    BEAMS = ORL_PATHS_BY_SUN_LOBES,
+    CAUSTIC = ORL_PATHS_BY_CAUSTIC_PHOTONS,
+    GLOBAL = ORL_PATHS_BY_GLOBAL_PHOTONS,
+    CHANCE = ORL_PATHS_BY_CHANCE
 };
 
 /* A cell whose strategies are the same for both receivers, and one whose strategies differ. */
@@ -30,7 +30,7 @@ enum {
  * RAYS, PORTS, SHADOW, IMAGES and BEAMS sample the same variable, the direction at the receiver. If
  * a cell has several of them they are combined by the balance heuristic (Veach 1997, 9.2). Photons
  * are not combined with them: photons of light that these strategies find are not counted
- * (photon/flight/found.h).
+ * (photon/tracing/path_owner.h).
  */
 static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL_RECEIVERS] = {
     /* Global photons start at windows with the radiance that arrives there. If the map is read
@@ -59,13 +59,13 @@ static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL
                                      BOTH(CAUSTIC)},
     [ORL_PATHS_TWO_LAMP_MIRRORS] = {BOTH(CHANCE), BOTH(CHANCE), BOTH(CAUSTIC), BOTH(CAUSTIC),
                                     BOTH(CAUSTIC)},
-    /* Paths connect to virtual lamps, which are global photons. Rays of a final gather read the
-     * photon density where they end. */
+    /* Paths connect to virtual point lights, which are global photons. Rays of a final gather read
+     * the photon density where they end. */
     [ORL_PATHS_DIFFUSE] = {BOTH(RAYS), BOTH(RAYS | PORTS | GLOBAL), BOTH(RAYS | PORTS | GLOBAL),
                            AIR_SURFACE(RAYS | PORTS | GLOBAL, GLOBAL),
                            AIR_SURFACE(RAYS | PORTS | GLOBAL, GLOBAL)},
     /* Mist does not scatter photons. */
-    [ORL_PATHS_MIST] = {BOTH(RAYS), BOTH(RAYS), BOTH(0), BOTH(0), BOTH(0)},
+    [ORL_PATHS_VOLUME] = {BOTH(RAYS), BOTH(RAYS), BOTH(0), BOTH(0), BOTH(0)},
 };
 
 static const struct {
@@ -86,7 +86,7 @@ static const struct {
     [ORL_PATHS_MANY_LAMP_MIRRORS] = {"many-lamp-mirrors", "lamps by way of very many flat mirrors"},
     [ORL_PATHS_TWO_LAMP_MIRRORS] = {"two-lamp-mirrors", "lamps by way of two flat mirrors"},
     [ORL_PATHS_DIFFUSE] = {"diffuse", "light reflected diffusely"},
-    [ORL_PATHS_MIST] = {"mist", "light scattered by mist"},
+    [ORL_PATHS_VOLUME] = {"mist", "light scattered by mist"},
 };
 
 const char *orl_path_class_name(enum orl_path_class class)

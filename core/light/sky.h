@@ -5,7 +5,7 @@
 #ifndef ORL_LIGHT_SKY_H
 #define ORL_LIGHT_SKY_H
 
-#include "scene/description.h"
+#include "scene/parsed_scene.h"
 
 /* Returns skybright(direction) as Radiance's perezlum.cal / skybright.cal define it; direction
  * is unit. */

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 #include "light/daylight.h"
 

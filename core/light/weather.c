@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
-#include <oriel/scanner.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/scanner.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 #include "light/weather_order.h"
 
 struct reader {
@@ -464,7 +464,7 @@ static int finish_rows(struct reader *reader)
     } else if (reader->weather.n_rows == 0) {
         code = fail_at_line(reader, ORL_ERR_SYNTAX, "the weather file has no rows");
     } else {
-        code = orl_weather_arrange(&reader->weather, reader->scanner.name, reader->err);
+        code = orl_weather_sort_rows(&reader->weather, reader->scanner.name, reader->err);
     }
     if (code < 0)
         return code;

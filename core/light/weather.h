@@ -25,8 +25,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/error.h>
-#include <oriel/sky.h>
+#include <oriel/base/error.h>
+#include <oriel/job/sky.h>
 
 /* Meaning and unit of a row's two numbers; the values are WEA's weather_data_file_units. */
 enum orl_weather_units {

@@ -114,7 +114,7 @@ static int check_times(const struct orl_weather *weather, const char *name, stru
     return code;
 }
 
-int orl_weather_arrange(struct orl_weather *weather, const char *name, struct orl_error *err)
+int orl_weather_sort_rows(struct orl_weather *weather, const char *name, struct orl_error *err)
 {
     size_t back = 0;
     carry_hours(weather);

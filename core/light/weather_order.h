@@ -16,6 +16,6 @@ bool orl_weather_has_leap_day(const struct orl_weather *weather);
  * and counted in n_moved. Rows in any other order stay as they are. Returns 0, ORL_ERR_NOMEM, or
  * ORL_ERR_RANGE if two rows have the same time.
  */
-int orl_weather_arrange(struct orl_weather *weather, const char *name, struct orl_error *err);
+int orl_weather_sort_rows(struct orl_weather *weather, const char *name, struct orl_error *err);
 
 #endif

@@ -26,7 +26,7 @@
 #ifndef ORL_METRICS_DGP_H
 #define ORL_METRICS_DGP_H
 
-#include <oriel/glare.h>
+#include <oriel/job/glare.h>
 
 struct orl_dgp_options {
     enum orl_dgp_constants constants;

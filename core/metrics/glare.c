@@ -2,12 +2,12 @@
 
 #include <stdlib.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/sum.h"
+#include "base/statistics/sum.h"
 #include "metrics/dgp.h"
 #include "metrics/indices.h"
-#include "metrics/part.h"
+#include "metrics/luminance_stats.h"
 
 static const double usual_threshold = 2000, usual_factor = 5, most_factor = 100;
 static const double usual_radius_rad = 0.2, usual_peak = 50000;
@@ -31,7 +31,7 @@ struct totals {
 
 static struct totals sum_field(const struct orl_luminances *picture)
 {
-    const struct orl_field *field = picture->field;
+    const struct orl_view_field *field = picture->field;
     struct orl_sum eye = {0}, all = {0};
     double most = 0;
     for (size_t i = 0; i < (size_t)field->width * field->height; i++) {
@@ -51,15 +51,16 @@ static struct totals sum_field(const struct orl_luminances *picture)
 static double task_luminance(const struct orl_luminances *picture,
                              const struct orl_glare_area *task, double average)
 {
-    const struct orl_field *field = picture->field;
+    const struct orl_view_field *field = picture->field;
     if (task->angle_rad == 0)
         return average;
-    const struct orl_vec3 middle = orl_field_towards(field, task->x, field->height - task->y);
+    const struct orl_vec3 middle =
+        orl_view_field_direction_at(field, task->x, field->height - task->y);
     const double least = cos(fmin(task->angle_rad / 2, ORL_PI));
     struct orl_sum light = {0}, sr = {0};
     for (size_t i = 0; i < (size_t)field->width * field->height; i++) {
         const double here = (double)field->solid_angle[i];
-        if (here > 0 && orl_dot(orl_field_direction(field, i), middle) >= least) {
+        if (here > 0 && orl_dot(orl_view_field_direction(field, i), middle) >= least) {
             orl_sum_add(&light, here * (double)picture->cd_m2[i]);
             orl_sum_add(&sr, here);
         }
@@ -67,18 +68,18 @@ static double task_luminance(const struct orl_luminances *picture,
     return orl_sum_value(&sr) > 0 ? orl_sum_value(&light) / orl_sum_value(&sr) : average;
 }
 
-static struct orl_source_rule rule_of(const struct orl_glare_settings *s, double task)
+static struct orl_glare_source_rule rule_of(const struct orl_glare_settings *s, double task)
 {
     const double usual = s->task.angle_rad > 0 ? usual_factor : usual_threshold;
     const double asked = s->threshold > 0 ? s->threshold : usual;
-    return (struct orl_source_rule){.threshold_cd_m2 = asked > most_factor ? asked : asked * task,
-                                    .radius_rad =
-                                        s->radius_rad > 0 ? s->radius_rad : usual_radius_rad,
-                                    .smooth = s->smooth,
-                                    .at_whole_pixels = s->at_whole_pixels,
-                                    .peak_cd_m2 = s->no_peaks         ? INFINITY
-                                                  : s->peak_cd_m2 > 0 ? s->peak_cd_m2
-                                                                      : usual_peak};
+    return (struct orl_glare_source_rule){
+        .threshold_cd_m2 = asked > most_factor ? asked : asked * task,
+        .radius_rad = s->radius_rad > 0 ? s->radius_rad : usual_radius_rad,
+        .smooth = s->smooth,
+        .at_whole_pixels = s->at_whole_pixels,
+        .peak_cd_m2 = s->no_peaks         ? INFINITY
+                      : s->peak_cd_m2 > 0 ? s->peak_cd_m2
+                                          : usual_peak};
 }
 
 /* Returns the illuminance by the sources. Rounding of the sums could exceed the illuminance at the
@@ -98,7 +99,7 @@ static double age_factor(double years)
     return years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
 }
 
-static int check_task(const struct orl_glare_area *task, const struct orl_field *field,
+static int check_task(const struct orl_glare_area *task, const struct orl_view_field *field,
                       struct orl_error *err)
 {
     if (task->angle_rad == 0 || (task->x <= field->width && task->y <= field->height))
@@ -137,12 +138,12 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while rating glare");
     const struct totals totals = sum_field(picture);
     const double task = task_luminance(picture, &settings->task, totals.average_cd_m2);
-    const struct orl_source_rule rule = rule_of(settings, task);
+    const struct orl_glare_source_rule rule = rule_of(settings, task);
     struct orl_glare glare = {.threshold_cd_m2 = rule.threshold_cd_m2,
                               .task_cd_m2 = task,
                               .most_cd_m2 = totals.most_cd_m2,
                               .field_sr = picture->field->all_sr};
-    int code = orl_find_sources(picture, &rule, &glare.sources, &glare.n_sources, err);
+    int code = orl_glare_sources_find(picture, &rule, &glare.sources, &glare.n_sources, err);
     if (code == 0) {
         glare.direct_lx = direct_illuminance(&glare, totals.eye_lx);
         const struct orl_glare_light light = {totals.eye_lx, glare.direct_lx, totals.average_cd_m2,
@@ -150,9 +151,9 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
         code = compute_metrics(settings, &light, &glare, err);
     }
     if (code == 0 && mask)
-        code = orl_glare_part_of(picture, mask, &glare.masked, err);
+        code = orl_glare_masked_stats(picture, mask, &glare.masked, err);
     if (code == 0 && settings->band_rad > 0)
-        code = orl_glare_band_of(picture, settings->band_rad, &glare.band, err);
+        code = orl_glare_band_stats(picture, settings->band_rad, &glare.band, err);
     if (code < 0)
         orl_glare_done(&glare);
     else
@@ -160,7 +161,7 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
     return code;
 }
 
-double orl_glare_turned_deg(const struct orl_glare_settings *settings, uint32_t direction)
+double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_t direction)
 {
     if (settings->directions < 2)
         return 0;

@@ -1,9 +1,10 @@
 /*
- * Evaluates the luminances of a view to the results of oriel/glare.h: threshold, sources, indices.
+ * Evaluates the luminances of a view to the results of oriel/job/glare.h: threshold, sources,
+ * indices.
  *
- * field.h defines the pixels that count and their weights. The illuminance at the eye is the sum of
- * luminance times solid angle and cosine over the field. A view smaller than the hemisphere lacks
- * the light from outside; settings->eye_lx can supply it, as evalglare's -i.
+ * view_field.h defines the pixels that count and their weights. The illuminance at the eye is the
+ * sum of luminance times solid angle and cosine over the field. A view smaller than the hemisphere
+ * lacks the light from outside; settings->eye_lx can supply it, as evalglare's -i.
  *
  * Standard errors and intervals are left as unknown, and the class is that of the value;
  * view_batches.h computes them.
@@ -33,6 +34,6 @@ int orl_glare_view_check(const struct orl_view *view, const struct orl_glare_set
 enum orl_glare_class orl_glare_class_of(const struct orl_glare_value *dgp);
 
 /* Returns the rotation of a line of sight of the settings from the view's, degrees. */
-double orl_glare_turned_deg(const struct orl_glare_settings *settings, uint32_t direction);
+double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_t direction);
 
 #endif

@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "metrics/position.h"
-#include "metrics/smooth.h"
-#include "metrics/unite.h"
+#include "metrics/pixel_clusters.h"
+#include "metrics/position_index.h"
+#include "metrics/source_smoothing.h"
 
 /* State of a search: labels of all pixels, and the list of pixels to be grouped. */
 struct search {
     const struct orl_luminances *picture;
-    const struct orl_source_rule *rule;
+    const struct orl_glare_source_rule *rule;
     size_t count;     /* number of pixels in the picture */
     uint32_t *label;  /* source of each pixel, from 1 on; 0: none */
     uint32_t *pixels; /* list of pixels */
@@ -37,8 +37,8 @@ static int label_groups(struct search *s, size_t n)
 {
     uint32_t groups = 0;
     const int code = n == 0 ? 0
-                            : orl_unite(s->picture->field, s->pixels, n, s->rule->radius_rad / 2,
-                                        s->group, &groups);
+                            : orl_pixels_cluster(s->picture->field, s->pixels, n,
+                                                 s->rule->radius_rad / 2, s->group, &groups);
     for (size_t i = 0; code == 0 && i < n; i++)
         s->label[s->pixels[i]] = s->n_labels + 1 + s->group[i];
     s->n_labels += groups;
@@ -49,7 +49,7 @@ static int label_sources(struct search *s)
 {
     int code = label_groups(s, list_brighter(s, s->rule->threshold_cd_m2, false, false));
     if (code == 0 && s->rule->smooth && s->n_labels > 0)
-        code = orl_smooth_sources(s->picture, s->rule->radius_rad, s->n_labels, s->label);
+        code = orl_glare_sources_smooth(s->picture, s->rule->radius_rad, s->n_labels, s->label);
     if (code == 0 && isfinite(s->rule->peak_cd_m2))
         code = label_groups(s, list_brighter(s, s->rule->peak_cd_m2, true, true));
     return code;
@@ -60,7 +60,7 @@ static int label_sources(struct search *s)
 static void add_pixel(struct orl_glare_source *source, const struct orl_luminances *picture,
                       size_t pixel)
 {
-    const struct orl_field *field = picture->field;
+    const struct orl_view_field *field = picture->field;
     const double sr = (double)field->solid_angle[pixel], cd_m2 = (double)picture->cd_m2[pixel];
     const size_t column = pixel % field->width, row = pixel / field->width;
     const double weight = sr * cd_m2;
@@ -75,7 +75,7 @@ static void add_pixel(struct orl_glare_source *source, const struct orl_luminanc
 
 /* Computes a direction as evalglare does: by the view's up itself, which need not be perpendicular
  * to the line of sight. */
-static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_vec3 to)
+static struct orl_vec3 by_tilted_up(const struct orl_view_field *field, struct orl_vec3 to)
 {
     const double upright = orl_dot(orl_normalize(field->view.up), field->eye.v);
     const double across = hypot(to.x, to.y), y = upright * to.y;
@@ -85,13 +85,13 @@ static struct orl_vec3 by_tilted_up(const struct orl_field *field, struct orl_ve
 /* Converts sums to means. Until here x and y referred to the pixels' corners. */
 static void finish_source(struct orl_glare_source *source, const struct search *s)
 {
-    const struct orl_field *field = s->picture->field;
+    const struct orl_view_field *field = s->picture->field;
     double x = source->x / source->luminance_cd_m2, y = source->y / source->luminance_cd_m2;
     if (s->rule->at_whole_pixels) { /* the lower left of the pixels around it */
         x = floor(x);
         y = ceil(y);
     }
-    const struct orl_vec3 to = orl_field_towards(field, x + 0.5, y + 0.5);
+    const struct orl_vec3 to = orl_view_field_direction_at(field, x + 0.5, y + 0.5);
     source->luminance_cd_m2 /= source->solid_angle_sr;
     source->x = x + 0.5;
     source->y = field->height - (y + 0.5);
@@ -138,9 +138,10 @@ static int collect_sources(const struct search *s, struct orl_glare_source **ret
     return 0;
 }
 
-int orl_find_sources(const struct orl_luminances *picture, const struct orl_source_rule *rule,
-                     struct orl_glare_source **ret_sources, size_t *ret_count,
-                     struct orl_error *err)
+int orl_glare_sources_find(const struct orl_luminances *picture,
+                           const struct orl_glare_source_rule *rule,
+                           struct orl_glare_source **ret_sources, size_t *ret_count,
+                           struct orl_error *err)
 {
     const size_t count = (size_t)picture->field->width * picture->field->height;
     struct search s = {.picture = picture, .rule = rule, .count = count};

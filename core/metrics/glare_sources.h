@@ -19,18 +19,18 @@
 
 #include <stdatomic.h>
 
-#include <oriel/glare.h>
+#include <oriel/job/glare.h>
 
-#include "metrics/field.h"
+#include "metrics/view_field.h"
 
 /* Luminances in cd/m2, one for each pixel of the field. */
 struct orl_luminances {
-    const struct orl_field *field;
+    const struct orl_view_field *field;
     const float *cd_m2;
     const atomic_bool *cancel; /* borrowed; may be NULL */
 };
 
-struct orl_source_rule {
+struct orl_glare_source_rule {
     double threshold_cd_m2;
     double radius_rad;
     bool smooth, at_whole_pixels;
@@ -38,8 +38,9 @@ struct orl_source_rule {
 };
 
 /* Finds the sources. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED; *ret_sources is owned. */
-int orl_find_sources(const struct orl_luminances *picture, const struct orl_source_rule *rule,
-                     struct orl_glare_source **ret_sources, size_t *ret_count,
-                     struct orl_error *err);
+int orl_glare_sources_find(const struct orl_luminances *picture,
+                           const struct orl_glare_source_rule *rule,
+                           struct orl_glare_source **ret_sources, size_t *ret_count,
+                           struct orl_error *err);
 
 #endif

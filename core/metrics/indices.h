@@ -21,7 +21,7 @@
 #ifndef ORL_METRICS_INDICES_H
 #define ORL_METRICS_INDICES_H
 
-#include <oriel/glare.h>
+#include <oriel/job/glare.h>
 
 struct orl_glare_light {
     double eye_lx, direct_lx, average_cd_m2, background_cd_m2;

@@ -1,7 +1,7 @@
 /* Glare of Radiance pictures. */
 #include <stdlib.h>
 
-#include "metrics/around.h"
+#include "metrics/worst_direction.h"
 #include "render/film/read_hdr.h"
 
 int orl_glare_read_mask(const struct orl_picture_bytes *bytes, uint32_t width, uint32_t height,
@@ -32,10 +32,10 @@ static int evaluate_picture(const struct orl_hdr_picture *picture,
     int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for luminances");
     if (code == 0 && mask)
         code = orl_glare_read_mask(mask, picture->film.width, picture->film.height, &masked, err);
-    const struct orl_panorama panorama = {
+    const struct orl_glare_picture glare_picture = {
         &picture->view, picture->film.width, picture->film.height, cd_m2, masked, NULL};
     if (code == 0)
-        code = orl_glare_around(&panorama, settings, ret_glare, err);
+        code = orl_glare_worst_direction(&glare_picture, settings, ret_glare, err);
     free(cd_m2);
     free(masked);
     return code;

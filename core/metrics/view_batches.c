@@ -2,16 +2,16 @@
 
 #include <stdlib.h>
 
-#include "base/estimate.h"
+#include "base/statistics/estimate.h"
 
 /* Merges two batches into the first. */
 static void merge_batches(struct orl_view_batches *b, size_t first, size_t second)
 {
-    const double all = b->effort[first] + b->effort[second];
-    const float share = (float)(b->effort[second] / all);
+    const double all = b->weight[first] + b->weight[second];
+    const float share = (float)(b->weight[second] / all);
     for (size_t i = 0; i < b->pixels; i++)
         b->cd_m2[first][i] += share * (b->cd_m2[second][i] - b->cd_m2[first][i]);
-    b->effort[first] = all;
+    b->weight[first] = all;
     free(b->cd_m2[second]);
     b->cd_m2[second] = NULL;
 }
@@ -20,16 +20,16 @@ static void merge_pairs(struct orl_view_batches *b)
 {
     for (size_t i = 0; i < ORL_VIEW_BATCHES / 2; i++) {
         merge_batches(b, 2 * i, 2 * i + 1);
-        float *const united = b->cd_m2[2 * i];
+        float *const merged = b->cd_m2[2 * i];
         b->cd_m2[2 * i] = NULL;
-        b->cd_m2[i] = united;
-        b->effort[i] = b->effort[2 * i];
+        b->cd_m2[i] = merged;
+        b->weight[i] = b->weight[2 * i];
     }
     b->count = ORL_VIEW_BATCHES / 2;
 }
 
 int orl_view_batches_add(struct orl_view_batches *batches, const struct orl_film *film,
-                         double effort, struct orl_error *err)
+                         double weight, struct orl_error *err)
 {
     float *cd_m2 = orl_film_luminances(film);
     if (!cd_m2)
@@ -37,7 +37,7 @@ int orl_view_batches_add(struct orl_view_batches *batches, const struct orl_film
     if (batches->count == ORL_VIEW_BATCHES)
         merge_pairs(batches);
     batches->pixels = (size_t)film->width * film->height;
-    batches->effort[batches->count] = effort;
+    batches->weight[batches->count] = weight;
     batches->cd_m2[batches->count++] = cd_m2;
     return 0;
 }
@@ -51,23 +51,23 @@ void orl_view_batches_done(struct orl_view_batches *batches)
 
 /* ---- The jackknife --------------------------------------------------------------------------- */
 
-static double effort_of_all(const struct orl_view_batches *b)
+static double total_weight(const struct orl_view_batches *b)
 {
     double sum = 0;
     for (uint32_t i = 0; i < b->count; i++)
-        sum += b->effort[i];
+        sum += b->weight[i];
     return sum;
 }
 
 /* Computes the mean of all batches except one; of all batches if left_out is not an index. */
 static void mean_without(const struct orl_view_batches *b, uint32_t left_out, float *ret_cd_m2)
 {
-    const double all = effort_of_all(b) - (left_out < b->count ? b->effort[left_out] : 0);
+    const double all = total_weight(b) - (left_out < b->count ? b->weight[left_out] : 0);
     for (size_t i = 0; i < b->pixels; i++) {
         double sum = 0;
         for (uint32_t k = 0; k < b->count; k++)
             if (k != left_out)
-                sum += b->effort[k] * (double)b->cd_m2[k][i];
+                sum += b->weight[k] * (double)b->cd_m2[k][i];
         ret_cd_m2[i] = (float)(sum / all);
     }
 }
@@ -75,7 +75,7 @@ static void mean_without(const struct orl_view_batches *b, uint32_t left_out, fl
 /* Metrics without each batch in turn, followed by those of all batches. */
 typedef double found_values[ORL_VIEW_BATCHES + 1][ORL_GLARE_METRICS];
 
-static int evaluate_without(const struct orl_view_batches *b, const struct orl_field *field,
+static int evaluate_without(const struct orl_view_batches *b, const struct orl_view_field *field,
                             const struct orl_glare_settings *settings, const atomic_bool *cancel,
                             found_values ret_found, struct orl_error *err)
 {
@@ -103,22 +103,23 @@ static int evaluate_without(const struct orl_view_batches *b, const struct orl_f
 static void compute_errors(const struct orl_view_batches *b, found_values found, int metric,
                            struct orl_glare_value *value)
 {
-    const double all = effort_of_all(b), whole = found[b->count][metric];
+    const double all = total_weight(b), whole = found[b->count][metric];
     const double n = b->count;
     double corrected = n * whole, variance = 0, cube = 0;
     for (uint32_t i = 0; i < b->count; i++)
-        corrected -= (1 - b->effort[i] / all) * found[i][metric];
+        corrected -= (1 - b->weight[i] / all) * found[i][metric];
     for (uint32_t i = 0; i < b->count; i++) {
-        const double share = all / b->effort[i];
+        const double share = all / b->weight[i];
         const double pseudo = share * whole - (share - 1) * found[i][metric];
         const double off = pseudo - corrected;
         variance += off * off / (share - 1) / n;
         cube += off * off * off;
     }
     const struct orl_estimate estimate = {.standard_error = sqrt(variance),
-                                          .degrees = b->count - 1.0,
+                                          .degrees_of_freedom = b->count - 1.0,
                                           .bias = fabs(whole - corrected),
-                                          .third = n > 2 ? cube / (n * (n - 1) * (n - 2)) : 0};
+                                          .third_cumulant =
+                                              n > 2 ? cube / (n * (n - 1) * (n - 2)) : 0};
     const struct orl_margins margins = orl_estimate_margins(&estimate);
     value->standard_error = estimate.standard_error;
     value->interval_95[0] = value->value - margins.below;
@@ -150,19 +151,20 @@ static void clamp_intervals(struct orl_glare_value values[ORL_GLARE_METRICS])
     }
 }
 
-int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_panorama *panorama,
+int orl_glare_errors(const struct orl_view_batches *batches,
+                     const struct orl_glare_picture *glare_picture,
                      const struct orl_glare_settings *settings, struct orl_glare *glare,
                      struct orl_error *err)
 {
-    struct orl_field field;
+    struct orl_view_field field;
     found_values found = {{0}};
     if (batches->count < 2)
         return 0;
-    int code = orl_field_init(&field, panorama->view, panorama->width, panorama->height,
-                              glare->turned_deg, err);
+    int code = orl_view_field_init(&field, glare_picture->view, glare_picture->width,
+                                   glare_picture->height, glare->turned_deg, err);
     if (code == 0)
-        code = evaluate_without(batches, &field, settings, panorama->cancel, found, err);
-    orl_field_done(&field);
+        code = evaluate_without(batches, &field, settings, glare_picture->cancel, found, err);
+    orl_view_field_done(&field);
     for (int m = 0; m < ORL_GLARE_METRICS && code == 0; m++)
         compute_errors(batches, found, m, &glare->values[m]);
     if (code == 0) {

@@ -6,7 +6,7 @@
  * Meijer and van der Leeden 1999, Statistics and Computing 9, 3). The spread of these values gives
  * the standard error, and their mean gives the bias. The bias is due to noise, since some pixels
  * pass a threshold by chance. Values are those of the whole view, and are not corrected; their
- * intervals are wide enough for a bias of that size (base/estimate.h).
+ * intervals are wide enough for a bias of that size (base/statistics/estimate.h).
  *
  * Neither includes a source that no sample has found. Suns and small lamps seen directly are
  * sampled separately (render/image/small_lights.h), and are always found. Before that, with two
@@ -20,7 +20,7 @@
 #ifndef ORL_METRICS_VIEW_BATCHES_H
 #define ORL_METRICS_VIEW_BATCHES_H
 
-#include "metrics/around.h"
+#include "metrics/worst_direction.h"
 
 enum { ORL_VIEW_BATCHES = 16 };
 
@@ -28,18 +28,19 @@ struct orl_view_batches { /* zero at first */
     size_t pixels;
     uint32_t count;
     float *cd_m2[ORL_VIEW_BATCHES]; /* luminances, cd/m2; owned */
-    double effort[ORL_VIEW_BATCHES];
+    double weight[ORL_VIEW_BATCHES];
 };
 
 /* Adds the film of a batch. All films have the same size. Returns 0 or ORL_ERR_NOMEM. */
 int orl_view_batches_add(struct orl_view_batches *batches, const struct orl_film *film,
-                         double effort, struct orl_error *err);
+                         double weight, struct orl_error *err);
 void orl_view_batches_done(struct orl_view_batches *batches);
 
 /* Fills standard errors, intervals and the class of the whole view's result. panorama and settings
  * are those of that result; the panorama's luminances and mask are not used. With fewer than two
  * batches the errors stay unknown. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
-int orl_glare_errors(const struct orl_view_batches *batches, const struct orl_panorama *panorama,
+int orl_glare_errors(const struct orl_view_batches *batches,
+                     const struct orl_glare_picture *glare_picture,
                      const struct orl_glare_settings *settings, struct orl_glare *glare,
                      struct orl_error *err);
 

@@ -4,14 +4,14 @@
 #include <stdio.h>
 
 /* Worth from which on caustics get as many photons as the global map. */
-static const double full_worth = 0.05;
+static const double full_weight = 0.05;
 /* A caustic map with fewer photons is too sparse for a kernel; with fewer still there is no map. */
 static const double least_photons = 20000, fewest_photons = 64;
-/* Rays of caustic photons, relative to those of the global ones: at zero worth, and the addition at
- * full worth. */
-static const double rays_of_none = 0.5, rays_of_all = 30;
+/* Rays of caustic photons, relative to those of the global ones: at zero weight, and the addition
+ * at full weight. */
+static const double rays_at_zero = 0.5, rays_at_full = 30;
 /* Share of rays whose cost is negligible: where photons are cheap, the map gets more of them. */
-static const double rays_not_felt = 0.1;
+static const double negligible_rays = 0.1;
 
 /* Lower limit of the global photons that the bound on a job's request is based on; about a
  * second. */
@@ -36,31 +36,31 @@ static uint64_t to_two_digits(double count)
     return (uint64_t)fmax(round(count / unit) * unit, 1);
 }
 
-static double weight_of(const struct orl_worth *worth)
+static double weight_of(const struct orl_photon_pilot *pilot)
 {
-    return fmin(worth->share * worth->contrast / full_worth, 1);
+    return fmin(pilot->share * pilot->contrast / full_weight, 1);
 }
 
-/* Returns the number of photons whose rays match the caustics' worth relative to `base` global
+/* Returns the number of photons whose rays match the caustics' weight relative to `base` global
  * photons; infinite if the pilot is not conclusive. */
-static double bound_by_rays(const struct orl_worth *worth, double base, double weight)
+static double bound_by_rays(const struct orl_photon_pilot *pilot, double base, double weight)
 {
-    if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
+    if (!(pilot->yield[ORL_MAP_CAUSTIC] > 0 && pilot->yield[ORL_MAP_GLOBAL] > 0))
         return INFINITY;
-    const double rays = base * worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
-    const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
-    return (rays_of_none + rays_of_all * weight * weight) * rays / each;
+    const double rays = base * pilot->rays[ORL_MAP_GLOBAL] / pilot->yield[ORL_MAP_GLOBAL];
+    const double each = pilot->rays[ORL_MAP_CAUSTIC] / pilot->yield[ORL_MAP_CAUSTIC];
+    return (rays_at_zero + rays_at_full * weight * weight) * rays / each;
 }
 
 /* Limits the job's request. A user who asks for more may want a small spot sharp, but hardly a
  * faint gleam. */
-static uint64_t bound_request(const struct orl_job *job, const struct orl_worth *worth,
+static uint64_t bound_request(const struct orl_job *job, const struct orl_photon_pilot *pilot,
                               const struct orl_plan *plan, uint64_t enough)
 {
-    const double asked = (double)job->photons_caustic;
-    const double weight = fmax(weight_of(worth), worth->contrast * worth->contrast);
-    const double most = bound_by_rays(worth, fmax(global_photons(plan), least_base), weight);
-    if (!orl_plan_bounds_caustics(job) || asked <= fmax(most, (double)enough))
+    const double requested = (double)job->photons_caustic;
+    const double weight = fmax(weight_of(pilot), pilot->contrast * pilot->contrast);
+    const double most = bound_by_rays(pilot, fmax(global_photons(plan), least_base), weight);
+    if (!orl_plan_bounds_caustics(job) || requested <= fmax(most, (double)enough))
         return job->photons_caustic;
     return to_two_digits(fmax(fmax(most, (double)enough), fewest_photons));
 }
@@ -78,81 +78,81 @@ static double odds_of(double share)
  * proportion to a square root: that of its variance for one photon times its rays for one photon.
  * Contrast and share together give both light and area.
  */
-static double neyman_photons(const struct orl_worth *worth, double base)
+static double neyman_photons(const struct orl_photon_pilot *pilot, double base)
 {
-    if (!(worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0))
+    if (!(pilot->yield[ORL_MAP_CAUSTIC] > 0 && pilot->yield[ORL_MAP_GLOBAL] > 0))
         return INFINITY;
-    const double rest = worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
-    const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
-    const double times = sqrt(odds_of(worth->share) * odds_of(worth->contrast) * each / rest);
-    return (rays_of_none + times) * base * rest / each;
+    const double rest = pilot->rays[ORL_MAP_GLOBAL] / pilot->yield[ORL_MAP_GLOBAL];
+    const double each = pilot->rays[ORL_MAP_CAUSTIC] / pilot->yield[ORL_MAP_CAUSTIC];
+    const double ratio = sqrt(odds_of(pilot->share) * odds_of(pilot->contrast) * each / rest);
+    return (rays_at_zero + ratio) * base * rest / each;
 }
 
-static uint64_t caustic_photons(const struct orl_worth *worth, const struct orl_plan *plan)
+static uint64_t caustic_photons(const struct orl_photon_pilot *pilot, const struct orl_plan *plan)
 {
     const double base = global_photons(plan);
-    const double weight = weight_of(worth);
+    const double weight = weight_of(pilot);
     double photons = fmax(weight * base, fmin(least_photons, base));
-    if (worth->yield[ORL_MAP_CAUSTIC] > 0 && worth->yield[ORL_MAP_GLOBAL] > 0) {
-        const double rays = base * worth->rays[ORL_MAP_GLOBAL] / worth->yield[ORL_MAP_GLOBAL];
-        const double each = worth->rays[ORL_MAP_CAUSTIC] / worth->yield[ORL_MAP_CAUSTIC];
-        photons = fmax(photons, fmin(rays_not_felt * rays / each, base));
-        photons = fmin(photons, bound_by_rays(worth, base, weight));
-        photons = fmin(photons, neyman_photons(worth, base));
+    if (pilot->yield[ORL_MAP_CAUSTIC] > 0 && pilot->yield[ORL_MAP_GLOBAL] > 0) {
+        const double rays = base * pilot->rays[ORL_MAP_GLOBAL] / pilot->yield[ORL_MAP_GLOBAL];
+        const double each = pilot->rays[ORL_MAP_CAUSTIC] / pilot->yield[ORL_MAP_CAUSTIC];
+        photons = fmax(photons, fmin(negligible_rays * rays / each, base));
+        photons = fmin(photons, bound_by_rays(pilot, base, weight));
+        photons = fmin(photons, neyman_photons(pilot, base));
         photons = fmax(photons, fmin(fewest_photons, base));
     }
     return to_two_digits(photons);
 }
 
-static void fill_foresight(const struct orl_worth *worth, const uint64_t photons[ORL_SHOT_KINDS],
-                           struct orl_foresight *f)
+static void fill_foresight(const struct orl_photon_pilot *pilot,
+                           const uint64_t photons[ORL_SHOT_KINDS], struct orl_photon_forecast *f)
 {
     f->photons_s = 0;
     f->known = true;
     for (int k = 0; k < ORL_SHOT_KINDS; k++) {
-        const bool found = worth->stored[k] > 0 && (k == ORL_MAP_GLOBAL || worth->known);
-        f->emitted[k] = photons[k] == 0 ? 0 : found ? (double)photons[k] / worth->yield[k] : NAN;
-        f->seconds[k] = photons[k] == 0 ? 0 : f->emitted[k] * worth->emission_s[k];
+        const bool found = pilot->stored[k] > 0 && (k == ORL_MAP_GLOBAL || pilot->known);
+        f->emitted[k] = photons[k] == 0 ? 0 : found ? (double)photons[k] / pilot->yield[k] : NAN;
+        f->seconds[k] = photons[k] == 0 ? 0 : f->emitted[k] * pilot->emission_s[k];
         f->known = f->known && (photons[k] == 0 || found);
         f->photons_s += f->seconds[k];
     }
-    const double rays = worth->rays[ORL_MAP_GLOBAL], ray_s = worth->emission_s[ORL_MAP_GLOBAL];
+    const double rays = pilot->rays[ORL_MAP_GLOBAL], ray_s = pilot->emission_s[ORL_MAP_GLOBAL];
     f->ray_s = rays > 0 && isfinite(ray_s) ? ray_s / rays : 0;
 }
 
-static void describe_choice(const struct orl_worth *worth, const struct orl_plan *plan,
-                            uint64_t asked, struct orl_foresight *f)
+static void describe_choice(const struct orl_photon_pilot *pilot, const struct orl_plan *plan,
+                            uint64_t requested, struct orl_photon_forecast *f)
 {
     if (plan->photons_caustic == 0)
         snprintf(f->why, sizeof f->why, "0 caustic photons: there is no way for any");
-    else if (!worth->known)
+    else if (!pilot->known)
         snprintf(f->why, sizeof f->why,
                  "of %llu emissions of a pilot %llu came to a caustic photon: what they will take "
                  "is not known",
-                 (unsigned long long)worth->emitted[ORL_MAP_CAUSTIC],
-                 (unsigned long long)worth->stored[ORL_MAP_CAUSTIC]);
+                 (unsigned long long)pilot->emitted[ORL_MAP_CAUSTIC],
+                 (unsigned long long)pilot->stored[ORL_MAP_CAUSTIC]);
     else
         snprintf(f->why, sizeof f->why,
                  "caustics are %.2g %% of the light and %.2g %% of it where they land: %llu "
                  "photons %s, one of %.3g emissions",
-                 100 * worth->share, 100 * worth->contrast,
+                 100 * pilot->share, 100 * pilot->contrast,
                  (unsigned long long)plan->photons_caustic,
-                 asked == plan->photons_caustic ? "as asked" : "are worth their time",
-                 1 / worth->yield[ORL_MAP_CAUSTIC]);
+                 requested == plan->photons_caustic ? "as asked" : "are worth their time",
+                 1 / pilot->yield[ORL_MAP_CAUSTIC]);
 }
 
-void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
+void orl_plan_budget(const struct orl_job *job, const struct orl_photon_pilot *pilot,
                      struct orl_plan *plan)
 {
-    struct orl_foresight *f = &plan->foresight;
-    const bool asked = job->photons_caustic != ORL_PHOTONS_BY_PLAN;
-    *f = (struct orl_foresight){.made = true, .caustic_share = worth->share};
+    struct orl_photon_forecast *f = &plan->forecast;
+    const bool requested = job->photons_caustic != ORL_PHOTONS_BY_PLAN;
+    *f = (struct orl_photon_forecast){.made = true, .caustic_share = pilot->share};
     if (plan->photons_caustic > 0) {
-        const uint64_t enough = caustic_photons(worth, plan);
+        const uint64_t enough = caustic_photons(pilot, plan);
         f->enough_caustic = enough;
-        plan->photons_caustic = asked ? bound_request(job, worth, plan, enough) : enough;
+        plan->photons_caustic = requested ? bound_request(job, pilot, plan, enough) : enough;
     }
     const uint64_t photons[ORL_SHOT_KINDS] = {plan->photons_global, plan->photons_caustic};
-    fill_foresight(worth, photons, f);
-    describe_choice(worth, plan, job->photons_caustic, f);
+    fill_foresight(pilot, photons, f);
+    describe_choice(pilot, plan, job->photons_caustic, f);
 }

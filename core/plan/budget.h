@@ -1,23 +1,23 @@
 /*
  * Chooses the number of caustic photons if the job does not give it, from the statistics of a pilot
- * (photon/shooting/worth.h), and estimates the cost of a plan's photons.
+ * (photon/shooting/photon_pilot.h), and estimates the cost of a plan's photons.
  *
- * The worth of caustics is their share of the light times their contrast where they land. From 5 %
+ * The weight of caustics is their share of the light times their contrast where they land. From 5 %
  * on they get as many photons as the global map. Below that they get fewer, in proportion, since
  * noise and blur of faint light are faint; but never so few that a kernel is empty. Their rays are
- * bounded relative to those of the global photons: 0.5 at no worth, 30 more at full worth, and in
- * between by the square of the worth. A second bound on their rays is half of the global ones, plus
- * the number for which the light where they land has the least error (Neyman 1934, Journal of the
- * Royal Statistical Society 97, 558). Beyond that, global photons improve the picture more. The
+ * bounded relative to those of the global photons: 0.5 at no weight, 30 more at full weight, and in
+ * between by the square of the weight. A second bound on their rays is half of the global ones,
+ * plus the number for which the light where they land has the least error (Neyman 1934, Journal of
+ * the Royal Statistical Society 97, 558). Beyond that, global photons improve the picture more. The
  * first bound, or a larger one if caustics outshine the other light there, also limits a job's
  * request, unless the job asks for an exact number.
  */
 #ifndef ORL_PLAN_BUDGET_H
 #define ORL_PLAN_BUDGET_H
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
-#include "photon/shooting/worth.h"
+#include "photon/shooting/photon_pilot.h"
 
 /* Requests up to this number are not worth a pilot. */
 enum { ORL_FEW_PHOTONS = 5000 };
@@ -27,7 +27,7 @@ bool orl_plan_bounds_caustics(const struct orl_job *job);
 
 /* Fills the plan's foresight. Sets its caustic photons if the job leaves them open, or asks for
  * more than pay off. */
-void orl_plan_budget(const struct orl_job *job, const struct orl_worth *worth,
+void orl_plan_budget(const struct orl_job *job, const struct orl_photon_pilot *pilot,
                      struct orl_plan *plan);
 
 #endif

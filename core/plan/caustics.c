@@ -6,25 +6,25 @@
 
 enum { RAYS_A_PHOTON = 3 };
 
-static bool any_lit(const struct orl_lit *lit)
+static bool any_lit(const struct orl_lit_specular *lit)
 {
     return lit->classes[ORL_LIT_FLAT].lit || lit->classes[ORL_LIT_CURVED].lit ||
            lit->classes[ORL_LIT_LOBE].lit;
 }
 
-static double map_time_s(const struct orl_survey *survey)
+static double map_time_s(const struct orl_plan_survey *survey)
 {
     return RAYS_A_PHOTON * (double)ORL_DEFAULT_PHOTONS * survey->ray_s;
 }
 
 /* Returns a bound on the illuminance: a flat mirror doubles a sun, times its reflectance; a curved
  * one may focus it to a point. */
-static double mirror_bound(const struct orl_survey *survey, const struct orl_lit *lit)
+static double mirror_bound(const struct orl_plan_survey *survey, const struct orl_lit_specular *lit)
 {
-    const struct orl_world *world = survey->world;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
     double focused = survey->lamp_lx;
-    for (size_t i = 0; i < world->n_suns; i++)
-        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(world->suns[i].radiance);
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(lit_scene->suns[i].radiance);
     if (lit->classes[ORL_LIT_CURVED].facets > 0)
         return focused;
     return lit->classes[ORL_LIT_FLAT].share * (survey->sun_lx + survey->lamp_lx);
@@ -32,22 +32,22 @@ static double mirror_bound(const struct orl_survey *survey, const struct orl_lit
 
 /* Returns true if panes may mirror suns onto outdoor surfaces, from where light enters by
  * windows. */
-static bool may_light_outside(const struct orl_survey *survey)
+static bool may_light_outside(const struct orl_plan_survey *survey)
 {
-    const struct orl_world *world = survey->world;
-    return world->images.n_mirrors > 0 && world->n_suns > 0 && survey->n_clear < world->n_ports &&
-           !world->omit.exterior;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
+    return lit_scene->images.n_mirrors > 0 && lit_scene->n_suns > 0 &&
+           survey->n_clear < lit_scene->n_ports && !lit_scene->omit.exterior;
 }
 
 /*
  * Decides on mirrors. Surfaces that are lit only by way of other lit ones count too: if there are
  * both mirrors and lobes and one of them is lit, the other may be.
  */
-static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit *lit,
+static bool decide_mirrors(const struct orl_plan_survey *survey, const struct orl_lit_specular *lit,
                            struct orl_decision *decision)
 {
-    const struct orl_lit_class *flat = &lit->classes[ORL_LIT_FLAT];
-    const struct orl_lit_class *curved = &lit->classes[ORL_LIT_CURVED];
+    const struct orl_lit_specular_class *flat = &lit->classes[ORL_LIT_FLAT];
+    const struct orl_lit_specular_class *curved = &lit->classes[ORL_LIT_CURVED];
     const bool outside = may_light_outside(survey);
     const bool needed = flat->facets + curved->facets > 0 && (any_lit(lit) || outside);
     const struct orl_finding finding = {
@@ -56,28 +56,30 @@ static bool decide_mirrors(const struct orl_survey *survey, const struct orl_lit
         .bound = needed ? mirror_bound(survey, lit) : 0,
         .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
-        return orl_settle(decision, &finding, "there are %zu suns and lamps to be mirrored",
-                          lit->lights);
+        return orl_decision_fill(decision, &finding, "there are %zu suns and lamps to be mirrored",
+                                 lit->lights);
     if (flat->facets + curved->facets == 0)
-        return orl_settle(decision, &finding, "%zu surfaces mirror or refract",
-                          flat->facets + curved->facets);
+        return orl_decision_fill(decision, &finding, "%zu surfaces mirror or refract",
+                                 flat->facets + curved->facets);
     if (!needed)
-        return orl_settle(decision, &finding,
-                          "none of %zu surface%s that mirror or refract is lit inside by a sun or "
-                          "lamp",
-                          flat->facets + curved->facets, orl_plural(flat->facets + curved->facets));
-    return orl_settle(decision, &finding,
-                      "of %zu flat and %zu curved surfaces that mirror or refract some are lit%s; "
-                      "they send on up to %.3g %%",
-                      flat->facets, curved->facets,
-                      any_lit(lit) ? "" : ", from outside, where shadow rays see to it",
-                      100 * fmax(flat->share, curved->share));
+        return orl_decision_fill(
+            decision, &finding,
+            "none of %zu surface%s that mirror or refract is lit inside by a sun or "
+            "lamp",
+            flat->facets + curved->facets, orl_plural(flat->facets + curved->facets));
+    return orl_decision_fill(
+        decision, &finding,
+        "of %zu flat and %zu curved surfaces that mirror or refract some are lit%s; "
+        "they send on up to %.3g %%",
+        flat->facets, curved->facets,
+        any_lit(lit) ? "" : ", from outside, where shadow rays see to it",
+        100 * fmax(flat->share, curved->share));
 }
 
-static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *lit,
+static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_lit_specular *lit,
                          struct orl_decision *decision)
 {
-    const struct orl_lit_class *lobes = &lit->classes[ORL_LIT_LOBE];
+    const struct orl_lit_specular_class *lobes = &lit->classes[ORL_LIT_LOBE];
     const bool needed = lobes->facets > 0 && any_lit(lit);
     const struct orl_finding finding = {
         .needed = needed,
@@ -85,22 +87,26 @@ static bool decide_lobes(const struct orl_survey *survey, const struct orl_lit *
         .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
         .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
-        return orl_settle(decision, &finding, "there are %zu suns and lamps to be scattered",
-                          lit->lights);
+        return orl_decision_fill(decision, &finding, "there are %zu suns and lamps to be scattered",
+                                 lit->lights);
     if (lobes->facets == 0)
-        return orl_settle(decision, &finding, "%zu surfaces scatter into lobes", lobes->facets);
+        return orl_decision_fill(decision, &finding, "%zu surfaces scatter into lobes",
+                                 lobes->facets);
     if (!needed)
-        return orl_settle(decision, &finding,
-                          "none of %zu surface%s that scatter into lobes is lit inside by a sun or "
-                          "lamp",
-                          lobes->facets, orl_plural(lobes->facets));
-    return orl_settle(decision, &finding,
-                      "of %zu surface%s that scatter into lobes some are lit; they send on up to "
-                      "%.3g %%",
-                      lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
+        return orl_decision_fill(
+            decision, &finding,
+            "none of %zu surface%s that scatter into lobes is lit inside by a sun or "
+            "lamp",
+            lobes->facets, orl_plural(lobes->facets));
+    return orl_decision_fill(
+        decision, &finding,
+        "of %zu surface%s that scatter into lobes some are lit; they send on up to "
+        "%.3g %%",
+        lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
 }
 
-/* Returns true for glass of index 1 that is clear, such as the panes of openings (light/glaze.h).
+/* Returns true for glass of index 1 that is clear, such as the panes of openings
+ * (scene/built/glaze_openings.h).
  */
 static bool is_invisible(const struct orl_material *m)
 {
@@ -118,20 +124,20 @@ static bool is_glass(const struct orl_material *m)
             m->transmitted_specular > 0);
 }
 
-static void decide_glass(const struct orl_survey *survey, struct orl_decision *decision)
+static void decide_glass(const struct orl_plan_survey *survey, struct orl_decision *decision)
 {
-    const size_t panes = orl_survey_count(survey, is_glass);
+    const size_t panes = orl_plan_survey_count(survey, is_glass);
     /* Shadow rays pass panes in any case: leaving glass out is not possible, and would save
      * nothing. */
     decision->simulated = true;
     const struct orl_finding finding = {.needed = panes > 0, .unit = ORL_BOUND_LX, .bound = 0};
-    orl_settle(decision, &finding,
-               panes == 1 ? "%zu pane lets light straight through: shadow rays see to that, "
-                            "exactly, without photons"
-                          : "%zu panes let light straight through: shadow rays see to that, "
-                            "exactly, without photons",
-               panes);
-    decision->simulated = panes > 0 || decision->wish == ORL_WISH_FORCE;
+    orl_decision_fill(decision, &finding,
+                      panes == 1 ? "%zu pane lets light straight through: shadow rays see to that, "
+                                   "exactly, without photons"
+                                 : "%zu panes let light straight through: shadow rays see to that, "
+                                   "exactly, without photons",
+                      panes);
+    decision->simulated = panes > 0 || decision->override == ORL_OVERRIDE_FORCE;
 }
 
 /*
@@ -141,7 +147,7 @@ static void decide_glass(const struct orl_survey *survey, struct orl_decision *d
 static void override_skip(struct orl_decision *decision)
 {
     char why[ORL_WHY_MAX - 60];
-    if (decision->wish != ORL_WISH_SKIP || !(decision->bound > 0))
+    if (decision->override != ORL_OVERRIDE_SKIP || !(decision->bound > 0))
         return;
     snprintf(why, sizeof why, "%.*s", (int)sizeof why - 1, decision->why);
     snprintf(decision->why, sizeof decision->why, "the backward technique finds them anyway; %s",
@@ -151,38 +157,40 @@ static void override_skip(struct orl_decision *decision)
 }
 
 /* Returns true if caustic photons have anything to do, or the job forces them. */
-static bool needs_photons(const struct orl_lit *lit, const struct orl_plan *plan, bool simulated)
+static bool needs_photons(const struct orl_lit_specular *lit, const struct orl_plan *plan,
+                          bool simulated)
 {
-    const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_FORCE ||
-                        plan->effects[ORL_EFFECT_CAUSTICS_BSDF].wish == ORL_WISH_FORCE;
+    const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].override == ORL_OVERRIDE_FORCE ||
+                        plan->effects[ORL_EFFECT_CAUSTICS_BSDF].override == ORL_OVERRIDE_FORCE;
     return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
 }
 
 /* Removes virtual images of suns and lamps, so that shadow rays no longer search flat mirrors. */
-static void remove_images(struct orl_world *world)
+static void remove_images(struct orl_lit_scene *lit_scene)
 {
-    orl_images_keep_suns(&world->images, NULL);
-    world->lamp_images.n_images = 0;
-    world->lamp_images.left_out = 0;
-    world->lamp_images.twice = 0;
+    orl_virtual_suns_keep(&lit_scene->images, NULL);
+    lit_scene->virtual_lamps.n_images = 0;
+    lit_scene->virtual_lamps.left_out = 0;
+    lit_scene->virtual_lamps.two_mirror_share = 0;
 }
 
-void orl_decide_caustics(struct orl_survey *survey, const struct orl_lit *lit,
+void orl_decide_caustics(struct orl_plan_survey *survey, const struct orl_lit_specular *lit,
                          struct orl_plan *plan)
 {
-    struct orl_world *world = survey->world;
-    const uint64_t asked = survey->request->job->photons_caustic;
+    struct orl_lit_scene *lit_scene = survey->lit_scene;
+    const uint64_t requested = survey->request->job->photons_caustic;
     const bool mirrors = decide_mirrors(survey, lit, &plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
     const bool lobes = decide_lobes(survey, lit, &plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
     decide_glass(survey, &plan->effects[ORL_EFFECT_CAUSTICS_GLASS]);
-    world->omit.mirror_caustics = !mirrors;
-    world->omit.lobe_caustics = !lobes;
-    if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].wish == ORL_WISH_SKIP)
-        remove_images(world);
-    world->caustics_lit = (mirrors || lobes) && any_lit(lit);
-    plan->photons_caustic = asked == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : asked;
+    lit_scene->omit.mirror_caustics = !mirrors;
+    lit_scene->omit.lobe_caustics = !lobes;
+    if (plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].override == ORL_OVERRIDE_SKIP)
+        remove_images(lit_scene);
+    lit_scene->caustics_lit = (mirrors || lobes) && any_lit(lit);
+    plan->photons_caustic =
+        requested == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : requested;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
-        if (lit->classes[ORL_LIT_CURVED].facets > 0 || lit->lights > world->n_suns)
+        if (lit->classes[ORL_LIT_CURVED].facets > 0 || lit->lights > lit_scene->n_suns)
             override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
         override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);
     }

@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/paths.h>
+#include <oriel/job/paths.h>
 
 #include "plan/decide.h"
 
@@ -19,7 +19,7 @@ static uint64_t count_placed(const struct orl_geometry *geometry)
 {
     uint64_t n = 0;
     for (size_t i = 0; i < geometry->n_prototypes; i++)
-        n += (uint64_t)geometry->prototypes[i]->n_facets * geometry->prototypes[i]->n_places;
+        n += (uint64_t)geometry->prototypes[i]->n_facets * geometry->prototypes[i]->n_uses;
     return n;
 }
 
@@ -72,10 +72,10 @@ static enum orl_technique choose_for_sensors(size_t n, uint32_t paths, char ret_
 }
 
 /* Returns the planner's technique for the views, or for the sensors. */
-static enum orl_technique plan_technique(const struct orl_survey *survey, uint32_t paths,
+static enum orl_technique plan_technique(const struct orl_plan_survey *survey, uint32_t paths,
                                          bool views, char ret_why[ORL_WHY_MAX])
 {
-    const uint64_t leaves = count_placed(survey->world->geometry);
+    const uint64_t leaves = count_placed(survey->lit_scene->geometry);
     if (leaves > ORL_DEFAULT_PHOTONS && !orl_paths_missed(ORL_TECHNIQUE_BACKWARD, paths)) {
         snprintf(ret_why, ORL_WHY_MAX,
                  "%llu surfaces by instances: photons would be fewer than leaves are, paths do not "
@@ -88,21 +88,21 @@ static enum orl_technique plan_technique(const struct orl_survey *survey, uint32
 }
 
 /* Returns the technique for the views, or for the sensors: the job's or the planner's. */
-static enum orl_technique choose_technique(const struct orl_survey *survey, uint32_t paths,
+static enum orl_technique choose_technique(const struct orl_plan_survey *survey, uint32_t paths,
                                            bool views, char ret_why[ORL_WHY_MAX])
 {
     const struct orl_job *job = survey->request->job;
-    const enum orl_wish gather = job->wishes[ORL_EFFECT_FINAL_GATHER];
+    const enum orl_effect_override gather = job->overrides[ORL_EFFECT_FINAL_GATHER];
     enum orl_technique technique = job->technique;
     if (technique != ORL_TECHNIQUE_AUTO)
         snprintf(ret_why, ORL_WHY_MAX, "as the job asks");
     else
         technique = plan_technique(survey, paths, views, ret_why);
-    if (gather == ORL_WISH_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
+    if (gather == ORL_OVERRIDE_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
         snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
         return ORL_TECHNIQUE_GATHER;
     }
-    if (gather == ORL_WISH_SKIP &&
+    if (gather == ORL_OVERRIDE_SKIP &&
         (technique == ORL_TECHNIQUE_GATHER || technique == ORL_TECHNIQUE_PRECOMPUTED)) {
         snprintf(ret_why, ORL_WHY_MAX, "the job leaves out the final gather");
         return ORL_TECHNIQUE_DIRECT;
@@ -113,7 +113,7 @@ static enum orl_technique choose_technique(const struct orl_survey *survey, uint
 /* Sensors beside views get a separate technique, unless the job names one for both or has a
  * deadline. Rounds divide the time of a deadline between sensors and views, and have one
  * technique. */
-static void decide_techniques(const struct orl_survey *survey, struct orl_plan *plan)
+static void decide_techniques(const struct orl_plan_survey *survey, struct orl_plan *plan)
 {
     const struct orl_job *job = survey->request->job;
     const bool views = job->n_views > 0 || survey->request->n_sensors == 0;
@@ -124,15 +124,15 @@ static void decide_techniques(const struct orl_survey *survey, struct orl_plan *
         plan->sensor_technique = choose_technique(survey, plan->paths, false, plan->sensor_why);
 }
 
-static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan)
+static void decide_gather(const struct orl_plan_survey *survey, struct orl_plan *plan)
 {
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_FINAL_GATHER];
     const bool gathers = plan->technique == ORL_TECHNIQUE_GATHER;
     const struct orl_finding finding = {.needed = gathers, .unit = ORL_BOUND_NONE};
     const size_t sensors = survey->request->n_sensors, views = survey->request->job->n_views;
-    orl_settle(decision, &finding, "technique %s, for %zu sensor%s and %zu view%s",
-               orl_technique_name(plan->technique), sensors, orl_plural(sensors), views,
-               orl_plural(views));
+    orl_decision_fill(decision, &finding, "technique %s, for %zu sensor%s and %zu view%s",
+                      orl_technique_name(plan->technique), sensors, orl_plural(sensors), views,
+                      orl_plural(views));
     decision->simulated = gathers;
 }
 
@@ -140,11 +140,12 @@ static void decide_gather(const struct orl_survey *survey, struct orl_plan *plan
 
 /* Returns the number of reflections after which less than the tolerance is left, of light that
  * nothing focuses. */
-static uint32_t reflection_depth(const struct orl_survey *survey, const struct orl_lit *lit)
+static uint32_t reflection_depth(const struct orl_plan_survey *survey,
+                                 const struct orl_lit_specular *lit)
 {
     const double rho = survey->rho_diffuse;
-    double left = survey->sun_lx * (1 + (double)survey->world->images.n_mirrors) + survey->sky_lx +
-                  survey->lamp_lx;
+    double left = survey->sun_lx * (1 + (double)survey->lit_scene->images.n_mirrors) +
+                  survey->sky_lx + survey->lamp_lx;
     if (lit->classes[ORL_LIT_CURVED].lit || lit->classes[ORL_LIT_LOBE].lit || rho >= 1)
         return ORL_ALL_REFLECTIONS;
     left *= rho / (1 - rho);
@@ -156,8 +157,8 @@ static uint32_t reflection_depth(const struct orl_survey *survey, const struct o
     return ORL_ALL_REFLECTIONS;
 }
 
-static void decide_interreflection(struct orl_survey *survey, const struct orl_lit *lit,
-                                   struct orl_plan *plan)
+static void decide_interreflection(struct orl_plan_survey *survey,
+                                   const struct orl_lit_specular *lit, struct orl_plan *plan)
 {
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_INTERREFLECTION];
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
@@ -168,16 +169,17 @@ static void decide_interreflection(struct orl_survey *survey, const struct orl_l
                                         .bound = direct * rho / (1 - rho),
                                         .saved_s = 3 * (double)ORL_DEFAULT_PHOTONS * survey->ray_s};
     if (n < ORL_ALL_REFLECTIONS)
-        orl_settle(decision, &finding,
-                   "the brightest diffuse surface reflects %.4g %%: after %u reflections there is "
-                   "less than %.2g lx to come",
-                   100 * survey->rho_diffuse, n, survey->tolerance_lx);
+        orl_decision_fill(
+            decision, &finding,
+            "the brightest diffuse surface reflects %.4g %%: after %u reflections there is "
+            "less than %.2g lx to come",
+            100 * survey->rho_diffuse, n, survey->tolerance_lx);
     else
-        orl_settle(decision, &finding, "the brightest diffuse surface reflects %.4g %%",
-                   100 * survey->rho_diffuse);
-    plan->most_reflections = !decision->simulated               ? 0
-                             : decision->wish == ORL_WISH_FORCE ? ORL_ALL_REFLECTIONS
-                                                                : n;
+        orl_decision_fill(decision, &finding, "the brightest diffuse surface reflects %.4g %%",
+                          100 * survey->rho_diffuse);
+    plan->most_reflections = !decision->simulated                       ? 0
+                             : decision->override == ORL_OVERRIDE_FORCE ? ORL_ALL_REFLECTIONS
+                                                                        : n;
 }
 
 /* Returns true if the technique reads the map by density; shadow rays and caustic photons are added
@@ -203,13 +205,15 @@ static uint32_t reflections_of_photons(const struct orl_plan *plan)
  * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual lamps adds a third to a standard error. Many
  * windows light many rooms, so the number grows with the windows.
  */
-static uint64_t enough_photons(const struct orl_survey *survey, uint64_t for_edges,
+static uint64_t enough_photons(const struct orl_plan_survey *survey, uint64_t for_edges,
                                uint64_t a_window)
 {
-    const struct orl_world *world = survey->world;
-    const uint64_t windows = world->n_ports > LEAST_WINDOWS ? world->n_ports : LEAST_WINDOWS;
-    const bool forced = survey->request->job->wishes[ORL_EFFECT_INTERREFLECTION] == ORL_WISH_FORCE;
-    if (forced || world->n_suns > 0 || world->n_emitters > 0 || world->open ||
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
+    const uint64_t windows =
+        lit_scene->n_ports > LEAST_WINDOWS ? lit_scene->n_ports : LEAST_WINDOWS;
+    const bool forced =
+        survey->request->job->overrides[ORL_EFFECT_INTERREFLECTION] == ORL_OVERRIDE_FORCE;
+    if (forced || lit_scene->n_suns > 0 || lit_scene->n_emitters > 0 || lit_scene->open ||
         windows > for_edges / a_window)
         return for_edges;
     return a_window * windows;
@@ -223,7 +227,7 @@ static uint64_t enough_photons(const struct orl_survey *survey, uint64_t for_edg
  * sample there, and 50 here. Pixels are so many that the largest useful number of lamps costs them
  * little.
  */
-static uint64_t virtual_lamps(const struct orl_survey *survey)
+static uint64_t virtual_lamps(const struct orl_plan_survey *survey)
 {
     const struct orl_job *job = survey->request->job;
     uint64_t samples = job->gather_samples ? job->gather_samples : ORL_DEFAULT_GATHER_SAMPLES;
@@ -240,10 +244,10 @@ static uint64_t virtual_lamps(const struct orl_survey *survey)
     return job->photons_global < all ? job->photons_global : enough_photons(survey, all, a_window);
 }
 
-static uint64_t global_photons(const struct orl_survey *survey, const struct orl_plan *plan)
+static uint64_t global_photons(const struct orl_plan_survey *survey, const struct orl_plan *plan)
 {
     const uint64_t asked = survey->request->job->photons_global;
-    if (survey->world->omit.most_reflections == 0 || survey->world->scene->mist)
+    if (survey->lit_scene->omit.most_reflections == 0 || survey->lit_scene->scene->mist)
         return 0;
     if (plan->technique == ORL_TECHNIQUE_BACKWARD)
         return virtual_lamps(survey);
@@ -257,20 +261,20 @@ static uint64_t global_photons(const struct orl_survey *survey, const struct orl
     }
 }
 
-void orl_decide_technique(struct orl_survey *survey, const struct orl_lit *lit,
+void orl_decide_technique(struct orl_plan_survey *survey, const struct orl_lit_specular *lit,
                           struct orl_plan *plan)
 {
     decide_techniques(survey, plan);
     decide_gather(survey, plan);
     decide_interreflection(survey, lit, plan);
-    survey->world->omit.most_reflections = reflections_of_photons(plan);
-    survey->world->omit.counted_light = shows_map(plan->technique);
+    survey->lit_scene->omit.most_reflections = reflections_of_photons(plan);
+    survey->lit_scene->omit.counted_light = shows_map(plan->technique);
     plan->photons_global = global_photons(survey, plan);
 }
 
 /* ---- Requests of jobs ------------------------------------------------------------------------ */
 
-void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
+void orl_decide_requests(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
     const struct orl_finding nothing = {.needed = false, .unit = ORL_BOUND_NONE};
     const struct orl_job *job = survey->request->job;
@@ -281,9 +285,10 @@ void orl_decide_requests(struct orl_survey *survey, struct orl_plan *plan)
         views += job->views[i].metrics != 0;
     struct orl_decision *glare = &plan->effects[ORL_EFFECT_GLARE];
     struct orl_decision *bins = &plan->effects[ORL_EFFECT_BINS];
-    orl_settle(glare, &asked, "%zu of %zu view%s ask%s for a glare metric", views, job->n_views,
-               orl_plural(job->n_views), views == 1 ? "s" : "");
-    orl_settle(bins, &nothing, "the job is for 1 moment, not for a year: light is not told apart");
+    orl_decision_fill(glare, &asked, "%zu of %zu view%s ask%s for a glare metric", views,
+                      job->n_views, orl_plural(job->n_views), views == 1 ? "s" : "");
+    orl_decision_fill(bins, &nothing,
+                      "the job is for 1 moment, not for a year: light is not told apart");
     glare->simulated = rated;
     bins->simulated = false;
 }

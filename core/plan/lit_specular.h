@@ -17,26 +17,26 @@
 
 #include "plan/survey.h"
 
-enum orl_lit_kind {
+enum orl_lit_specular_kind {
     ORL_LIT_FLAT,   /* flat mirrors and panes */
     ORL_LIT_CURVED, /* curved mirrors, and dielectrics: surfaces that may focus */
     ORL_LIT_LOBE,   /* BSDFs, rough metal and plastic, trans */
     ORL_LIT_KINDS
 };
 
-struct orl_lit_class {
+struct orl_lit_specular_class {
     size_t facets;  /* number of facets of that kind */
     bool lit;       /* true: at least one is lit, inside, by a sun or lamp */
     uint32_t facet; /* first facet found lit */
     double share;   /* share of light that the strongest of them sends on */
 };
 
-struct orl_lit {
-    struct orl_lit_class classes[ORL_LIT_KINDS];
+struct orl_lit_specular {
+    struct orl_lit_specular_class classes[ORL_LIT_KINDS];
     size_t rays; /* upper bound on the rays cast */
     size_t lights;
 };
 
-void orl_lit_look(const struct orl_survey *survey, struct orl_lit *ret_lit);
+void orl_lit_specular_find(const struct orl_plan_survey *survey, struct orl_lit_specular *ret_lit);
 
 #endif

@@ -1,17 +1,17 @@
 #include "plan/outdoors.h"
 
-#include "scene/geometry/placed.h"
+#include "scene/geometry/instances.h"
 #include "scene/material/bounds.h"
 
 /* Limit of facets times port planes; beyond it the test would take longer than it may save. */
-static const double most_looks = 2e7;
+static const double most_tests = 2e7;
 /* Tolerance relative to the scene's size: a smaller distance counts as within the plane. Rays are
  * floats. */
 static const double in_plane = 1e-7;
 
-static bool may_continue(const struct orl_crew *crew, size_t facet)
+static bool may_continue(const struct orl_thread_pool *pool, size_t facet)
 {
-    return facet % 4096 != 0 || !orl_crew_cancelled(crew);
+    return facet % 4096 != 0 || !orl_thread_pool_cancelled(pool);
 }
 
 static double box_extent(struct orl_vec3 low, struct orl_vec3 high, struct orl_vec3 d)
@@ -28,33 +28,33 @@ static double facet_extent(const struct orl_geometry *g, const struct orl_facet 
     switch (f->kind) {
     case ORL_SURFACE_POLYGON:
         for (uint32_t i = 0; i < f->n_triangles; i++) {
-            const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
+            const struct orl_triangle t = orl_triangle_get(g, orl_facet_triangle(f, i));
             most = fmax(most, fmax(orl_dot(t.a, d), fmax(orl_dot(t.b, d), orl_dot(t.c, d))));
         }
         return most;
     case ORL_SURFACE_CYLINDER:
     case ORL_SURFACE_TUBE:
-        return fmax(orl_dot(f->round->center[0], d), orl_dot(f->round->center[1], d)) +
-               f->round->radius[0];
+        return fmax(orl_dot(f->quadric->center[0], d), orl_dot(f->quadric->center[1], d)) +
+               f->quadric->radius[0];
     case ORL_SURFACE_CONE:
     case ORL_SURFACE_CUP:
-        return fmax(orl_dot(f->round->center[0], d) + f->round->radius[0],
-                    orl_dot(f->round->center[1], d) + f->round->radius[1]);
+        return fmax(orl_dot(f->quadric->center[0], d) + f->quadric->radius[0],
+                    orl_dot(f->quadric->center[1], d) + f->quadric->radius[1]);
     case ORL_SURFACE_SPHERE:
     case ORL_SURFACE_BUBBLE:
-        return orl_dot(f->round->center[0], d) + f->round->radius[0];
+        return orl_dot(f->quadric->center[0], d) + f->quadric->radius[0];
     case ORL_SURFACE_RING:
-        return orl_dot(f->round->center[0], d) + f->round->radius[1];
+        return orl_dot(f->quadric->center[0], d) + f->quadric->radius[1];
     }
     return INFINITY;
 }
 
 /* Returns the outer plane of a port's pane. */
-static double plane_of(const struct orl_world *world, const struct orl_port *port)
+static double plane_of(const struct orl_lit_scene *lit_scene, const struct orl_port *port)
 {
     struct orl_facet own;
-    return facet_extent(world->geometry, orl_facet_own(world->geometry, port->facet, &own),
-                        port->outward);
+    return facet_extent(lit_scene->geometry,
+                        orl_facet_get_own(lit_scene->geometry, port->facet, &own), port->outward);
 }
 
 /* Tests a facet of one of the scene's two geometries: that for light, or that for views. */
@@ -62,30 +62,30 @@ static bool reaches_beyond(const struct orl_geometry *g, size_t facet, struct or
                            double plane)
 {
     struct orl_facet own;
-    const struct orl_facet *f = orl_facet_own(g, facet, &own);
+    const struct orl_facet *f = orl_facet_get_own(g, facet, &own);
     return f->area > 0 && facet_extent(g, f, outward) > plane + in_plane * g->radius;
 }
 
 /* Tests a placed instance by its bounding box. */
-static bool is_placed_beyond(const struct orl_geometry *g, const struct orl_placed *placed,
-                             struct orl_vec3 outward, double plane)
+static bool is_instance_beyond(const struct orl_geometry *g, const struct orl_instance *instance,
+                               struct orl_vec3 outward, double plane)
 {
-    return box_extent(placed->low, placed->high, outward) > plane + in_plane * g->radius;
+    return box_extent(instance->low, instance->high, outward) > plane + in_plane * g->radius;
 }
 
-static bool is_clear(const struct orl_world *world, const struct orl_port *port,
-                     const struct orl_crew *crew)
+static bool is_clear(const struct orl_lit_scene *lit_scene, const struct orl_port *port,
+                     const struct orl_thread_pool *pool)
 {
-    const struct orl_geometry *g = world->geometry;
-    const double plane = plane_of(world, port);
+    const struct orl_geometry *g = lit_scene->geometry;
+    const double plane = plane_of(lit_scene, port);
     if (box_extent(g->low, g->high, port->outward) <= plane + in_plane * g->radius)
         return true;
-    for (size_t i = 0; i < g->n_facets && may_continue(crew, i); i++)
+    for (size_t i = 0; i < g->n_facets && may_continue(pool, i); i++)
         if (reaches_beyond(g, i, port->outward, plane) ||
-            (world->seen && reaches_beyond(world->seen->geometry, i, port->outward, plane)))
+            (lit_scene->seen && reaches_beyond(lit_scene->seen->geometry, i, port->outward, plane)))
             return false;
-    for (size_t i = 0; i < g->n_placed; i++)
-        if (is_placed_beyond(g, &g->placed[i], port->outward, plane))
+    for (size_t i = 0; i < g->n_instances; i++)
+        if (is_instance_beyond(g, &g->instance[i], port->outward, plane))
             return false;
     return true;
 }
@@ -95,19 +95,20 @@ static size_t count_tests(const struct orl_geometry *g)
 {
     const size_t of_triangles = orl_geometry_triangles_end(g) / 4;
     size_t n = of_triangles > g->n_facets ? of_triangles : g->n_facets;
-    n += g->n_placed * (g->n_prototypes + 1);
+    n += g->n_instances * (g->n_prototypes + 1);
     for (size_t i = 0; i < g->n_prototypes; i++)
         n += g->prototypes[i]->n_facets;
     return n;
 }
 
 /* Finds an earlier port in the same plane, which has the same outside. */
-static bool same_outside(const struct orl_world *world, size_t port, size_t *ret_same)
+static bool same_outside(const struct orl_lit_scene *lit_scene, size_t port, size_t *ret_same)
 {
-    const struct orl_port *p = &world->ports[port];
+    const struct orl_port *p = &lit_scene->ports[port];
     for (size_t i = 0; i < port; i++) {
-        const struct orl_port *q = &world->ports[i];
-        if (orl_dot(p->outward, q->outward) == 1 && plane_of(world, p) == plane_of(world, q)) {
+        const struct orl_port *q = &lit_scene->ports[i];
+        if (orl_dot(p->outward, q->outward) == 1 &&
+            plane_of(lit_scene, p) == plane_of(lit_scene, q)) {
             *ret_same = i;
             return true;
         }
@@ -115,24 +116,25 @@ static bool same_outside(const struct orl_world *world, size_t port, size_t *ret
     return false;
 }
 
-bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *crew, bool *ret_clear)
+bool orl_outdoors_find_clear(const struct orl_lit_scene *lit_scene,
+                             const struct orl_thread_pool *pool, bool *ret_clear)
 {
-    const double facets = (double)count_tests(world->geometry), most = most_looks;
-    double looks = 0;
-    for (size_t i = 0; i < world->n_ports; i++) {
+    const double facets = (double)count_tests(lit_scene->geometry), most = most_tests;
+    double tests = 0;
+    for (size_t i = 0; i < lit_scene->n_ports; i++) {
         size_t same;
-        looks += (double)i;
-        if (same_outside(world, i, &same)) {
+        tests += (double)i;
+        if (same_outside(lit_scene, i, &same)) {
             ret_clear[i] = ret_clear[same];
             continue;
         }
-        looks += facets;
-        if (looks > most) {
-            for (size_t k = 0; k < world->n_ports; k++)
+        tests += facets;
+        if (tests > most) {
+            for (size_t k = 0; k < lit_scene->n_ports; k++)
                 ret_clear[k] = false;
             return false;
         }
-        ret_clear[i] = is_clear(world, &world->ports[i], crew);
+        ret_clear[i] = is_clear(lit_scene, &lit_scene->ports[i], pool);
     }
     return true;
 }
@@ -140,56 +142,55 @@ bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *cre
 static double reflected_share(const struct orl_material *m)
 {
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
-    const double most = fmax(orl_material_albedo_most(m, true, 0.5, back),
-                             orl_material_albedo_most(m, false, 0.5, back));
-    return orl_material_shines(m) ? fmax(most, 1) : most;
+    const double most = fmax(orl_material_max_albedo(m, true, 0.5, back),
+                             orl_material_max_albedo(m, false, 0.5, back));
+    return orl_material_emits(m) ? fmax(most, 1) : most;
 }
 
 /* Returns the largest reflectance of a prototype's facets, if a placement of it reaches beyond. */
-static double reflected_share_placed(const struct orl_world *world,
+static double reflected_share_placed(const struct orl_lit_scene *lit_scene,
                                      const struct orl_geometry *prototype, struct orl_vec3 outward,
                                      double plane)
 {
-    const struct orl_geometry *const g = world->geometry;
+    const struct orl_geometry *const g = lit_scene->geometry;
     bool beyond = false;
     double most = 0;
-    for (size_t i = 0; i < g->n_placed && !beyond; i++)
-        beyond = g->placed[i].prototype == prototype &&
-                 is_placed_beyond(g, &g->placed[i], outward, plane);
+    for (size_t i = 0; i < g->n_instances && !beyond; i++)
+        beyond = g->instance[i].prototype == prototype &&
+                 is_instance_beyond(g, &g->instance[i], outward, plane);
     for (size_t i = 0; i < prototype->n_facets && beyond; i++)
-        most = fmax(most, reflected_share(&world->materials[orl_facet_material(prototype, i)]));
+        most = fmax(most, reflected_share(&lit_scene->materials[orl_facet_material(prototype, i)]));
     return most;
 }
 
-double orl_outdoors_reflectance(const struct orl_world *world, const struct orl_crew *crew)
+double orl_outdoors_reflectance(const struct orl_lit_scene *lit_scene,
+                                const struct orl_thread_pool *pool)
 {
-    const struct orl_geometry *g = world->geometry;
-    double most = 0, looks = 0;
-    for (size_t p = 0; p < world->n_ports; p++) {
-        const struct orl_port *port = &world->ports[p];
-        const double plane = plane_of(world, port);
+    const struct orl_geometry *g = lit_scene->geometry;
+    double most = 0, tests = 0;
+    for (size_t p = 0; p < lit_scene->n_ports; p++) {
+        const struct orl_port *port = &lit_scene->ports[p];
+        const double plane = plane_of(lit_scene, port);
         if (port->clear)
             continue;
-        looks += (double)count_tests(g);
-        if (looks > most_looks)
+        tests += (double)count_tests(g);
+        if (tests > most_tests)
             return 1;
         for (size_t i = 0; i < g->n_prototypes; i++)
-            most =
-                fmax(most, reflected_share_placed(world, g->prototypes[i], port->outward, plane));
-        for (size_t i = 0; i < g->n_facets && may_continue(crew, i); i++)
+            most = fmax(most,
+                        reflected_share_placed(lit_scene, g->prototypes[i], port->outward, plane));
+        for (size_t i = 0; i < g->n_facets && may_continue(pool, i); i++)
             if (reaches_beyond(g, i, port->outward, plane))
-                most = fmax(most, reflected_share(&world->materials[orl_facet_material(g, i)]));
+                most = fmax(most, reflected_share(&lit_scene->materials[orl_facet_material(g, i)]));
     }
     return most;
 }
 
-double orl_panes_reflectance(const struct orl_world *world)
+double orl_panes_reflectance(const struct orl_lit_scene *lit_scene)
 {
     double most = 0;
-    for (size_t p = 0; p < world->n_ports; p++)
-        most = fmax(
-            most,
-            reflected_share(
-                &world->materials[orl_facet_material(world->geometry, world->ports[p].facet)]));
+    for (size_t p = 0; p < lit_scene->n_ports; p++)
+        most = fmax(most, reflected_share(&lit_scene->materials[orl_facet_material(
+                              lit_scene->geometry, lit_scene->ports[p].facet)]));
     return most;
 }

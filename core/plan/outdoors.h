@@ -8,16 +8,18 @@
 #ifndef ORL_PLAN_OUTDOORS_H
 #define ORL_PLAN_OUTDOORS_H
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 
 /* Fills ret_clear, one entry per port: true if no facet reaches beyond it. Returns false, with all
  * entries false, if there are too many facets to check. */
-bool orl_outdoors_look(const struct orl_world *world, const struct orl_crew *crew, bool *ret_clear);
+bool orl_outdoors_find_clear(const struct orl_lit_scene *lit_scene,
+                             const struct orl_thread_pool *pool, bool *ret_clear);
 
 /* Returns the largest share of light that a facet beyond any port reflects. */
-double orl_outdoors_reflectance(const struct orl_world *world, const struct orl_crew *crew);
+double orl_outdoors_reflectance(const struct orl_lit_scene *lit_scene,
+                                const struct orl_thread_pool *pool);
 
 /* Returns the largest share of light that a port reflects. */
-double orl_panes_reflectance(const struct orl_world *world);
+double orl_panes_reflectance(const struct orl_lit_scene *lit_scene);
 
 #endif

@@ -5,18 +5,19 @@
 #include "plan/decide.h"
 
 int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lights,
-                  struct orl_plan *ret_plan, struct orl_world **ret_world, struct orl_error *err)
+                  struct orl_plan *ret_plan, struct orl_lit_scene **ret_lit_scene,
+                  struct orl_error *err)
 {
-    struct orl_world *world;
-    struct orl_survey survey;
-    struct orl_lit lit;
-    int code = orl_world_new(lights, request->crew, &world, err);
+    struct orl_lit_scene *lit_scene;
+    struct orl_plan_survey survey;
+    struct orl_lit_specular lit;
+    int code = orl_lit_scene_new(lights, request->pool, &lit_scene, err);
     if (code < 0)
         return code;
     memset(ret_plan, 0, sizeof *ret_plan);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
-        ret_plan->effects[i].wish = request->job->wishes[i];
-    code = orl_survey_init(&survey, request, world);
+        ret_plan->effects[i].override = request->job->overrides[i];
+    code = orl_plan_survey_init(&survey, request, lit_scene);
     if (code < 0) {
         orl_error_set(err, code, "out of memory for the plan");
         goto done;
@@ -25,17 +26,17 @@ int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lig
     orl_decide_lights(&survey, ret_plan);
     orl_decide_windows(&survey, ret_plan);
     orl_decide_color(&survey, ret_plan);
-    orl_lit_look(&survey, &lit);
+    orl_lit_specular_find(&survey, &lit);
     ret_plan->paths = orl_find_path_set(&survey, &lit);
     orl_decide_technique(&survey, &lit, ret_plan);
     orl_decide_caustics(&survey, &lit, ret_plan);
     orl_decide_requests(&survey, ret_plan);
-    orl_world_settle(world);
+    orl_lit_scene_update_seen(lit_scene);
 done:
-    orl_survey_done(&survey);
+    orl_plan_survey_done(&survey);
     if (code == 0)
-        *ret_world = world;
+        *ret_lit_scene = lit_scene;
     else
-        orl_world_free(world);
+        orl_lit_scene_free(lit_scene);
     return code;
 }

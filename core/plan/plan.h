@@ -10,15 +10,15 @@
 #ifndef ORL_PLAN_PLAN_H
 #define ORL_PLAN_PLAN_H
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 
 struct orl_plan_request {
     const struct orl_job *job; /* its own sensors are ignored in favour of `sensors` */
     const struct orl_sensor *sensors;
     size_t n_sensors;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     double (*now_s)(void *ctx); /* for the estimates of seconds */
     void *ctx;
 };
@@ -28,6 +28,7 @@ struct orl_plan_request {
  * world that the caller owns, or ORL_ERR_NOMEM.
  */
 int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lights,
-                  struct orl_plan *ret_plan, struct orl_world **ret_world, struct orl_error *err);
+                  struct orl_plan *ret_plan, struct orl_lit_scene **ret_lit_scene,
+                  struct orl_error *err);
 
 #endif

@@ -1,6 +1,6 @@
 /* Decides on colour, exactly: every used material and every light is checked. */
 #include "plan/decide.h"
-#include "scene/material/pattern.h"
+#include "scene/material/patterns/pattern.h"
 
 static bool is_gray(struct orl_rgb c)
 {
@@ -39,22 +39,22 @@ static bool is_coloured(const struct orl_material *m)
            has_coloured_data(m);
 }
 
-static bool has_coloured_sky(const struct orl_world *world)
+static bool has_coloured_sky(const struct orl_lit_scene *lit_scene)
 {
-    for (size_t i = 0; i < world->n_domes; i++)
-        if (world->domes[i].pattern && world->domes[i].pattern->coloured)
+    for (size_t i = 0; i < lit_scene->n_domes; i++)
+        if (lit_scene->domes[i].pattern && lit_scene->domes[i].pattern->coloured)
             return true;
     return false;
 }
 
-static size_t coloured_lights(const struct orl_world *world)
+static size_t coloured_lights(const struct orl_lit_scene *lit_scene)
 {
     size_t n = 0;
-    for (size_t i = 0; i < world->n_suns; i++)
-        n += !is_gray(world->suns[i].radiance);
-    for (size_t i = 0; i < world->n_domes; i++)
-        n += !is_gray(world->domes[i].radiance) ||
-             (world->domes[i].pattern && world->domes[i].pattern->coloured);
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        n += !is_gray(lit_scene->suns[i].radiance);
+    for (size_t i = 0; i < lit_scene->n_domes; i++)
+        n += !is_gray(lit_scene->domes[i].radiance) ||
+             (lit_scene->domes[i].pattern && lit_scene->domes[i].pattern->coloured);
     return n;
 }
 
@@ -76,17 +76,17 @@ static double vividness_of(const struct orl_material *m)
     return most;
 }
 
-static double most_vivid(const struct orl_survey *survey)
+static double most_vivid(const struct orl_plan_survey *survey)
 {
-    const struct orl_world *world = survey->world;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
     double most = 1;
-    for (size_t i = 0; i < world->n_materials; i++)
+    for (size_t i = 0; i < lit_scene->n_materials; i++)
         if (survey->surfaces[i] > 0)
-            most = fmax(most, vividness_of(&world->materials[i]));
-    for (size_t i = 0; i < world->n_suns; i++)
-        most = fmax(most, vividness(world->suns[i].radiance));
-    for (size_t i = 0; i < world->n_domes; i++)
-        most = fmax(most, vividness(world->domes[i].radiance));
+            most = fmax(most, vividness_of(&lit_scene->materials[i]));
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        most = fmax(most, vividness(lit_scene->suns[i].radiance));
+    for (size_t i = 0; i < lit_scene->n_domes; i++)
+        most = fmax(most, vividness(lit_scene->domes[i].radiance));
     return most;
 }
 
@@ -96,10 +96,10 @@ static struct orl_rgb gray_of(struct orl_rgb c)
 }
 
 /* Converts all colours to gray of the same luma. */
-static void convert_to_gray(struct orl_world *world)
+static void convert_to_gray(struct orl_lit_scene *lit_scene)
 {
-    for (size_t i = 0; i < world->n_materials; i++) {
-        struct orl_material *m = &world->materials[i];
+    for (size_t i = 0; i < lit_scene->n_materials; i++) {
+        struct orl_material *m = &lit_scene->materials[i];
         m->color = gray_of(m->color);
         m->gloss = gray_of(m->gloss);
         m->transmissivity = gray_of(m->transmissivity);
@@ -109,43 +109,44 @@ static void convert_to_gray(struct orl_world *world)
         for (int k = 0; k < 2; k++)
             m->media[k].transmissivity = gray_of(m->media[k].transmissivity);
     }
-    for (size_t i = 0; i < world->n_suns; i++) {
-        world->suns[i].radiance = gray_of(world->suns[i].radiance);
-        world->suns[i].irradiance = gray_of(world->suns[i].irradiance);
+    for (size_t i = 0; i < lit_scene->n_suns; i++) {
+        lit_scene->suns[i].radiance = gray_of(lit_scene->suns[i].radiance);
+        lit_scene->suns[i].irradiance = gray_of(lit_scene->suns[i].irradiance);
     }
-    for (size_t i = 0; i < world->n_domes; i++)
-        world->domes[i].radiance = gray_of(world->domes[i].radiance);
-    for (size_t i = 0; i < world->n_emitters; i++) {
-        world->emitters[i].radiance = gray_of(world->emitters[i].radiance);
-        world->emitters[i].most = gray_of(world->emitters[i].most);
+    for (size_t i = 0; i < lit_scene->n_domes; i++)
+        lit_scene->domes[i].radiance = gray_of(lit_scene->domes[i].radiance);
+    for (size_t i = 0; i < lit_scene->n_emitters; i++) {
+        lit_scene->emitters[i].radiance = gray_of(lit_scene->emitters[i].radiance);
+        lit_scene->emitters[i].most = gray_of(lit_scene->emitters[i].most);
     }
 }
 
-void orl_decide_color(struct orl_survey *survey, struct orl_plan *plan)
+void orl_decide_color(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
-    struct orl_world *world = survey->world;
+    struct orl_lit_scene *lit_scene = survey->lit_scene;
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_COLOR];
-    const size_t materials = orl_survey_count(survey, is_coloured);
-    const size_t lights = coloured_lights(world);
+    const size_t materials = orl_plan_survey_count(survey, is_coloured);
+    const size_t lights = coloured_lights(lit_scene);
     const double vivid = most_vivid(survey);
     const struct orl_finding finding = {
         .needed = materials + lights > 0,
         .unit = ORL_BOUND_RELATIVE,
         /* Two reflections by the most coloured surface; further ones matter less. */
         .bound = materials + lights > 0 ? vivid * vivid - 1 : 0};
-    orl_settle(decision, &finding, "surfaces that have a colour: %zu; lights that have one: %zu",
-               materials, lights);
+    orl_decision_fill(decision, &finding,
+                      "surfaces that have a colour: %zu; lights that have one: %zu", materials,
+                      lights);
     plan->channels = decision->simulated ? 3 : 1;
     if (!decision->simulated &&
-        (orl_survey_count(survey, has_coloured_data) > 0 || has_coloured_sky(world))) {
+        (orl_plan_survey_count(survey, has_coloured_data) > 0 || has_coloured_sky(lit_scene))) {
         /* Data cannot be converted to gray. */
         decision->simulated = true;
         plan->channels = 3;
         return;
     }
     if (!decision->simulated && materials + lights > 0) {
-        convert_to_gray(world);
-        world->omit.bleached = true;
+        convert_to_gray(lit_scene);
+        lit_scene->omit.bleached = true;
     }
-    world->omit.channels = plan->channels;
+    lit_scene->omit.channels = plan->channels;
 }

@@ -1,4 +1,4 @@
-#include <oriel/plan.h>
+#include <oriel/job/plan.h>
 
 const char *orl_technique_name(enum orl_technique technique)
 {
@@ -31,8 +31,8 @@ const char *orl_effect_name(enum orl_effect effect)
     return effect < ORL_EFFECT_COUNT ? names[effect] : "unknown";
 }
 
-const char *orl_wish_name(enum orl_wish wish)
+const char *orl_effect_override_name(enum orl_effect_override override)
 {
-    static const char *const names[ORL_WISH_COUNT] = {"auto", "force", "skip"};
-    return wish < ORL_WISH_COUNT ? names[wish] : "unknown";
+    static const char *const names[ORL_OVERRIDE_COUNT] = {"auto", "force", "skip"};
+    return override < ORL_OVERRIDE_COUNT ? names[override] : "unknown";
 }

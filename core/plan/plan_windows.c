@@ -1,7 +1,7 @@
 /* Decides on effects of windows: outdoor surfaces, ports that send light, suns that reach in. */
 #include <stdlib.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "light/exterior.h"
 #include "plan/decide.h"
 #include "plan/outdoors.h"
@@ -21,87 +21,91 @@ static bool sun_faces(const struct orl_sun *sun, struct orl_vec3 outward)
 
 /* Returns the share of the light at ports, seen from inside, that comes by way of outdoor
  * surfaces. */
-static double share_reflected(const struct orl_survey *survey)
+static double share_reflected(const struct orl_plan_survey *survey)
 {
-    struct orl_world straight = *survey->world;
-    const struct orl_world *world = survey->world;
+    struct orl_lit_scene straight = *survey->lit_scene;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
     double all = 0, direct = 0;
     straight.omit.exterior = true;
-    for (uint32_t i = 0; i < PILOT_PATHS && world->n_ports > 0; i++) {
-        const struct orl_port *port = &world->ports[i % world->n_ports];
+    for (uint32_t i = 0; i < PILOT_PATHS && lit_scene->n_ports > 0; i++) {
+        const struct orl_port *port = &lit_scene->ports[i % lit_scene->n_ports];
         struct orl_random random = orl_random_stream(4, ORL_PURPOSE_PILOT, i), same;
         struct orl_health ignored = {0};
         struct orl_vec3 point, normal;
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         const double a = orl_random_uniform(&random), b = orl_random_uniform(&random);
         const struct orl_vec3 out = orl_hemisphere_about(port->outward, a, b);
-        orl_facet_sample(world->geometry, port->facet, u, &point, &normal);
-        point = orl_facet_leave(world->geometry, port->facet, point, normal, port->outward);
+        orl_facet_sample(lit_scene->geometry, port->facet, u, &point, &normal);
+        point =
+            orl_facet_ray_origin(lit_scene->geometry, port->facet, point, normal, port->outward);
         same = random;
-        all += port->area * orl_luma(orl_exterior_radiance(world, point, out, orl_chance_unsought(),
-                                                           &random, &ignored, NULL));
+        all += port->area *
+               orl_luma(orl_exterior_radiance(lit_scene, point, out, orl_mis_pdf_infinite(),
+                                              &random, &ignored, NULL));
         direct += port->area *
-                  orl_luma(orl_exterior_radiance(&straight, point, out, orl_chance_unsought(),
+                  orl_luma(orl_exterior_radiance(&straight, point, out, orl_mis_pdf_infinite(),
                                                  &same, &ignored, NULL));
     }
     return all > 0 ? fmax(0, 1 - direct / all) : 0;
 }
 
-static void decide_exterior(struct orl_survey *survey, struct orl_plan *plan)
+static void decide_exterior(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
-    struct orl_world *world = survey->world;
+    struct orl_lit_scene *lit_scene = survey->lit_scene;
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_EXTERIOR];
-    const bool looks = decision->wish != ORL_WISH_FORCE && world->n_ports > 0;
-    double rho = looks && survey->n_clear < world->n_ports
-                     ? orl_outdoors_reflectance(world, survey->request->crew)
+    const bool looks = decision->override != ORL_OVERRIDE_FORCE && lit_scene->n_ports > 0;
+    double rho = looks && survey->n_clear < lit_scene->n_ports
+                     ? orl_outdoors_reflectance(lit_scene, survey->request->pool)
                      : 0;
-    if (looks && !(rho > 0) && orl_survey_asks_outside(survey))
-        rho = orl_panes_reflectance(world);
+    if (looks && !(rho > 0) && orl_plan_survey_is_outdoor(survey))
+        rho = orl_panes_reflectance(lit_scene);
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     struct orl_finding finding = {
-        .needed = world->n_ports > 0 && rho > 0,
+        .needed = lit_scene->n_ports > 0 && rho > 0,
         .unit = ORL_BOUND_LX,
-        .bound = rho > 0 ? rho * (direct + orl_survey_reflected_lx(survey, direct)) : 0,
+        .bound = rho > 0 ? rho * (direct + orl_plan_survey_reflected_lx(survey, direct)) : 0,
         .saved_s = (double)plan->photons_global * survey->ray_s};
-    if (world->n_ports == 0) {
-        orl_settle(decision, &finding,
-                   "there are %zu windows to look out of: what stands outside is lit as all else",
-                   world->n_ports);
+    if (lit_scene->n_ports == 0) {
+        orl_decision_fill(
+            decision, &finding,
+            "there are %zu windows to look out of: what stands outside is lit as all else",
+            lit_scene->n_ports);
         return;
     }
-    if (world->open)
+    if (lit_scene->open)
         finding.needed = true;
     if (!looks)
-        orl_settle(decision, &finding, "whatever stands before the %zu window%s is followed",
-                   world->n_ports, orl_plural(world->n_ports));
+        orl_decision_fill(decision, &finding, "whatever stands before the %zu window%s is followed",
+                          lit_scene->n_ports, orl_plural(lit_scene->n_ports));
     else if (rho > 0)
-        orl_settle(
+        orl_decision_fill(
             decision, &finding,
             "surfaces reach beyond %zu of %zu window%s, and up to %.3g %% is reflected; of the "
             "light of the sky, %.2g %% comes in by way of them",
-            world->n_ports - survey->n_clear, world->n_ports, orl_plural(world->n_ports), 100 * rho,
-            100 * share_reflected(survey));
+            lit_scene->n_ports - survey->n_clear, lit_scene->n_ports,
+            orl_plural(lit_scene->n_ports), 100 * rho, 100 * share_reflected(survey));
     else
-        orl_settle(decision, &finding,
-                   "no surface that reflects reaches beyond the plane of any of the %zu window%s",
-                   world->n_ports, orl_plural(world->n_ports));
+        orl_decision_fill(
+            decision, &finding,
+            "no surface that reflects reaches beyond the plane of any of the %zu window%s",
+            lit_scene->n_ports, orl_plural(lit_scene->n_ports));
     if (!decision->simulated)
-        world->omit.exterior = survey->n_clear < world->n_ports;
+        lit_scene->omit.exterior = survey->n_clear < lit_scene->n_ports;
 }
 
 /* ---- Ports ----------------------------------------------------------------------------------- */
 
 /* Returns true if a port gets no light: nothing lies beyond its plane, and no dome or sun in front
  * of it. */
-static bool is_silent(const struct orl_world *world, const struct orl_port *port)
+static bool is_silent(const struct orl_lit_scene *lit_scene, const struct orl_port *port)
 {
     if (!port->clear)
         return false;
-    for (size_t i = 0; i < world->n_suns; i++)
-        if (sun_faces(&world->suns[i], port->outward))
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        if (sun_faces(&lit_scene->suns[i], port->outward))
             return false;
-    for (size_t i = 0; i < world->n_domes; i++) {
-        const struct orl_dome *dome = &world->domes[i];
+    for (size_t i = 0; i < lit_scene->n_domes; i++) {
+        const struct orl_dome *dome = &lit_scene->domes[i];
         const double sine = sqrt(fmax(0, 1 - dome->cos_half_angle * dome->cos_half_angle));
         if (dome->cos_half_angle < 0 || orl_dot(dome->direction, port->outward) > -sine)
             return false;
@@ -109,39 +113,41 @@ static bool is_silent(const struct orl_world *world, const struct orl_port *port
     return true;
 }
 
-static void decide_ports(struct orl_survey *survey, struct orl_plan *plan)
+static void decide_ports(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
-    struct orl_world *world = survey->world;
+    struct orl_lit_scene *lit_scene = survey->lit_scene;
     size_t silent = 0;
-    for (size_t i = 0; i < world->n_ports; i++)
-        silent += is_silent(world, &world->ports[i]);
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        silent += is_silent(lit_scene, &lit_scene->ports[i]);
     const struct orl_finding finding = {
-        .needed = silent < world->n_ports,
+        .needed = silent < lit_scene->n_ports,
         .unit = ORL_BOUND_LX,
-        .bound = silent < world->n_ports ? survey->sun_lx + survey->sky_lx : 0};
-    const bool all = plan->effects[ORL_EFFECT_PORTS].wish == ORL_WISH_FORCE;
-    const bool some = orl_settle(
+        .bound = silent < lit_scene->n_ports ? survey->sun_lx + survey->sky_lx : 0};
+    const bool all = plan->effects[ORL_EFFECT_PORTS].override == ORL_OVERRIDE_FORCE;
+    const bool some = orl_decision_fill(
         &plan->effects[ORL_EFFECT_PORTS], &finding,
-        "%zu of %zu window%s face%s a sky, a sun, or surfaces outside", world->n_ports - silent,
-        world->n_ports, orl_plural(world->n_ports), world->n_ports - silent == 1 ? "s" : "");
-    for (size_t i = 0; i < world->n_ports; i++)
-        world->ports[i].silent = !some || (!all && is_silent(world, &world->ports[i]));
+        "%zu of %zu window%s face%s a sky, a sun, or surfaces outside", lit_scene->n_ports - silent,
+        lit_scene->n_ports, orl_plural(lit_scene->n_ports),
+        lit_scene->n_ports - silent == 1 ? "s" : "");
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        lit_scene->ports[i].silent = !some || (!all && is_silent(lit_scene, &lit_scene->ports[i]));
 }
 
 /* ---- Suns ------------------------------------------------------------------------------------ */
 
 /* Returns true if rays from inside find the sun through holes that are too small to make the
  * building open. */
-static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
+static bool sun_found_inside(const struct orl_lit_scene *lit_scene, struct orl_vec3 sun)
 {
-    const struct orl_geometry *g = world->geometry;
+    const struct orl_geometry *g = lit_scene->geometry;
     for (uint32_t path = 0; path < REACH_PATHS; path++) {
-        const struct orl_port *port = &world->ports[path % world->n_ports];
+        const struct orl_port *port = &lit_scene->ports[path % lit_scene->n_ports];
         struct orl_random random = orl_random_stream(5, ORL_PURPOSE_PILOT, path);
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_vec3 point, normal = orl_neg(port->outward), ignored;
         orl_facet_sample(g, port->facet, u, &point, &ignored);
-        point = orl_facet_leave(g, port->facet, point, orl_facet_normal(g, port->facet), normal);
+        point =
+            orl_facet_ray_origin(g, port->facet, point, orl_facet_normal(g, port->facet), normal);
         for (int bounce = 0; bounce < REACH_BOUNCES; bounce++) {
             struct orl_hit hit;
             const double a = orl_random_uniform(&random), b = orl_random_uniform(&random);
@@ -149,8 +155,8 @@ static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
             if (!orl_geometry_intersect(g, point, d, INFINITY, &hit))
                 break;
             normal = orl_hit_facing(&hit);
-            point = orl_hit_leave(g, &hit, normal);
-            if (orl_rgb_max(orl_transmittance(world, point, sun, INFINITY, true)) > 0)
+            point = orl_hit_ray_origin(g, &hit, normal);
+            if (orl_rgb_max(orl_transmittance(lit_scene, point, sun, INFINITY, true)) > 0)
                 return true;
         }
     }
@@ -161,64 +167,68 @@ static bool sun_found_inside(const struct orl_world *world, struct orl_vec3 sun)
  * Returns false for a sun behind the planes of all windows if nothing outdoors can send its light
  * in. It lights only the outside, which no sensor or view of the job sees.
  */
-static bool can_reach(const struct orl_survey *survey, const struct orl_sun *sun)
+static bool can_reach(const struct orl_plan_survey *survey, const struct orl_sun *sun)
 {
-    const struct orl_world *world = survey->world;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
     if (!(orl_rgb_max(sun->irradiance) > 0))
         return false;
-    if (world->n_ports == 0 || world->open || survey->n_clear < world->n_ports)
+    if (lit_scene->n_ports == 0 || lit_scene->open || survey->n_clear < lit_scene->n_ports)
         return true;
-    for (size_t i = 0; i < world->n_ports; i++)
-        if (sun_faces(sun, world->ports[i].outward))
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        if (sun_faces(sun, lit_scene->ports[i].outward))
             return true;
-    return orl_survey_asks_outside(survey) || sun_found_inside(world, sun->frame.n);
+    return orl_plan_survey_is_outdoor(survey) || sun_found_inside(lit_scene, sun->frame.n);
 }
 
-static void decide_suns(struct orl_survey *survey, struct orl_plan *plan)
+static void decide_suns(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
-    struct orl_world *world = survey->world;
+    struct orl_lit_scene *lit_scene = survey->lit_scene;
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_SUNS];
     struct orl_decision *sun = &plan->effects[ORL_EFFECT_SUN];
-    const bool forced = decision->wish == ORL_WISH_FORCE || sun->wish == ORL_WISH_FORCE;
-    const size_t all = world->n_suns;
+    const bool forced =
+        decision->override == ORL_OVERRIDE_FORCE || sun->override == ORL_OVERRIDE_FORCE;
+    const size_t all = lit_scene->n_suns;
     bool *keep = calloc(all + 1, sizeof *keep);
     size_t kept = all;
-    for (size_t i = 0; keep && i < all && !orl_crew_cancelled(survey->request->crew); i++) {
-        keep[i] = forced || (decision->wish == ORL_WISH_AUTO && can_reach(survey, &world->suns[i]));
+    for (size_t i = 0; keep && i < all && !orl_thread_pool_cancelled(survey->request->pool); i++) {
+        keep[i] = forced || (decision->override == ORL_OVERRIDE_AUTO &&
+                             can_reach(survey, &lit_scene->suns[i]));
         kept -= !keep[i];
     }
     const struct orl_finding finding = {
         .needed = kept > 0,
         .unit = ORL_BOUND_LX,
-        .bound = decision->wish == ORL_WISH_SKIP || kept == all ? survey->sun_lx : 0,
+        .bound = decision->override == ORL_OVERRIDE_SKIP || kept == all ? survey->sun_lx : 0,
         .saved_s = (double)(all - kept) * survey->sensor_rays * survey->ray_s / 3};
     if (keep)
-        orl_world_keep_suns(world, keep);
+        orl_lit_scene_select_suns(lit_scene, keep);
     free(keep);
-    orl_settle(decision, &finding,
-               "%zu of %zu sun%s %s in front of a window, or may be seen from where light is asked "
-               "for",
-               kept, all, orl_plural(all), kept == 1 ? "is" : "are");
-    if (kept == 0 && all > 0 && sun->wish == ORL_WISH_AUTO)
-        orl_settle(sun, &finding,
-                   "none of the %zu sun%s is in front of a window, and nothing stands outside to "
-                   "reflect them",
-                   all, orl_plural(all));
+    orl_decision_fill(
+        decision, &finding,
+        "%zu of %zu sun%s %s in front of a window, or may be seen from where light is asked "
+        "for",
+        kept, all, orl_plural(all), kept == 1 ? "is" : "are");
+    if (kept == 0 && all > 0 && sun->override == ORL_OVERRIDE_AUTO)
+        orl_decision_fill(
+            sun, &finding,
+            "none of the %zu sun%s is in front of a window, and nothing stands outside to "
+            "reflect them",
+            all, orl_plural(all));
 }
 
-void orl_decide_windows(struct orl_survey *survey, struct orl_plan *plan)
+void orl_decide_windows(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
-    struct orl_world *world = survey->world;
-    bool *clear = calloc(world->n_ports + 1, sizeof *clear);
-    if (clear && plan->effects[ORL_EFFECT_EXTERIOR].wish != ORL_WISH_FORCE)
-        orl_outdoors_look(world, survey->request->crew, clear);
-    for (size_t i = 0; clear && i < world->n_ports; i++) {
-        world->ports[i].clear = clear[i];
+    struct orl_lit_scene *lit_scene = survey->lit_scene;
+    bool *clear = calloc(lit_scene->n_ports + 1, sizeof *clear);
+    if (clear && plan->effects[ORL_EFFECT_EXTERIOR].override != ORL_OVERRIDE_FORCE)
+        orl_outdoors_find_clear(lit_scene, survey->request->pool, clear);
+    for (size_t i = 0; clear && i < lit_scene->n_ports; i++) {
+        lit_scene->ports[i].clear = clear[i];
         survey->n_clear += clear[i];
     }
     free(clear);
     decide_exterior(survey, plan);
     decide_suns(survey, plan);
     decide_ports(survey, plan);
-    orl_survey_measure(survey);
+    orl_plan_survey_measure(survey);
 }

@@ -2,10 +2,10 @@
 
 #include <stdlib.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "light/sky.h"
 #include "render/film/view.h"
-#include "scene/geometry/stand.h"
+#include "scene/geometry/surface_offset.h"
 #include "scene/material/bounds.h"
 
 enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
@@ -14,10 +14,10 @@ static const double sky_margin = 1.1;  /* the peak of a sky lies between its sam
 static const double shading_share = 1; /* shading time, relative to a ray's time */
 enum { RAYS_A_SAMPLE = 3 };
 
-double orl_survey_dome_peak(const struct orl_dome *dome)
+double orl_plan_survey_dome_peak(const struct orl_dome *dome)
 {
     double most = 0;
-    if (dome->seen_alone)
+    if (dome->views_only)
         return 0;
     if (!dome->sky && !dome->pattern)
         return orl_luma(dome->radiance);
@@ -35,7 +35,7 @@ double orl_survey_dome_peak(const struct orl_dome *dome)
     return sky_margin * most * (dome->pattern ? 1 : orl_luma(dome->radiance));
 }
 
-double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx)
+double orl_plan_survey_reflected_lx(const struct orl_plan_survey *survey, double direct_lx)
 {
     const double rho = fmin(survey->rho, 1 - 1e-6);
     return direct_lx * rho / (1 - rho);
@@ -46,64 +46,64 @@ double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx
 static double reflectance(const struct orl_material *m)
 {
     const enum orl_lobes back = (enum orl_lobes)(ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED);
-    if (!(orl_material_diffuse_most(m) > 0) && !orl_material_has_lobes(m))
+    if (!(orl_material_max_diffuse(m) > 0) && !orl_material_has_lobes(m))
         return 0;
-    return fmin(fmax(orl_material_albedo_most(m, true, 1, back),
-                     orl_material_albedo_most(m, false, 1, back)),
-                1);
+    return fmin(
+        fmax(orl_material_max_albedo(m, true, 1, back), orl_material_max_albedo(m, false, 1, back)),
+        1);
 }
 
-void orl_survey_measure(struct orl_survey *survey)
+void orl_plan_survey_measure(struct orl_plan_survey *survey)
 {
-    const struct orl_world *world = survey->world;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
     double sun = 0, sky = 0, lamp = 0;
-    for (size_t i = 0; i < world->n_suns; i++)
-        sun += orl_luma(world->suns[i].irradiance);
-    for (size_t i = 0; i < world->n_domes && !survey->sky_measured; i++)
-        sky += ORL_PI * orl_survey_dome_peak(&world->domes[i]);
-    for (size_t i = 0; i < world->n_emitters; i++)
-        lamp = fmax(lamp, ORL_PI * orl_luma(world->emitters[i].most));
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        sun += orl_luma(lit_scene->suns[i].irradiance);
+    for (size_t i = 0; i < lit_scene->n_domes && !survey->sky_measured; i++)
+        sky += ORL_PI * orl_plan_survey_dome_peak(&lit_scene->domes[i]);
+    for (size_t i = 0; i < lit_scene->n_emitters; i++)
+        lamp = fmax(lamp, ORL_PI * orl_luma(lit_scene->emitters[i].most));
     survey->sun_lx = ORL_EFFICACY_LM_PER_W * sun;
-    if (world->n_domes == 0 || !survey->sky_measured)
+    if (lit_scene->n_domes == 0 || !survey->sky_measured)
         survey->sky_lx = ORL_EFFICACY_LM_PER_W * sky;
     survey->sky_measured = true;
     survey->lamp_lx = ORL_EFFICACY_LM_PER_W * lamp;
     survey->rho = survey->rho_diffuse = 0;
-    for (size_t i = 0; i < world->n_materials; i++) {
-        const struct orl_material *m = &world->materials[i];
+    for (size_t i = 0; i < lit_scene->n_materials; i++) {
+        const struct orl_material *m = &lit_scene->materials[i];
         if (survey->surfaces[i] == 0)
             continue;
         survey->rho = fmax(survey->rho, reflectance(m));
-        survey->rho_diffuse = fmax(survey->rho_diffuse, orl_material_diffuse_most(m));
+        survey->rho_diffuse = fmax(survey->rho_diffuse, orl_material_max_diffuse(m));
     }
 }
 
 /* Counts the facets of the geometry for light and of that for views. */
-static void count_surfaces(struct orl_survey *survey)
+static void count_surfaces(struct orl_plan_survey *survey)
 {
-    const struct orl_world *world = survey->world;
-    const struct orl_world *seen = world->seen ? world->seen : world;
-    for (size_t i = 0; i < world->geometry->n_facets; i++) {
-        if (orl_facet_area(world->geometry, i) > 0 || orl_facet_area(seen->geometry, i) > 0)
-            survey->surfaces[orl_facet_material(world->geometry, i)]++;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
+    const struct orl_lit_scene *seen = lit_scene->seen ? lit_scene->seen : lit_scene;
+    for (size_t i = 0; i < lit_scene->geometry->n_facets; i++) {
+        if (orl_facet_area(lit_scene->geometry, i) > 0 || orl_facet_area(seen->geometry, i) > 0)
+            survey->surfaces[orl_facet_material(lit_scene->geometry, i)]++;
     }
-    for (size_t i = 0; i < world->geometry->n_prototypes; i++) {
-        const struct orl_geometry *const prototype = world->geometry->prototypes[i];
+    for (size_t i = 0; i < lit_scene->geometry->n_prototypes; i++) {
+        const struct orl_geometry *const prototype = lit_scene->geometry->prototypes[i];
         for (size_t k = 0; k < prototype->n_facets; k++)
-            survey->surfaces[orl_facet_material(prototype, k)] += (uint32_t)prototype->n_places;
+            survey->surfaces[orl_facet_material(prototype, k)] += (uint32_t)prototype->n_uses;
     }
-    for (size_t i = 0; i < world->n_materials; i++) {
-        const int32_t behind = world->materials[i].seen_as;
+    for (size_t i = 0; i < lit_scene->n_materials; i++) {
+        const int32_t behind = lit_scene->materials[i].seen_as;
         if (survey->surfaces[i] > 0 && behind >= 0 && survey->surfaces[behind] == 0)
             survey->surfaces[behind] = survey->surfaces[i];
     }
 }
 
 /* Times rays in the whole box of the scene; used for estimates only. */
-static double time_rays(const struct orl_survey *survey)
+static double time_rays(const struct orl_plan_survey *survey)
 {
     const struct orl_plan_request *request = survey->request;
-    const struct orl_geometry *g = survey->world->geometry;
+    const struct orl_geometry *g = survey->lit_scene->geometry;
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_PILOT, 0);
     const double started = request->now_s ? request->now_s(request->ctx) : 0;
     for (int i = 0; i < TIMED_RAYS; i++) {
@@ -120,19 +120,19 @@ static double time_rays(const struct orl_survey *survey)
     return (1 + shading_share) * fmax(ended - started, 0) / TIMED_RAYS;
 }
 
-int orl_survey_init(struct orl_survey *survey, const struct orl_plan_request *request,
-                    struct orl_world *world)
+int orl_plan_survey_init(struct orl_plan_survey *survey, const struct orl_plan_request *request,
+                         struct orl_lit_scene *lit_scene)
 {
     const struct orl_job *job = request->job;
-    const size_t n = world->n_materials + 1;
+    const size_t n = lit_scene->n_materials + 1;
     const uint32_t samples =
         job->gather_samples ? job->gather_samples : (uint32_t)ORL_DEFAULT_GATHER_SAMPLES;
-    *survey = (struct orl_survey){.request = request, .world = world};
+    *survey = (struct orl_plan_survey){.request = request, .lit_scene = lit_scene};
     survey->surfaces = calloc(n, sizeof *survey->surfaces);
     if (!survey->surfaces)
         return ORL_ERR_NOMEM;
     count_surfaces(survey);
-    orl_survey_measure(survey);
+    orl_plan_survey_measure(survey);
     const double all = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     survey->tolerance_lx = fmin(most_tolerance_lx, tolerance_of_all * all);
     survey->ray_s = time_rays(survey);
@@ -142,39 +142,40 @@ int orl_survey_init(struct orl_survey *survey, const struct orl_plan_request *re
     return 0;
 }
 
-void orl_survey_done(struct orl_survey *survey)
+void orl_plan_survey_done(struct orl_plan_survey *survey)
 {
     free(survey->surfaces);
 }
 
-size_t orl_survey_count(const struct orl_survey *survey,
-                        bool (*is)(const struct orl_material *material))
+size_t orl_plan_survey_count(const struct orl_plan_survey *survey,
+                             bool (*is)(const struct orl_material *material))
 {
     size_t n = 0;
-    for (size_t i = 0; i < survey->world->n_materials; i++)
-        if (survey->surfaces[i] > 0 && is(&survey->world->materials[i]))
+    for (size_t i = 0; i < survey->lit_scene->n_materials; i++)
+        if (survey->surfaces[i] > 0 && is(&survey->lit_scene->materials[i]))
             n += survey->surfaces[i];
     return n;
 }
 
-bool orl_survey_asks_outside(const struct orl_survey *survey)
+bool orl_plan_survey_is_outdoor(const struct orl_plan_survey *survey)
 {
     const struct orl_plan_request *request = survey->request;
-    const struct orl_world *world = survey->world;
+    const struct orl_lit_scene *lit_scene = survey->lit_scene;
     const struct orl_job *job = request->job;
-    if (world->open || request->n_sensors > MOST_SENSORS_LOOKED_AT)
+    if (lit_scene->open || request->n_sensors > MOST_SENSORS_LOOKED_AT)
         return true;
     for (size_t i = 0; i < request->n_sensors; i++) {
         const struct orl_sensor *s = &request->sensors[i];
-        const struct orl_vec3 at = orl_sub(s->position, world->geometry->center);
+        const struct orl_vec3 at = orl_sub(s->position, lit_scene->geometry->center);
         const struct orl_vec3 normal = orl_normalize(s->direction);
-        if (orl_world_is_outside(world, orl_stand(world->geometry, at, normal)))
+        if (orl_lit_scene_is_outside(lit_scene,
+                                     orl_offset_from_surface(lit_scene->geometry, at, normal)))
             return true;
     }
     for (size_t i = 0; i < job->n_views; i++) {
         struct orl_view view;
         if (orl_view_parse(job->views[i].view, &view, NULL) < 0 || view.type == 'l' ||
-            orl_world_is_outside(world, orl_sub(view.point, world->geometry->center)))
+            orl_lit_scene_is_outside(lit_scene, orl_sub(view.point, lit_scene->geometry->center)))
             return true;
     }
     return false;

@@ -15,9 +15,9 @@
 
 #include "plan/plan.h"
 
-struct orl_survey {
+struct orl_plan_survey {
     const struct orl_plan_request *request;
-    struct orl_world *world;
+    struct orl_lit_scene *lit_scene;
     uint32_t *surfaces;             /* per material: number of surfaces */
     double sun_lx, sky_lx, lamp_lx; /* upper bounds, at unfocused points */
     double tolerance_lx;
@@ -26,29 +26,29 @@ struct orl_survey {
     double rho;         /* largest diffuse or glossy reflectance of a surface */
     double ray_s;       /* seconds per ray, shading included */
     double pixels, sensor_rays;
-    size_t n_clear; /* number of clear ports, see light/world.h */
+    size_t n_clear; /* number of clear ports, see light/lit_scene.h */
 };
 
-/* Collects the facts. Returns 0 or ORL_ERR_NOMEM. Call orl_survey_done in either case. */
-int orl_survey_init(struct orl_survey *survey, const struct orl_plan_request *request,
-                    struct orl_world *world);
-void orl_survey_done(struct orl_survey *survey);
+/* Collects the facts. Returns 0 or ORL_ERR_NOMEM. Call orl_plan_survey_done in either case. */
+int orl_plan_survey_init(struct orl_plan_survey *survey, const struct orl_plan_request *request,
+                         struct orl_lit_scene *lit_scene);
+void orl_plan_survey_done(struct orl_plan_survey *survey);
 
 /* Measures lights and reflectances again, after something was left out. */
-void orl_survey_measure(struct orl_survey *survey);
+void orl_plan_survey_measure(struct orl_plan_survey *survey);
 
 /* Returns the illuminance by any number of reflections of reflectance rho, for a direct
  * illuminance. */
-double orl_survey_reflected_lx(const struct orl_survey *survey, double direct_lx);
+double orl_plan_survey_reflected_lx(const struct orl_plan_survey *survey, double direct_lx);
 
 /* Returns the largest radiance of a dome, W/sr/m2 of luma. */
-double orl_survey_dome_peak(const struct orl_dome *dome);
+double orl_plan_survey_dome_peak(const struct orl_dome *dome);
 
 /* Returns the number of surfaces whose material passes the test. */
-size_t orl_survey_count(const struct orl_survey *survey,
-                        bool (*is)(const struct orl_material *material));
+size_t orl_plan_survey_count(const struct orl_plan_survey *survey,
+                             bool (*is)(const struct orl_material *material));
 
 /* Returns true if a sensor or an eye of the job is, or may be, outside the building. */
-bool orl_survey_asks_outside(const struct orl_survey *survey);
+bool orl_plan_survey_is_outdoor(const struct orl_plan_survey *survey);
 
 #endif

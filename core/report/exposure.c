@@ -1,18 +1,18 @@
 /* Exposure to sunlight: minutes per day in which the sun is visible from points at windows. */
-#include <oriel/sun_exposure.h>
+#include <oriel/annual/sun_exposure.h>
 
 #include <stdlib.h>
 
 #include "annual/sky/hours.h"
-#include "report/open_scene.h"
-#include "scene/generate/sun.h"
+#include "report/unshaded_scene.h"
+#include "scene/generate/sky/sun.h"
 
 enum { MOST_PANES = 64, MOST_DAYS = 53, MINUTES = 24 * 60 };
 
-void orl_exposure_wish_done(struct orl_exposure_wish *wish)
+void orl_exposure_request_done(struct orl_exposure_request *exposure_request)
 {
-    orl_named_places_free(wish->points, wish->n_points);
-    *wish = (struct orl_exposure_wish){.points = NULL};
+    orl_named_points_free(exposure_request->points, exposure_request->n_points);
+    *exposure_request = (struct orl_exposure_request){.points = NULL};
 }
 
 const char *orl_exposure_level_name(enum orl_exposure_level level)
@@ -42,12 +42,12 @@ static size_t list_days(double latitude_deg, struct date ret_days[MOST_DAYS])
 
 /* ---- A point --------------------------------------------------------------------------------- */
 
-struct finder {
-    const struct orl_exposure_wish *wish;
+struct exposure_finder {
+    const struct orl_exposure_request *exposure_request;
     const struct orl_scene *scene;
     struct orl_location site;
     enum orl_sun_method sun_method;
-    struct orl_turn north;
+    struct orl_sky_rotation north;
     struct date days[MOST_DAYS];
     size_t n_days;
     uint32_t *minutes; /* [point][day] */
@@ -58,11 +58,12 @@ static bool is_window(const struct orl_material *material)
     if (material->kind == ORL_MATERIAL_MIXTURE)
         return orl_material_is_window(material);
     return material->kind == ORL_MATERIAL_GLASS || material->kind == ORL_MATERIAL_GLAZING ||
-           orl_material_bends(material) || material->kind == ORL_MATERIAL_BSDF ||
+           orl_material_deviates(material) || material->kind == ORL_MATERIAL_BSDF ||
            material->kind == ORL_MATERIAL_ILLUM;
 }
 
-static bool is_seen(const struct orl_scene *scene, struct orl_vec3 origin, struct orl_vec3 towards)
+static bool is_sun_visible(const struct orl_scene *scene, struct orl_vec3 origin,
+                           struct orl_vec3 towards)
 {
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
@@ -70,12 +71,13 @@ static bool is_seen(const struct orl_scene *scene, struct orl_vec3 origin, struc
             return true;
         if (!is_window(orl_scene_material(scene, hit.facet)))
             return false;
-        origin = orl_hit_leave(scene->geometry, &hit, towards);
+        origin = orl_hit_ray_origin(scene->geometry, &hit, towards);
     }
     return false;
 }
 
-static struct orl_sun_position sun_at(const struct finder *f, const struct orl_moment *moment)
+static struct orl_sun_position sun_at(const struct exposure_finder *f,
+                                      const struct orl_moment *moment)
 {
     double declination, hour;
     if (f->sun_method == ORL_SUN_ACCURATE)
@@ -86,10 +88,10 @@ static struct orl_sun_position sun_at(const struct finder *f, const struct orl_m
 
 static void count_minutes(void *arg, size_t index, uint32_t member)
 {
-    const struct finder *f = arg;
+    const struct exposure_finder *f = arg;
     const struct date date = f->days[index % f->n_days];
     const struct orl_vec3 at =
-        orl_sub(f->wish->points[index / f->n_days].at, f->scene->geometry->center);
+        orl_sub(f->exposure_request->points[index / f->n_days].at, f->scene->geometry->center);
     uint32_t minutes = 0;
     (void)member;
     for (int i = 0; i < MINUTES; i++) {
@@ -97,9 +99,10 @@ static void count_minutes(void *arg, size_t index, uint32_t member)
             .month = date.month, .day = date.day, .hour = (i + 0.5) / 60};
         const struct orl_sun_position sun = sun_at(f, &moment);
         if (sun.altitude_rad <= 0 ||
-            sun.altitude_rad < f->wish->least_altitude_deg * ORL_DEG_TO_RAD)
+            sun.altitude_rad < f->exposure_request->least_altitude_deg * ORL_DEG_TO_RAD)
             continue;
-        minutes += is_seen(f->scene, at, orl_turn_to_scene(f->north, orl_sun_direction(&sun)));
+        minutes += is_sun_visible(f->scene, at,
+                                  orl_sky_rotation_to_scene(f->north, orl_sun_direction(&sun)));
     }
     f->minutes[index] = minutes;
 }
@@ -109,10 +112,10 @@ static enum orl_exposure_level level_of(uint32_t minutes)
     return minutes >= 240   ? ORL_EXPOSED_HIGH
            : minutes >= 180 ? ORL_EXPOSED_MEDIUM
            : minutes >= 90  ? ORL_EXPOSED_MINIMUM
-                            : ORL_EXPOSED_LESS;
+                            : ORL_EXPOSED_NONE;
 }
 
-static struct orl_exposure exposure_of(const struct finder *f, size_t point)
+static struct orl_exposure exposure_of(const struct exposure_finder *f, size_t point)
 {
     const uint32_t *minutes = f->minutes + point * f->n_days;
     size_t best = 0;
@@ -128,39 +131,41 @@ static struct orl_exposure exposure_of(const struct finder *f, size_t point)
 
 /* ---- All of them ----------------------------------------------------------------------------- */
 
-static int find_all(struct finder *f, const struct orl_run_env *env,
+static int find_all(struct exposure_finder *f, const struct orl_run_env *env,
                     struct orl_exposure *ret_exposures, struct orl_error *err)
 {
-    const size_t n = f->wish->n_points;
+    const size_t n = f->exposure_request->n_points;
     f->minutes = calloc(n * f->n_days + 1, sizeof *f->minutes);
     if (!f->minutes)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    orl_crew_heed(env->crew, env->cancel);
-    const int code = orl_crew_try(env->crew, n * f->n_days, count_minutes, f);
-    orl_crew_heed(env->crew, NULL);
+    orl_thread_pool_set_cancel(env->pool, env->cancel);
+    const int code = orl_parallel_try(env->pool, n * f->n_days, count_minutes, f);
+    orl_thread_pool_set_cancel(env->pool, NULL);
     for (size_t i = 0; i < n && code == 0; i++)
         ret_exposures[i] = exposure_of(f, i);
     free(f->minutes);
     return code < 0 ? orl_error_set(err, code, "cancelled") : 0;
 }
 
-int orl_exposure_find(const struct orl_exposure_wish *wish, const struct orl_exposure_site *site,
-                      const struct orl_annual_request *request, const struct orl_run_env *env,
-                      struct orl_exposure *ret_exposures, struct orl_error *err)
+int orl_exposure_compute(const struct orl_exposure_request *exposure_request,
+                         const struct orl_exposure_site *site,
+                         const struct orl_annual_request *request, const struct orl_run_env *env,
+                         struct orl_exposure *ret_exposures, struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    struct finder finder = {.wish = wish,
-                            .site = {.latitude_rad = site->latitude_deg * ORL_DEG_TO_RAD,
-                                     .longitude_rad = -site->longitude_deg * ORL_DEG_TO_RAD,
-                                     .meridian_rad = -15 * site->time_zone_h * ORL_DEG_TO_RAD},
-                            .sun_method = request->sun_method,
-                            .north = orl_turn_by(request->north_deg)};
-    int code = orl_open_scene(request, env, &scene, err);
+    struct exposure_finder exposure_finder = {
+        .exposure_request = exposure_request,
+        .site = {.latitude_rad = site->latitude_deg * ORL_DEG_TO_RAD,
+                 .longitude_rad = -site->longitude_deg * ORL_DEG_TO_RAD,
+                 .meridian_rad = -15 * site->time_zone_h * ORL_DEG_TO_RAD},
+        .sun_method = request->sun_method,
+        .north = orl_sky_rotation_by_north(request->north_deg)};
+    int code = orl_unshaded_scene_load(request, env, &scene, err);
     if (code < 0)
         return code;
-    finder.scene = scene;
-    finder.n_days = list_days(site->latitude_deg, finder.days);
-    code = find_all(&finder, env, ret_exposures, err);
+    exposure_finder.scene = scene;
+    exposure_finder.n_days = list_days(site->latitude_deg, exposure_finder.days);
+    code = find_all(&exposure_finder, env, ret_exposures, err);
     orl_scene_release(scene);
     return code;
 }

@@ -1,11 +1,11 @@
 /* Draws metrics of grids as maps on the plan of the scene. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "render/heat_map/heat_map.h"
-#include "report/open_scene.h"
+#include "report/unshaded_scene.h"
 
 struct orl_annual_plans {
     struct orl_scene *scene; /* a reference is held */
@@ -41,7 +41,7 @@ int orl_annual_plans_new(const struct orl_annual_request *request,
     if (code < 0)
         orl_error_set(err, code, "out of memory");
     else
-        code = orl_open_scene(request, env, &plans->scene, err);
+        code = orl_unshaded_scene_load(request, env, &plans->scene, err);
     if (code < 0)
         orl_annual_plans_free(plans);
     else

@@ -1,12 +1,12 @@
 /* Computes a grid's value in every step of the year. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <math.h>
 #include <stdlib.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/sum.h"
+#include "base/statistics/sum.h"
 
 /* Adds a sensor to the sum of each column. Rows of the result are read sequentially. */
 static void add_sensor(const struct orl_annual_rows *rows, enum orl_annual_series series,
@@ -25,7 +25,7 @@ int orl_annual_series_of(const struct orl_annual_report *report,
                          enum orl_annual_series series, double threshold_lx,
                          const atomic_bool *cancel, float *ret_values)
 {
-    const struct orl_annual_year *year = &report->year;
+    const struct orl_annual_timeline *year = &report->year;
     const struct orl_annual_rows rows = orl_annual_rows_of(report, result, grid);
     struct orl_sum *sums = calloc(rows.n_columns + 1, sizeof *sums), area = {0};
     int code = sums ? 0 : ORL_ERR_NOMEM;

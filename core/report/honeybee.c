@@ -1,5 +1,5 @@
 /* Writes a results folder in the layout of Honeybee's annual daylight. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <errno.h>
 #include <stdarg.h>
@@ -7,15 +7,15 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include <oriel/npy.h>
+#include <oriel/base/npy.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 #include "metrics/annual/calendar.h"
 
 #define LIGHT_PATH "__static_apertures__"
 enum { PATH_SIZE = 4096, NAME_SIZE = 128 };
 
-struct writing {
+struct folder_writer {
     const char *folder;
     const struct orl_annual_report *report;
     const struct orl_annual_result *result;
@@ -25,9 +25,9 @@ struct writing {
     struct orl_error *err;
 };
 
-static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+static int path_in(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+static int path_in(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format, ...)
 {
     char name[PATH_SIZE / 2];
     va_list args;
@@ -40,9 +40,10 @@ static int path_in(const struct writing *w, char ret_path[PATH_SIZE], const char
 }
 
 /* Builds the path of a file that will be written, and passes its name to `named`. */
-static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const char *format, ...)
+static int name_file(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format,
+                     ...) __attribute__((format(printf, 3, 4)));
+static int name_file(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format,
+                     ...)
 {
     char name[PATH_SIZE / 2];
     va_list args;
@@ -54,7 +55,7 @@ static int name_file(const struct writing *w, char ret_path[PATH_SIZE], const ch
 }
 
 /* Makes a folder; its parents must exist. */
-static int make_folder(const struct writing *w, const char *name)
+static int make_folder(const struct folder_writer *w, const char *name)
 {
     char path[PATH_SIZE];
     const int code = path_in(w, path, "%s", name);
@@ -82,7 +83,7 @@ static void put_string(FILE *stream, const char *text)
 
 /* ---- Description of the folder --------------------------------------------------------------- */
 
-static void put_grids_info(FILE *stream, const struct writing *w)
+static void put_grids_info(FILE *stream, const struct folder_writer *w)
 {
     const struct orl_annual_report *report = w->report;
     fputs("[", stream);
@@ -99,7 +100,7 @@ static void put_grids_info(FILE *stream, const struct writing *w)
     fputs("\n]\n", stream);
 }
 
-static void put_grid_states(FILE *stream, const struct writing *w)
+static void put_grid_states(FILE *stream, const struct folder_writer *w)
 {
     fputs("{", stream);
     for (size_t g = 0; g < w->report->n_grids; g++) {
@@ -110,15 +111,15 @@ static void put_grid_states(FILE *stream, const struct writing *w)
     fputs("}\n", stream);
 }
 
-static void put_sun_up_hours(FILE *stream, const struct writing *w)
+static void put_sun_up_hours(FILE *stream, const struct folder_writer *w)
 {
-    const struct orl_annual_year *year = &w->report->year;
+    const struct orl_annual_timeline *year = &w->report->year;
     for (size_t i = 0; i < year->n_columns; i++)
         fprintf(stream, "%.10g\n",
                 orl_calendar_hour_of_year(&year->steps, year->step_of_column[i]));
 }
 
-static void put_study_info(FILE *stream, const struct writing *w)
+static void put_study_info(FILE *stream, const struct folder_writer *w)
 {
     const struct orl_annual_steps *steps = &w->report->year.steps;
     fprintf(stream, "{\"timestep\": %u, \"study_hours\": [", steps->per_hour);
@@ -127,8 +128,8 @@ static void put_study_info(FILE *stream, const struct writing *w)
     fputs("]}\n", stream);
 }
 
-static int write_with(const struct writing *w, const char *name,
-                      void (*put)(FILE *stream, const struct writing *w))
+static int write_with(const struct folder_writer *w, const char *name,
+                      void (*put)(FILE *stream, const struct folder_writer *w))
 {
     struct orl_out_file file = {.stream = NULL};
     char path[PATH_SIZE];
@@ -145,7 +146,7 @@ static int write_with(const struct writing *w, const char *name,
 
 /* Standard errors are in a third folder next to the values. Honeybee-radiance-postprocess reads a
  * folder of series by its name alone, and requests "total" and "direct". */
-static int write_series(const struct writing *w)
+static int write_series(const struct folder_writer *w)
 {
     const struct orl_annual_result *result = w->result;
     const struct {
@@ -191,7 +192,8 @@ static const struct {
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-static int write_metric(const struct writing *w, size_t kind, const struct orl_annual_grid *grid)
+static int write_metric(const struct folder_writer *w, size_t kind,
+                        const struct orl_annual_grid *grid)
 {
     struct orl_out_file file = {.stream = NULL};
     char path[PATH_SIZE], name[NAME_SIZE];
@@ -202,18 +204,18 @@ static int write_metric(const struct writing *w, size_t kind, const struct orl_a
     if (code < 0)
         return code;
     file.cancel = w->cancel;
-    for (size_t i = grid->first; i < grid->first + grid->count && orl_out_goes_on(&file); i++) {
+    for (size_t i = grid->first; i < grid->first + grid->count && orl_out_continues(&file); i++) {
         const struct orl_annual_light light = {
             .total_lx = orl_annual_row(w->result, w->result->total, i),
             .direct_lx = orl_annual_row(w->result, w->result->direct, i)};
-        fprintf(
-            file.stream, "%.*f\n", kinds[kind].digits,
-            orl_annual_at(&kinds[kind].metric, &w->report->periods[ORL_WHEN_OCCUPIED], &light, 0));
+        fprintf(file.stream, "%.*f\n", kinds[kind].digits,
+                orl_annual_evaluate_at(&kinds[kind].metric, &w->report->periods[ORL_WHEN_OCCUPIED],
+                                       &light, 0));
     }
     return orl_out_close(&file, 0, w->err);
 }
 
-static int write_metrics(const struct writing *w)
+static int write_metrics(const struct folder_writer *w)
 {
     int code = make_folder(w, "metrics");
     for (size_t k = 0; k < KINDS && code == 0; k++) {
@@ -230,7 +232,7 @@ static int write_metrics(const struct writing *w)
 }
 
 /* Writes the report's second figure: one number per grid. */
-static int write_ase(const struct writing *w)
+static int write_ase(const struct folder_writer *w)
 {
     const size_t places = w->report->n_grids + 1;
     int code = make_folder(w, "metrics/ase");
@@ -251,7 +253,7 @@ static int write_ase(const struct writing *w)
     return code;
 }
 
-static void put_summary(FILE *stream, const struct writing *w)
+static void put_summary(FILE *stream, const struct folder_writer *w)
 {
     const struct orl_annual_report *report = w->report;
     const size_t places = report->n_grids + 1;
@@ -272,7 +274,7 @@ int orl_honeybee_write(const char *folder, const struct orl_annual_report *repor
                        int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
                        const atomic_bool *cancel, struct orl_error *err)
 {
-    const struct writing w = {folder, report, result, named, ctx, cancel, err};
+    const struct folder_writer w = {folder, report, result, named, ctx, cancel, err};
     int code = make_folder(&w, "");
     if (code == 0)
         code = write_with(&w, "grids_info.json", put_grids_info);

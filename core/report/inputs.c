@@ -1,17 +1,17 @@
 /* Inputs of a year: sensors of grids, and a record of every file that was read. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
-#include <oriel/limits.h>
-#include <oriel/sha256.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/sha256.h>
+#include <oriel/base/thread_pool.h>
 
 #include "annual/sky/hours.h"
-#include "base/grow.h"
+#include "base/memory/array.h"
 #include "light/weather.h"
 #include "run/stages.h"
 
@@ -20,7 +20,7 @@
 /* Sensors of all grids, grid by grid. */
 struct sensor_list {
     struct orl_sensor *items;
-    size_t count, room;
+    size_t count, capacity;
 };
 
 static int append_sensors(struct sensor_list *list, const struct orl_sensor *more, size_t n,
@@ -29,7 +29,7 @@ static int append_sensors(struct sensor_list *list, const struct orl_sensor *mor
     if (n > ORL_LIMIT_SENSORS - list->count)
         return orl_error_set(err, ORL_ERR_LIMIT, "the grids have more than %lu sensors",
                              ORL_LIMIT_SENSORS);
-    if (!orl_grow_by(&list->items, &list->room, list->count, n + 1, sizeof *more))
+    if (!orl_array_reserve_more(&list->items, &list->capacity, list->count, n + 1, sizeof *more))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", list->count + n);
     if (n > 0)
         memcpy(list->items + list->count, more, n * sizeof *more);
@@ -75,7 +75,7 @@ static int steps_of(const struct orl_weather *weather, struct orl_annual_steps *
                     struct orl_error *err)
 {
     struct orl_annual_result times = {.n_steps = weather->n_rows};
-    struct orl_annual_year year = {.measured = NULL};
+    struct orl_annual_timeline year = {.measured = NULL};
     times.steps = calloc(weather->n_rows + 1, sizeof *times.steps);
     if (!times.steps)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -87,10 +87,10 @@ static int steps_of(const struct orl_weather *weather, struct orl_annual_steps *
                                                   .missing = row->missing,
                                                   .column = ORL_ANNUAL_DARK};
     }
-    const int code = orl_annual_year_make(&times, &year, err);
+    const int code = orl_annual_timeline_make(&times, &year, err);
     if (code == 0)
         *ret_steps = year.steps;
-    orl_annual_year_done(&year);
+    orl_annual_timeline_done(&year);
     free(times.steps);
     return code;
 }
@@ -159,7 +159,7 @@ static int insert_input(struct orl_annual_inputs *inputs, const char *name, uint
         return 0;
     struct orl_annual_input item = {.name = strdup(name), .bytes = bytes};
     if (!item.name ||
-        !orl_grow(&inputs->items, &inputs->room, inputs->count, sizeof *inputs->items)) {
+        !orl_array_reserve(&inputs->items, &inputs->room, inputs->count, sizeof *inputs->items)) {
         free(item.name);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
@@ -185,8 +185,8 @@ static int record_file(struct orl_annual_inputs *inputs, const char *name,
     return insert_input(inputs, name, file->size, hex, err);
 }
 
-static int noting_open(void *ctx, const char *name, struct orl_file *ret_file,
-                       struct orl_error *err)
+static int recording_open(void *ctx, const char *name, struct orl_file *ret_file,
+                          struct orl_error *err)
 {
     struct orl_annual_inputs *inputs = ctx;
     int code = inputs->files->open(inputs->files->ctx, name, ret_file, err);
@@ -198,52 +198,53 @@ static int noting_open(void *ctx, const char *name, struct orl_file *ret_file,
     return code;
 }
 
-static void noting_close(void *ctx, struct orl_file *file)
+static void recording_close(void *ctx, struct orl_file *file)
 {
     const struct orl_annual_inputs *inputs = ctx;
     inputs->files->close(inputs->files->ctx, file);
 }
 
-static bool noting_digest(void *ctx, const char *name, unsigned char ret_digest[ORL_SHA256_BYTES])
+static bool recording_digest(void *ctx, const char *name,
+                             unsigned char ret_digest[ORL_SHA256_BYTES])
 {
     const struct orl_annual_inputs *inputs = ctx;
     return inputs->files->digest(inputs->files->ctx, name, ret_digest);
 }
 
-static void noting_passed(void *ctx, const struct orl_file *file, size_t begin, size_t end)
+static void recording_passed(void *ctx, const struct orl_file *file, size_t begin, size_t end)
 {
     const struct orl_annual_inputs *inputs = ctx;
     inputs->files->passed(inputs->files->ctx, file, begin, end);
 }
 
-static bool noting_other_case(void *ctx, const char *name, char *ret_name, size_t size)
+static bool recording_other_case(void *ctx, const char *name, char *ret_name, size_t size)
 {
     const struct orl_annual_inputs *inputs = ctx;
     return inputs->files->other_case(inputs->files->ctx, name, ret_name, size);
 }
 
-int orl_annual_inputs_need(struct orl_annual_inputs *inputs, const char *name,
-                           struct orl_error *err)
+int orl_annual_inputs_ensure(struct orl_annual_inputs *inputs, const char *name,
+                             struct orl_error *err)
 {
     struct orl_file file;
     if (has_name(inputs, place_of(inputs, name), name))
         return 0;
-    const int code = noting_open(inputs, name, &file, err);
+    const int code = recording_open(inputs, name, &file, err);
     if (code == 0)
-        noting_close(inputs, &file);
+        recording_close(inputs, &file);
     return code;
 }
 
-struct orl_files orl_annual_inputs_of(struct orl_annual_inputs *inputs,
-                                      const struct orl_files *files)
+struct orl_files orl_annual_inputs_provider(struct orl_annual_inputs *inputs,
+                                            const struct orl_files *files)
 {
     *inputs = (struct orl_annual_inputs){.files = files};
     return (struct orl_files){.ctx = inputs,
-                              .open = noting_open,
-                              .close = noting_close,
-                              .digest = files->digest ? noting_digest : NULL,
-                              .passed = files->passed ? noting_passed : NULL,
-                              .other_case = files->other_case ? noting_other_case : NULL};
+                              .open = recording_open,
+                              .close = recording_close,
+                              .digest = files->digest ? recording_digest : NULL,
+                              .passed = files->passed ? recording_passed : NULL,
+                              .other_case = files->other_case ? recording_other_case : NULL};
 }
 
 void orl_annual_inputs_done(struct orl_annual_inputs *inputs)

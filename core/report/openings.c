@@ -2,7 +2,7 @@
  * Also finds its ground. */
 #include "report/openings.h"
 
-#include "scene/geometry/placed.h"
+#include "scene/geometry/instances.h"
 
 static const double widest_bar = 0.3, same_plane = 0.1; /* m */
 static const double same_normal = 0.9998;               /* cosine: one degree */
@@ -15,9 +15,9 @@ static const double highest_ground = 0.5;               /* m, above the lowest p
 static bool is_name_placed(const struct orl_scene *scene, const char *name)
 {
     const struct orl_geometry *const g = scene->geometry;
-    for (size_t i = 0; i < g->n_placed; i++)
-        for (uint32_t k = 0; k < g->placed[i].prototype->n_facets; k++)
-            if (orl_scene_has_name(scene, g->placed[i].first_facet + k, name))
+    for (size_t i = 0; i < g->n_instances; i++)
+        for (uint32_t k = 0; k < g->instance[i].prototype->n_facets; k++)
+            if (orl_scene_has_name(scene, g->instance[i].first_facet + k, name))
                 return true;
     return false;
 }
@@ -52,9 +52,9 @@ static bool is_ground(const struct orl_geometry *g, const struct orl_facet *f)
     if (fabs(f->normal.z) < least_level)
         return false;
     if (f->kind == ORL_SURFACE_RING)
-        top = f->round->center[0].z + f->round->radius[0] * sqrt(1 - f->normal.z * f->normal.z);
+        top = f->quadric->center[0].z + f->quadric->radius[0] * sqrt(1 - f->normal.z * f->normal.z);
     for (uint32_t t = 0; t < f->n_triangles; t++) {
-        const struct orl_triangle triangle = orl_triangle_of(g, orl_facet_triangle(f, t));
+        const struct orl_triangle triangle = orl_triangle_get(g, orl_facet_triangle(f, t));
         top = fmax(top, fmax(triangle.a.z, fmax(triangle.b.z, triangle.c.z)));
     }
     return top <= g->low.z + highest_ground;
@@ -63,37 +63,39 @@ static bool is_ground(const struct orl_geometry *g, const struct orl_facet *f)
 bool orl_openings_is_ground(const struct orl_openings *openings, uint32_t facet)
 {
     const struct orl_scene *const scene = openings->scene;
-    const struct orl_view_out_wish *const wish = openings->wish;
-    struct orl_curved room;
-    if (!orl_facet_is_placed(scene->geometry, facet))
+    const struct orl_view_out_request *const view_out_request = openings->view_out_request;
+    struct orl_quadric room;
+    if (!orl_facet_is_instanced(scene->geometry, facet))
         return openings->ground[facet];
-    if (wish->n_ground == 0) {
-        const struct orl_facet f = orl_facet_at(scene->geometry, facet, &room);
+    if (view_out_request->n_ground == 0) {
+        const struct orl_facet f = orl_instance_facet(scene->geometry, facet, &room);
         return is_ground(scene->geometry, &f);
     }
-    for (size_t i = 0; i < wish->n_ground; i++)
-        if (orl_scene_has_name(scene, facet, wish->ground[i]))
+    for (size_t i = 0; i < view_out_request->n_ground; i++)
+        if (orl_scene_has_name(scene, facet, view_out_request->ground[i]))
             return true;
     return false;
 }
 
-static int mark_facets(const struct orl_view_out_wish *wish, struct orl_openings *o,
+static int mark_facets(const struct orl_view_out_request *view_out_request, struct orl_openings *o,
                        struct orl_error *err)
 {
     const struct orl_scene *scene = o->scene;
     const size_t n = scene->geometry->n_facets;
-    int code = mark_names(scene, wish->openings, wish->n_openings, o->clear, err);
+    int code =
+        mark_names(scene, view_out_request->openings, view_out_request->n_openings, o->clear, err);
     if (code == 0)
-        code = mark_names(scene, wish->ground, wish->n_ground, o->ground, err);
+        code =
+            mark_names(scene, view_out_request->ground, view_out_request->n_ground, o->ground, err);
     for (size_t i = 0; i < n; i++) {
         const struct orl_material *material = orl_scene_material(scene, i);
-        if (wish->n_openings == 0)
+        if (view_out_request->n_openings == 0)
             o->clear[i] = material->kind == ORL_MATERIAL_GLASS ||
                           (material->kind == ORL_MATERIAL_GLAZING && material->transmitted > 0);
         o->clear[i] = o->clear[i] && orl_material_is_window(material);
         struct orl_facet own;
-        if (wish->n_ground == 0)
-            o->ground[i] = is_ground(scene->geometry, orl_facet_own(scene->geometry, i, &own));
+        if (view_out_request->n_ground == 0)
+            o->ground[i] = is_ground(scene->geometry, orl_facet_get_own(scene->geometry, i, &own));
     }
     return code;
 }
@@ -111,12 +113,12 @@ static struct pane pane_of(const struct orl_scene *scene, uint32_t index)
 {
     const struct orl_port *port = &scene->ports[index];
     struct orl_facet own;
-    const struct orl_facet *f = orl_facet_own(scene->geometry, port->facet, &own);
+    const struct orl_facet *f = orl_facet_get_own(scene->geometry, port->facet, &own);
     struct pane pane = {
         index, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0};
     for (uint32_t t = 0; t < f->n_triangles; t++) {
         const struct orl_triangle triangle =
-            orl_triangle_of(scene->geometry, orl_facet_triangle(f, t));
+            orl_triangle_get(scene->geometry, orl_facet_triangle(f, t));
         const struct orl_vec3 corners[3] = {triangle.a, triangle.b, triangle.c};
         for (int i = 0; i < 3; i++) {
             pane.low = orl_v3(fmin(pane.low.x, corners[i].x), fmin(pane.low.y, corners[i].y),
@@ -151,8 +153,8 @@ static uint32_t root_of(uint32_t *parents, uint32_t i)
     return i;
 }
 
-static int unite_panes(struct orl_openings *o, const struct pane *panes, const atomic_bool *cancel,
-                       struct orl_error *err)
+static int join_panes(struct orl_openings *o, const struct pane *panes, const atomic_bool *cancel,
+                      struct orl_error *err)
 {
     const struct orl_scene *scene = o->scene;
     for (uint32_t i = 0; i < scene->n_ports; i++)
@@ -198,20 +200,20 @@ static int find_openings(struct orl_openings *o, const atomic_bool *cancel, stru
     for (uint32_t i = 0; i < o->scene->n_ports; i++)
         panes[i] = pane_of(o->scene, i);
     qsort(panes, o->scene->n_ports, sizeof *panes, by_low);
-    const int code = unite_panes(o, panes, cancel, err);
+    const int code = join_panes(o, panes, cancel, err);
     free(panes);
     return code < 0 ? code : number_openings(o, err);
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-int orl_openings_find(const struct orl_view_out_wish *wish, const struct orl_scene *scene,
-                      const atomic_bool *cancel, struct orl_openings *ret_openings,
-                      struct orl_error *err)
+int orl_openings_find(const struct orl_view_out_request *view_out_request,
+                      const struct orl_scene *scene, const atomic_bool *cancel,
+                      struct orl_openings *ret_openings, struct orl_error *err)
 {
     const size_t n = scene->geometry->n_facets;
     struct orl_openings o = {.scene = scene,
-                             .wish = wish,
+                             .view_out_request = view_out_request,
                              .clear = calloc(n + 1, sizeof *o.clear),
                              .ground = calloc(n + 1, sizeof *o.ground),
                              .of_port = calloc(scene->n_ports + 1, sizeof *o.of_port)};
@@ -219,7 +221,7 @@ int orl_openings_find(const struct orl_view_out_wish *wish, const struct orl_sce
         orl_openings_done(&o);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    int code = mark_facets(wish, &o, err);
+    int code = mark_facets(view_out_request, &o, err);
     if (code == 0)
         code = find_openings(&o, cancel, err);
     if (code < 0)

@@ -1,34 +1,34 @@
 /* Refines sensors that leave a verdict undecided, by tracing more paths. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-enum { MORE = 4 }; /* factor from one round's paths to the next */
+enum { SAMPLES_FACTOR = 4 }; /* factor from one round's paths to the next */
 
 /* Ratio from round to round of squared errors times paths, above which interpolation dominates. It
  * is 1 if paths alone cause the errors, and more than three if interpolation between nodes does. */
-static const double mostly_of_nodes = 2;
+static const double interpolation_ratio = 2;
 static const double near_share = 0.5, near_part = 0.005, far_off = 3;
 
-struct refining {
+struct refinement_run {
     const struct orl_annual_request *request;
-    const struct orl_annual_wishes *wishes;
+    const struct orl_report_request *report_request;
     const struct orl_annual_env *env;
     struct orl_annual_result *result;
     struct orl_annual_refinement *state;
     uint64_t *samples; /* paths of each sensor so far */
-    size_t *open;      /* sensors of the next round */
-    size_t n_open;
+    size_t *undecided; /* sensors of the next round */
+    size_t n_undecided;
     uint32_t sun_halvings; /* halvings in the next round */
     bool uncertain;        /* true if too many hours have large errors, and more paths help */
     struct orl_error *err;
 };
 
-static int no_memory(const struct refining *r)
+static int no_memory(const struct refinement_run *r)
 {
     orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
     return ORL_ERR_NOMEM;
@@ -38,8 +38,8 @@ static int no_memory(const struct refining *r)
 
 /* Lists the sensors of the target's grid, or of all grids, that may lie on either side of the
  * bound. */
-static int list_open_sensors(struct refining *r, const struct orl_annual_report *report,
-                             size_t grid)
+static int list_undecided(struct refinement_run *r, const struct orl_annual_report *report,
+                          size_t grid)
 {
     const struct orl_annual_figure *figure = &r->state->target.figure;
     const struct orl_annual_period *period = &report->periods[figure->metric.when];
@@ -49,7 +49,7 @@ static int list_open_sensors(struct refining *r, const struct orl_annual_report 
     int code = 0;
     if (!scratch)
         return no_memory(r);
-    r->n_open = 0;
+    r->n_undecided = 0;
     for (size_t i = 0; i < rows.n_sensors && code == 0; i++) {
         const size_t at = i * rows.n_columns;
         const struct orl_annual_light light = {
@@ -61,10 +61,10 @@ static int list_open_sensors(struct refining *r, const struct orl_annual_report 
             .overcast_error_lx = rows.overcast_error_lx ? rows.overcast_error_lx + i : NULL,
             .coherence = rows.coherence ? rows.coherence + i : NULL,
             .sunny = rows.sunny};
-        if (r->uncertain || figure->over != ORL_OVER_SHARE ||
+        if (r->uncertain || figure->aggregate != ORL_AGGREGATE_SHARE ||
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)
-            r->open[r->n_open++] = first + i;
+            r->undecided[r->n_undecided++] = first + i;
         if (orl_is_cancelled(r->env->run->cancel))
             code = orl_error_set(r->err, ORL_ERR_CANCELLED, "cancelled while refining");
     }
@@ -72,34 +72,34 @@ static int list_open_sensors(struct refining *r, const struct orl_annual_report 
     return code;
 }
 
-/* Judges the target, and lists the sensors that leave it undecided. If too few paths make hours
+/* Evaluates the target, and lists the sensors that leave it undecided. If too few paths make hours
  * uncertain, all sensors are listed. */
-static int judge_target(struct refining *r)
+static int evaluate_target(struct refinement_run *r)
 {
-    struct orl_annual_wishes wishes = *r->wishes;
+    struct orl_report_request report_request = *r->report_request;
     struct orl_annual_report report;
-    wishes.n_metrics = 0;
-    wishes.n_rules = 0;
-    wishes.targets = wishes.until;
-    wishes.n_targets = 1;
-    int code = orl_annual_report_make(r->request, r->result, &wishes, r->env->run->files,
-                                      r->env->run->cancel, r->env->run->crew, &report, r->err);
+    report_request.n_metrics = 0;
+    report_request.n_rules = 0;
+    report_request.targets = report_request.until;
+    report_request.n_targets = 1;
+    int code = orl_annual_report_make(r->request, r->result, &report_request, r->env->run->files,
+                                      r->env->run->cancel, r->env->run->pool, &report, r->err);
     if (code < 0)
         return code;
     const struct orl_annual_verdict *verdict = &report.verdicts[0];
     const struct orl_annual_figure *figure = &verdict->target.figure;
     const bool percent =
-        figure->over == ORL_OVER_SHARE ||
+        figure->aggregate == ORL_AGGREGATE_SHARE ||
         (orl_annual_unit(figure->metric.kind)[0] == '%' && figure->metric.kind != ORL_METRIC_DF);
     r->state->target = verdict->target;
     r->state->area = verdict->area;
     r->state->verdict = verdict->verdict;
     r->uncertain = verdict->uncertain && r->state->most_samples < ORL_ANNUAL_SAMPLES;
-    r->state->settled =
+    r->state->decided =
         !r->uncertain &&
-        orl_annual_settled(&verdict->target, &verdict->area.value,
-                           percent ? near_share : near_part * verdict->target.bound);
-    code = list_open_sensors(r, &report, verdict->grid);
+        orl_annual_is_decided(&verdict->target, &verdict->area.value,
+                              percent ? near_share : near_part * verdict->target.bound);
+    code = list_undecided(r, &report, verdict->grid);
     orl_annual_report_done(&report);
     return code;
 }
@@ -145,24 +145,25 @@ static double sum_errors(const struct orl_annual_result *result, size_t sensor, 
 
 /* Returns true if more paths would gain little. Compares the rows so far with those of one more
  * run. */
-static bool is_rough(const struct refining *r, const struct orl_annual_result *more,
+static bool is_rough(const struct refinement_run *r, const struct orl_annual_result *more,
                      uint32_t samples)
 {
     double before = 0, after = 0;
-    for (size_t i = 0; i < r->n_open; i++) {
-        before += sum_errors(r->result, r->open[i], true) * (double)r->samples[r->open[i]];
+    for (size_t i = 0; i < r->n_undecided; i++) {
+        before +=
+            sum_errors(r->result, r->undecided[i], true) * (double)r->samples[r->undecided[i]];
         after += sum_errors(more, i, true) * samples;
     }
-    return after > mostly_of_nodes * before;
+    return after > interpolation_ratio * before;
 }
 
 /* Merges another run's rows into the result, weighted by their numbers of paths. */
-static void merge_runs(struct refining *r, const struct orl_annual_result *more, uint32_t samples,
-                       bool rough)
+static void merge_runs(struct refinement_run *r, const struct orl_annual_result *more,
+                       uint32_t samples, bool rough)
 {
     const size_t n = r->result->n_columns;
-    for (size_t i = 0; i < r->n_open; i++) {
-        const size_t sensor = r->open[i], to = sensor * n, from = i * n;
+    for (size_t i = 0; i < r->n_undecided; i++) {
+        const size_t sensor = r->undecided[i], to = sensor * n, from = i * n;
         const double old = (double)r->samples[sensor], add = samples;
         r->result->overcast[sensor] =
             weighted_mean(r->result->overcast[sensor], old, more->overcast[i], add);
@@ -179,17 +180,17 @@ static void merge_runs(struct refining *r, const struct orl_annual_result *more,
             r->result->se[to + k] =
                 combine_errors(rough, r->result->se[to + k], old, more->se[from + k], add);
         }
-        r->samples[r->open[i]] += samples;
+        r->samples[r->undecided[i]] += samples;
     }
 }
 
 /* Returns a run environment whose progress covers one round: half of the remaining part, if more
  * rounds may follow. */
-static struct orl_run_env share_of(const struct refining *r, uint32_t round)
+static struct orl_run_env share_of(const struct refinement_run *r, uint32_t round)
 {
     struct orl_run_env run = *r->env->run;
     const double whole = run.part > 0 ? run.part : 1;
-    double from = 0, part = r->wishes->until ? 0.5 : 1;
+    double from = 0, part = r->report_request->until ? 0.5 : 1;
     for (uint32_t i = 0; i < round; i++) {
         from += part;
         part /= 2;
@@ -201,7 +202,7 @@ static struct orl_run_env share_of(const struct refining *r, uint32_t round)
 
 /* Fixes the shades of later rounds to the states that the first round found, because controls need
  * all sensors. groups: room for all groups; their series belong to the result. */
-static void fix_shades(const struct refining *r, struct orl_window_group *groups)
+static void fix_shades(const struct refinement_run *r, struct orl_window_group *groups)
 {
     const size_t steps = r->result->n_steps;
     for (size_t g = 0; g < r->request->n_groups; g++) {
@@ -213,7 +214,7 @@ static void fix_shades(const struct refining *r, struct orl_window_group *groups
     }
 }
 
-static int run_again(struct refining *r, uint32_t samples)
+static int run_again(struct refinement_run *r, uint32_t samples)
 {
     struct orl_window_group groups[ORL_SHADES_MOST_GROUPS];
     struct orl_annual_request request = *r->request;
@@ -221,7 +222,7 @@ static int run_again(struct refining *r, uint32_t samples)
     const struct orl_annual_env env = {.run = &run,
                                        .reuse = r->env->reuse,
                                        .reuse_most = r->env->reuse_most,
-                                       .kept = r->env->kept,
+                                       .restored = r->env->restored,
                                        .done = r->env->done,
                                        .round = r->state->rounds,
                                        .ctx = r->env->ctx};
@@ -233,12 +234,12 @@ static int run_again(struct refining *r, uint32_t samples)
     request.samples = samples;
     request.sun_halvings = r->state->sun_halvings = r->sun_halvings;
     request.seed += r->state->rounds;
-    request.n_sensors = r->n_open;
-    request.sensors = malloc((r->n_open + 1) * sizeof *request.sensors);
+    request.n_sensors = r->n_undecided;
+    request.sensors = malloc((r->n_undecided + 1) * sizeof *request.sensors);
     if (!request.sensors)
         return no_memory(r);
-    for (size_t i = 0; i < r->n_open; i++)
-        request.sensors[i] = r->request->sensors[r->open[i]];
+    for (size_t i = 0; i < r->n_undecided; i++)
+        request.sensors[i] = r->request->sensors[r->undecided[i]];
     const int code = orl_annual_run(&request, &env, &more, r->err);
     if (code == 0) {
         const bool rough = is_rough(r, &more, samples);
@@ -248,15 +249,15 @@ static int run_again(struct refining *r, uint32_t samples)
         r->result->total_s += more.total_s;
         for (int s = 0; s < ORL_ANNUAL_STAGES; s++)
             r->result->timings_s[s] += more.timings_s[s];
-        for (int k = 0; k < ORL_YEARS_KINDS; k++)
-            orl_annual_reused_add(&r->result->reuse.of[k], &more.reuse.of[k]);
+        for (int k = 0; k < ORL_ANNUAL_CACHE_KINDS; k++)
+            orl_annual_cache_stats_add(&r->result->reuse.of[k], &more.reuse.of[k]);
     }
     free(request.sensors);
     orl_annual_done(&more);
     return code;
 }
 
-static void count_refined(struct refining *r)
+static void count_refined(struct refinement_run *r)
 {
     r->state->refined = 0;
     r->state->most_samples = 0;
@@ -267,8 +268,9 @@ static void count_refined(struct refining *r)
     }
 }
 
-static int refine_until_decided(struct refining *r,
-                                void (*told)(void *ctx, const struct orl_annual_refinement *so_far),
+static int refine_until_decided(struct refinement_run *r,
+                                void (*round_done)(void *ctx,
+                                                   const struct orl_annual_refinement *so_far),
                                 void *ctx)
 {
     uint64_t samples = r->result->samples;
@@ -278,13 +280,13 @@ static int refine_until_decided(struct refining *r,
     for (;;) {
         r->state->rounds++;
         count_refined(r);
-        code = judge_target(r);
+        code = evaluate_target(r);
         if (code < 0)
             return code;
-        if (told)
-            told(ctx, r->state);
-        samples *= MORE;
-        if (r->state->settled || r->n_open == 0 || samples > ORL_ANNUAL_MOST_SAMPLES)
+        if (round_done)
+            round_done(ctx, r->state);
+        samples *= SAMPLES_FACTOR;
+        if (r->state->decided || r->n_undecided == 0 || samples > ORL_ANNUAL_MOST_SAMPLES)
             return 0;
         code = run_again(r, (uint32_t)samples);
         if (code < 0)
@@ -293,32 +295,33 @@ static int refine_until_decided(struct refining *r,
 }
 
 int orl_annual_run_until(const struct orl_annual_request *request,
-                         const struct orl_annual_wishes *wishes, const struct orl_annual_env *env,
-                         void (*told)(void *ctx, const struct orl_annual_refinement *so_far),
+                         const struct orl_report_request *report_request,
+                         const struct orl_annual_env *env,
+                         void (*round_done)(void *ctx, const struct orl_annual_refinement *so_far),
                          void *ctx, struct orl_annual_result *ret_result,
                          struct orl_annual_refinement *ret_refinement, struct orl_error *err)
 {
     struct orl_annual_result result = {.n_steps = 0};
-    struct orl_annual_refinement state = {.asked = wishes->until != NULL,
+    struct orl_annual_refinement state = {.asked = report_request->until != NULL,
                                           .sun_halvings = request->sun_halvings};
-    struct refining r = {.request = request,
-                         .wishes = wishes,
-                         .env = env,
-                         .result = &result,
-                         .state = &state,
-                         .sun_halvings = request->sun_halvings,
-                         .err = err};
+    struct refinement_run r = {.request = request,
+                               .report_request = report_request,
+                               .env = env,
+                               .result = &result,
+                               .state = &state,
+                               .sun_halvings = request->sun_halvings,
+                               .err = err};
     const struct orl_run_env run = share_of(&r, 0);
     struct orl_annual_env first = *env;
     first.run = &run;
     int code = orl_annual_run(request, &first, &result, err);
-    if (code == 0 && wishes->until) {
+    if (code == 0 && report_request->until) {
         r.samples = calloc(request->n_sensors + 1, sizeof *r.samples);
-        r.open = calloc(request->n_sensors + 1, sizeof *r.open);
-        code = r.samples && r.open ? refine_until_decided(&r, told, ctx) : no_memory(&r);
+        r.undecided = calloc(request->n_sensors + 1, sizeof *r.undecided);
+        code = r.samples && r.undecided ? refine_until_decided(&r, round_done, ctx) : no_memory(&r);
     }
     free(r.samples);
-    free(r.open);
+    free(r.undecided);
     if (code < 0) {
         orl_annual_done(&result);
         return code;

@@ -1,12 +1,12 @@
 /* Maps the rows of a weather file to the steps of a year. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "metrics/annual/calendar.h"
-#include "scene/generate/sun.h"
+#include "scene/generate/sky/sun.h"
 
 static const double doubtful_deg = 3;
 /* Rounding of times in hours; files print them with at least three decimals. */
@@ -44,7 +44,8 @@ static bool has_leap_day(const struct orl_annual_result *result)
     return false;
 }
 
-uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl_annual_step *row)
+uint32_t orl_annual_step_of(const struct orl_annual_timeline *year,
+                            const struct orl_annual_step *row)
 {
     const struct orl_annual_steps *steps = &year->steps;
     const bool leap = steps->count == 8784 * steps->per_hour;
@@ -57,8 +58,8 @@ uint32_t orl_annual_step_of(const struct orl_annual_year *year, const struct orl
 }
 
 /* Enters a row at its step; *next is the first free step. */
-static int enter_row(const struct orl_annual_result *result, size_t i, struct orl_annual_year *year,
-                     uint32_t *next, struct orl_error *err)
+static int enter_row(const struct orl_annual_result *result, size_t i,
+                     struct orl_annual_timeline *year, uint32_t *next, struct orl_error *err)
 {
     const struct orl_annual_step *row = &result->steps[i];
     const uint32_t step = orl_annual_step_of(year, row);
@@ -102,7 +103,7 @@ static bool is_night(const struct orl_annual_result *result, const struct orl_an
 
 /* Marks night steps without a row as measured, because they are dark. This applies on days that
  * have other rows, and on days without a sunrise. */
-static void fill_nights(const struct orl_annual_result *result, struct orl_annual_year *year)
+static void fill_nights(const struct orl_annual_result *result, struct orl_annual_timeline *year)
 {
     const uint32_t a_day = 24 * year->steps.per_hour;
     for (uint32_t first = 0; first < year->steps.count; first += a_day) {
@@ -119,26 +120,26 @@ static void fill_nights(const struct orl_annual_result *result, struct orl_annua
     }
 }
 
-int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annual_year *ret_year,
-                         struct orl_error *err)
+int orl_annual_timeline_make(const struct orl_annual_result *result,
+                             struct orl_annual_timeline *ret_year, struct orl_error *err)
 {
     const uint32_t per_hour = find_per_hour(result);
     const uint32_t count = (has_leap_day(result) ? 8784 : 8760) * per_hour;
-    struct orl_annual_year year = {.steps = {count, per_hour},
-                                   .times_begin_steps = has_midnight_row(result),
-                                   .measured = calloc(count, 1),
-                                   .global_lx = calloc(count, sizeof *year.global_lx),
-                                   .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),
-                                   .step_of_column =
-                                       calloc(result->n_columns + 1, sizeof *year.step_of_column),
-                                   .sunny = calloc(result->n_columns + 1, 1),
-                                   .n_columns = result->n_columns,
-                                   .n_missing = count};
+    struct orl_annual_timeline year = {
+        .steps = {count, per_hour},
+        .times_begin_steps = has_midnight_row(result),
+        .measured = calloc(count, 1),
+        .global_lx = calloc(count, sizeof *year.global_lx),
+        .diffuse_lx = calloc(count, sizeof *year.diffuse_lx),
+        .step_of_column = calloc(result->n_columns + 1, sizeof *year.step_of_column),
+        .sunny = calloc(result->n_columns + 1, 1),
+        .n_columns = result->n_columns,
+        .n_missing = count};
     uint32_t next = 0;
     int code = 0;
     if (!year.measured || !year.global_lx || !year.diffuse_lx || !year.step_of_column ||
         !year.sunny) {
-        orl_annual_year_done(&year);
+        orl_annual_timeline_done(&year);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     for (size_t i = 0; i < result->n_steps && code == 0; i++)
@@ -146,13 +147,13 @@ int orl_annual_year_make(const struct orl_annual_result *result, struct orl_annu
     if (code == 0 && year.n_missing > 0)
         fill_nights(result, &year);
     if (code < 0)
-        orl_annual_year_done(&year);
+        orl_annual_timeline_done(&year);
     else
         *ret_year = year;
     return code;
 }
 
-void orl_annual_year_done(struct orl_annual_year *year)
+void orl_annual_timeline_done(struct orl_annual_timeline *year)
 {
     if (!year)
         return;
@@ -161,5 +162,5 @@ void orl_annual_year_done(struct orl_annual_year *year)
     free(year->diffuse_lx);
     free(year->step_of_column);
     free(year->sunny);
-    *year = (struct orl_annual_year){.measured = NULL};
+    *year = (struct orl_annual_timeline){.measured = NULL};
 }

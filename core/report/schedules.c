@@ -1,14 +1,14 @@
 /* Reads the states of window groups by hour from tables. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
-#include <oriel/scanner.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/scanner.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 
 enum { MOST_ROWS = ORL_LIMIT_YEAR_ROWS, NAME_SIZE = 80 };
 
@@ -101,7 +101,7 @@ static int find_column(struct table *t, bool *ret_is_head)
     }
     *ret_is_head =
         named || (!find_state(t->group, first, &state) &&
-                  orl_number_read(first.text, first.length, &number) == ORL_NUMBER_NOT_ONE);
+                  orl_number_read(first.text, first.length, &number) == ORL_NUMBER_INVALID);
     return named || t->n_columns == 1 ? 0 : fail_no_column(&ahead);
 }
 

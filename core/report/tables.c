@@ -1,12 +1,12 @@
 /* Tables of a year, with one line per sensor or per hour. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "base/file.h"
-#include "base/sum.h"
+#include "base/io/out_file.h"
+#include "base/statistics/sum.h"
 #include "metrics/annual/calendar.h"
 
 void orl_annual_file_name(const char *grid, char *ret_name, size_t size)
@@ -68,7 +68,8 @@ int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *rep
     write_sensor_heads(file.stream, report);
     for (size_t g = 0; g < report->n_grids; g++) {
         const struct orl_annual_grid *grid = &report->grids[g];
-        for (size_t i = grid->first; i < grid->first + grid->count && orl_out_goes_on(&file); i++) {
+        for (size_t i = grid->first; i < grid->first + grid->count && orl_out_continues(&file);
+             i++) {
             const struct orl_vec3 p = sensors[i].position, d = sensors[i].direction;
             put_field(file.stream, grid->name);
             fprintf(file.stream, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p.x, p.y, p.z, d.x, d.y, d.z);
@@ -165,7 +166,7 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
         put_error_heads(file.stream, report);
     put_groups(file.stream, request);
     fputc('\n', file.stream);
-    for (size_t row = 0; row < result->n_steps && orl_out_goes_on(&file); row++) {
+    for (size_t row = 0; row < result->n_steps && orl_out_continues(&file); row++) {
         const size_t i = orl_annual_step_of_row(result, row);
         const struct orl_annual_step *s = &result->steps[i];
         step = orl_annual_step_of(&report->year, s);
@@ -188,12 +189,12 @@ int orl_annual_columns_csv(const char *path, const struct orl_annual_report *rep
                            const struct orl_annual_result *result, struct orl_error *err)
 {
     struct orl_out_file file = {.stream = NULL};
-    const struct orl_annual_year *year = &report->year;
+    const struct orl_annual_timeline *year = &report->year;
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
     fputs("column,month,day,hour,hour_of_year\n", file.stream);
-    for (size_t c = 0; c < result->n_columns && orl_out_goes_on(&file); c++) {
+    for (size_t c = 0; c < result->n_columns && orl_out_continues(&file); c++) {
         const struct orl_annual_step *s = &result->steps[result->step_of_column[c]];
         fprintf(file.stream, "%zu,%d,%d,%.6g,%.10g\n", c, s->month, s->day, s->hour,
                 orl_calendar_hour_of_year(&year->steps, year->step_of_column[c]));
@@ -217,24 +218,25 @@ static void put_view(FILE *stream, const char *grid, const char *name, struct or
             orl_view_level_name(view->level));
 }
 
-int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wishes,
+int orl_annual_view_out_csv(const char *path, const struct orl_report_request *report_request,
                             const struct orl_annual_report *report,
                             const struct orl_sensor *sensors, struct orl_error *err)
 {
-    const struct orl_view_out_wish *wish = &wishes->view_out;
+    const struct orl_view_out_request *requested = &report_request->view_out;
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
     fputs("grid,point,x,y,z,sight_angle_deg,distance_m,sky,landscape,ground,level\n", file.stream);
-    for (size_t i = 0; i < wish->n_points; i++)
-        put_view(file.stream, "", wish->points[i].name, wish->points[i].at, &report->views[i]);
+    for (size_t i = 0; i < requested->n_points; i++)
+        put_view(file.stream, "", requested->points[i].name, requested->points[i].at,
+                 &report->views[i]);
     for (size_t g = 0; report->view_shares && g < report->n_grids; g++) {
         const struct orl_annual_grid *grid = &report->grids[g];
         for (size_t i = grid->first; i < grid->first + grid->count; i++) {
             struct orl_vec3 at = sensors[i].position;
-            at.z += wish->above_sensors;
-            put_view(file.stream, grid->name, "", at, &report->views[wish->n_points + i]);
+            at.z += requested->above_sensors;
+            put_view(file.stream, grid->name, "", at, &report->views[requested->n_points + i]);
         }
     }
     return orl_out_close(&file, 0, err);
@@ -242,20 +244,20 @@ int orl_annual_view_out_csv(const char *path, const struct orl_annual_wishes *wi
 
 /* ---- Glare ----------------------------------------------------------------------------------- */
 
-static void put_seats(FILE *stream, const struct orl_seats_wish *wish)
+static void put_viewpoints(FILE *stream, const struct orl_viewpoint_request *requested)
 {
     static const char *const of[] = {"DGP", "low_95", "high_95", "eye (lx)"};
     char text[96];
-    for (size_t i = 0; i < wish->n_seats; i++)
+    for (size_t i = 0; i < requested->n_viewpoints; i++)
         for (int k = 0; k < 4; k++) {
-            snprintf(text, sizeof text, "%s: %s", wish->seats[i].name, of[k]);
+            snprintf(text, sizeof text, "%s: %s", requested->viewpoints[i].name, of[k]);
             fputc(',', stream);
             put_field(stream, text);
         }
     fputc('\n', stream);
 }
 
-int orl_annual_glare_csv(const char *path, const struct orl_annual_wishes *wishes,
+int orl_annual_glare_csv(const char *path, const struct orl_report_request *report_request,
                          const struct orl_annual_report *report,
                          const struct orl_annual_result *result, struct orl_error *err)
 {
@@ -264,14 +266,14 @@ int orl_annual_glare_csv(const char *path, const struct orl_annual_wishes *wishe
     if (code < 0)
         return code;
     fputs("month,day,hour", file.stream);
-    put_seats(file.stream, &wishes->glare);
+    put_viewpoints(file.stream, &report_request->glare);
     for (size_t c = 0; c < result->n_columns; c++) {
         const struct orl_annual_step *s = &result->steps[result->step_of_column[c]];
-        if (isnan(report->seat_hours[0].dgp[c]))
+        if (isnan(report->viewpoint_hours[0].dgp[c]))
             continue;
         fprintf(file.stream, "%d,%d,%.6g", s->month, s->day, s->hour);
-        for (size_t i = 0; i < report->n_seats; i++) {
-            const struct orl_seat_hours *h = &report->seat_hours[i];
+        for (size_t i = 0; i < report->n_viewpoints; i++) {
+            const struct orl_viewpoint_hours *h = &report->viewpoint_hours[i];
             fprintf(file.stream, ",%.4f,%.4f,%.4f,%.5g", (double)h->dgp[c], (double)h->low[c],
                     (double)h->high[c], (double)h->eye_lx[c]);
         }

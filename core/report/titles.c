@@ -1,5 +1,5 @@
 /* Titles of metrics on pages, and their names in file names. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include <stdio.h>
 

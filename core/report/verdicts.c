@@ -1,5 +1,5 @@
 /* Figures of grids, and verdicts on targets. */
-#include "report/making.h"
+#include "report/report_builder.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,9 +7,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/percent.h"
+#include "base/statistics/percent.h"
 
 struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
                                           const struct orl_annual_result *result, size_t grid)
@@ -31,12 +31,12 @@ struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report
         .area = report->area + first};
 }
 
-int orl_report_figure_of(const struct orl_report_making *m, const struct orl_annual_figure *figure,
+int orl_report_figure_of(const struct orl_report_builder *m, const struct orl_annual_figure *figure,
                          size_t grid, struct orl_annual_area *ret_area)
 {
     struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
     rows.cancel = m->cancel;
-    rows.crew = m->crew;
+    rows.pool = m->pool;
     return orl_annual_figure_of(figure, m->report->periods, &rows, ret_area, m->err);
 }
 
@@ -46,23 +46,23 @@ int orl_report_figure_of(const struct orl_report_making *m, const struct orl_ann
  * least this much direct sunlight. */
 static const double lm83_lx = 1000, lm83_percent = 2;
 
-struct judging {
-    const struct orl_report_making *m;
+struct verdict_context {
+    const struct orl_report_builder *m;
     bool *needs_blinds; /* by grid: true if LM-83 closes blinds in some hour of use; or NULL */
 };
 
 /* Returns the hours of the weather on which a metric depends; ORL_WHEN_COUNT: none. A daylight
  * factor that must reach an illuminance depends on the median over the daylight hours. */
-static enum orl_annual_when hours_of(const struct orl_report_making *m,
+static enum orl_annual_when hours_of(const struct orl_report_builder *m,
                                      const struct orl_annual_metric *metric)
 {
     if (metric->kind != ORL_METRIC_DF)
         return metric->when;
-    return metric->low_lx > 0 && !(m->wishes->median_diffuse_lx > 0) ? ORL_WHEN_DAYLIGHT
-                                                                     : ORL_WHEN_COUNT;
+    return metric->low_lx > 0 && !(m->report_request->median_diffuse_lx > 0) ? ORL_WHEN_DAYLIGHT
+                                                                             : ORL_WHEN_COUNT;
 }
 
-static void note_few_hours(const struct orl_report_making *m, struct orl_annual_verdict *verdict)
+static void note_few_hours(const struct orl_report_builder *m, struct orl_annual_verdict *verdict)
 {
     static const char *const kinds[ORL_WHEN_COUNT] = {"occupied hours", "daylight hours",
                                                       "hours of the year"};
@@ -100,7 +100,7 @@ static double uncertain_percent(const struct orl_annual_rows *rows,
 
 /* Marks a verdict as undecided if too many hours are uncertain. Direct sunlight at sensors has no
  * error of paths, and DF has its own interval. */
-static void note_uncertain_hours(const struct orl_report_making *m,
+static void note_uncertain_hours(const struct orl_report_builder *m,
                                  struct orl_annual_verdict *verdict)
 {
     const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, verdict->grid);
@@ -136,7 +136,7 @@ static bool closes_by_lm83(const struct orl_annual_request *request)
 
 /* Sets *ret_sunny if LM-83 closes blinds in some hour of use; otherwise leaves it unchanged.
  * sunlit: scratch, one number per column. */
-static int check_sun(const struct orl_report_making *m, size_t grid, uint32_t *sunlit,
+static int check_sun(const struct orl_report_builder *m, size_t grid, uint32_t *sunlit,
                      bool *ret_sunny)
 {
     const struct orl_annual_rows rows = orl_annual_rows_of(m->report, m->result, grid);
@@ -156,55 +156,57 @@ static int check_sun(const struct orl_report_making *m, size_t grid, uint32_t *s
 }
 
 /* Fills judging->needs_blinds if some rule requires blinds that the job lacks. */
-static int find_need_of_blinds(struct judging *judging)
+static int find_need_of_blinds(struct verdict_context *verdict_context)
 {
-    const struct orl_report_making *m = judging->m;
+    const struct orl_report_builder *m = verdict_context->m;
     const size_t n_grids = m->report->n_grids;
     bool asked = false;
     int code = 0;
-    for (size_t i = 0; i < m->wishes->n_rules; i++)
-        asked = asked || m->wishes->rules[i].needs_blinds;
+    for (size_t i = 0; i < m->report_request->n_rules; i++)
+        asked = asked || m->report_request->rules[i].needs_blinds;
     if (!asked || closes_by_lm83(m->request))
         return 0;
     uint32_t *sunlit =
         malloc((m->report->periods[ORL_WHEN_OCCUPIED].n_columns + 1) * sizeof *sunlit);
-    judging->needs_blinds = calloc(n_grids + 1, sizeof *judging->needs_blinds);
-    if (!sunlit || !judging->needs_blinds)
+    verdict_context->needs_blinds = calloc(n_grids + 1, sizeof *verdict_context->needs_blinds);
+    if (!sunlit || !verdict_context->needs_blinds)
         code = orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
     for (size_t g = 0; g < n_grids && code == 0; g++)
-        code = check_sun(m, g, sunlit, &judging->needs_blinds[g]);
+        code = check_sun(m, g, sunlit, &verdict_context->needs_blinds[g]);
     free(sunlit);
     return code;
 }
 
 /* LM-83 closes blinds by grid: all grids together need blinds if one of them does. */
-static bool grid_needs_blinds(const struct judging *judging, size_t grid)
+static bool grid_needs_blinds(const struct verdict_context *verdict_context, size_t grid)
 {
     if (grid != ORL_ALL_GRIDS)
-        return judging->needs_blinds[grid];
+        return verdict_context->needs_blinds[grid];
     bool needed = false;
-    for (size_t g = 0; g < judging->m->report->n_grids; g++)
-        needed = needed || judging->needs_blinds[g];
+    for (size_t g = 0; g < verdict_context->m->report->n_grids; g++)
+        needed = needed || verdict_context->needs_blinds[g];
     return needed;
 }
 
-static void note_blinds(const struct judging *judging, struct orl_annual_verdict *verdict)
+static void note_blinds(const struct verdict_context *verdict_context,
+                        struct orl_annual_verdict *verdict)
 {
-    if (!judging->needs_blinds || !verdict->rule || !verdict->rule->needs_blinds ||
-        verdict->verdict != ORL_VERDICT_PASS || !grid_needs_blinds(judging, verdict->grid))
+    if (!verdict_context->needs_blinds || !verdict->rule || !verdict->rule->needs_blinds ||
+        verdict->verdict != ORL_VERDICT_PASS || !grid_needs_blinds(verdict_context, verdict->grid))
         return;
     verdict->verdict = ORL_VERDICT_UNDECIDED;
     snprintf(verdict->note, sizeof verdict->note, "not according to LM-83: %s",
-             judging->m->request->n_groups == 0 ? "no blinds modelled"
-                                                : "no blinds close by its rule");
+             verdict_context->m->request->n_groups == 0 ? "no blinds modelled"
+                                                        : "no blinds close by its rule");
 }
 
 /* ---- Verdicts -------------------------------------------------------------------------------- */
 
-static int judge_grid(const struct judging *judging, const struct orl_annual_rule *rule,
-                      const struct orl_annual_target *target, size_t grid)
+static int evaluate_on_grid(const struct verdict_context *verdict_context,
+                            const struct orl_annual_rule *rule,
+                            const struct orl_annual_target *target, size_t grid)
 {
-    const struct orl_report_making *m = judging->m;
+    const struct orl_report_builder *m = verdict_context->m;
     struct orl_annual_verdict *verdict = &m->report->verdicts[m->report->n_verdicts];
     *verdict = (struct orl_annual_verdict){.rule = rule, .target = *target, .grid = grid};
     struct orl_annual_figure *figure = &verdict->target.figure;
@@ -215,7 +217,7 @@ static int judge_grid(const struct judging *judging, const struct orl_annual_rul
         return code;
     verdict->verdict = orl_annual_judge(target, &verdict->area.value);
     note_uncertain_hours(m, verdict);
-    note_blinds(judging, verdict);
+    note_blinds(verdict_context, verdict);
     note_few_hours(m, verdict);
     m->report->n_verdicts++;
     return 0;
@@ -230,7 +232,7 @@ static size_t find_grid(const struct orl_annual_report *report, const char *name
     return ORL_ALL_GRIDS;
 }
 
-static int check_grid(const struct orl_report_making *m, const struct orl_annual_target *target)
+static int check_grid(const struct orl_report_builder *m, const struct orl_annual_target *target)
 {
     if (!target->grid[0] || find_grid(m->report, target->grid) != ORL_ALL_GRIDS)
         return 0;
@@ -238,53 +240,57 @@ static int check_grid(const struct orl_report_making *m, const struct orl_annual
                          target->grid);
 }
 
-int orl_report_check_grids(const struct orl_report_making *m)
+int orl_report_check_grids(const struct orl_report_builder *m)
 {
-    int code = m->wishes->until ? check_grid(m, m->wishes->until) : 0;
-    for (size_t i = 0; i < m->wishes->n_targets && code == 0; i++)
-        code = check_grid(m, &m->wishes->targets[i]);
+    int code = m->report_request->until ? check_grid(m, m->report_request->until) : 0;
+    for (size_t i = 0; i < m->report_request->n_targets && code == 0; i++)
+        code = check_grid(m, &m->report_request->targets[i]);
     return code;
 }
 
-/* Judges a target on the grid it names. Without a name, judges all grids together and each grid. */
-static int judge_everywhere(const struct judging *judging, const struct orl_annual_rule *rule,
-                            const struct orl_annual_target *target)
+/* Evaluates a target on the grid it names. Without a name, evaluates all grids together and each
+ * grid. */
+static int evaluate_on_all_grids(const struct verdict_context *verdict_context,
+                                 const struct orl_annual_rule *rule,
+                                 const struct orl_annual_target *target)
 {
-    const struct orl_annual_report *report = judging->m->report;
+    const struct orl_annual_report *report = verdict_context->m->report;
     if (target->grid[0])
-        return judge_grid(judging, rule, target, find_grid(report, target->grid));
-    int code = judge_grid(judging, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
+        return evaluate_on_grid(verdict_context, rule, target, find_grid(report, target->grid));
+    int code =
+        evaluate_on_grid(verdict_context, rule, target, report->n_grids > 1 ? ORL_ALL_GRIDS : 0);
     for (size_t g = 0; g < report->n_grids && report->n_grids > 1 && code == 0; g++)
-        code = judge_grid(judging, rule, target, g);
+        code = evaluate_on_grid(verdict_context, rule, target, g);
     return code;
 }
 
-static int judge_rule(const struct judging *judging, const struct orl_annual_rule *rule)
+static int evaluate_rule(const struct verdict_context *verdict_context,
+                         const struct orl_annual_rule *rule)
 {
     int code = 0;
     for (int i = 0; i < ORL_RULE_TARGETS && rule->targets[i] && code == 0; i++) {
         struct orl_annual_target target;
-        code = orl_annual_target_parse(rule->targets[i], &target, judging->m->err);
+        code = orl_annual_target_parse(rule->targets[i], &target, verdict_context->m->err);
         if (code == 0)
-            code = judge_everywhere(judging, rule, &target);
+            code = evaluate_on_all_grids(verdict_context, rule, &target);
     }
     return code;
 }
 
-int orl_report_make_verdicts(const struct orl_report_making *m)
+int orl_report_make_verdicts(const struct orl_report_builder *m)
 {
-    const struct orl_annual_wishes *wishes = m->wishes;
-    const size_t targets = wishes->n_targets + ORL_RULE_TARGETS * wishes->n_rules;
-    struct judging judging = {.m = m};
+    const struct orl_report_request *report_request = m->report_request;
+    const size_t targets = report_request->n_targets + ORL_RULE_TARGETS * report_request->n_rules;
+    struct verdict_context verdict_context = {.m = m};
     m->report->verdicts =
         calloc(targets * (m->report->n_grids + 1) + 1, sizeof *m->report->verdicts);
     if (!m->report->verdicts)
         return orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
-    int code = find_need_of_blinds(&judging);
-    for (size_t i = 0; i < wishes->n_targets && code == 0; i++)
-        code = judge_everywhere(&judging, NULL, &wishes->targets[i]);
-    for (size_t i = 0; i < wishes->n_rules && code == 0; i++)
-        code = judge_rule(&judging, &wishes->rules[i]);
-    free(judging.needs_blinds);
+    int code = find_need_of_blinds(&verdict_context);
+    for (size_t i = 0; i < report_request->n_targets && code == 0; i++)
+        code = evaluate_on_all_grids(&verdict_context, NULL, &report_request->targets[i]);
+    for (size_t i = 0; i < report_request->n_rules && code == 0; i++)
+        code = evaluate_rule(&verdict_context, &report_request->rules[i]);
+    free(verdict_context.needs_blinds);
     return code;
 }

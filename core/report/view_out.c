@@ -1,17 +1,17 @@
 /* View out: what is visible from places through openings, how wide and how far. Computed
  * with rays. */
-#include <oriel/view_out.h>
+#include <oriel/annual/view_out.h>
 
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
-#include <oriel/annual.h>
-#include <oriel/units.h>
+#include <oriel/annual/annual.h>
+#include <oriel/base/units.h>
 
-#include "base/kth.h"
-#include "report/open_scene.h"
+#include "base/statistics/nth_element.h"
 #include "report/openings.h"
+#include "report/unshaded_scene.h"
 
 enum { COLUMNS = 1440, ROWS = 180, MOST_PANES = 64 };
 #define COLUMN_DEG (360.0 / COLUMNS)
@@ -19,14 +19,14 @@ static const double own = 1; /* m from the pane: nearer surfaces belong to the w
 /* Least horizontal component of the pane's normal; else the pane is a roof light. */
 static const double least_slanting = 0.1;
 
-void orl_view_out_wish_init(struct orl_view_out_wish *wish)
+void orl_view_out_request_init(struct orl_view_out_request *view_out_request)
 {
-    *wish = (struct orl_view_out_wish){.above_sensors = NAN};
+    *view_out_request = (struct orl_view_out_request){.above_sensors = NAN};
 }
 
-bool orl_view_out_is_wished(const struct orl_view_out_wish *wish)
+bool orl_view_out_is_requested(const struct orl_view_out_request *view_out_request)
 {
-    return wish->n_points > 0 || !isnan(wish->above_sensors);
+    return view_out_request->n_points > 0 || !isnan(view_out_request->above_sensors);
 }
 
 static void free_names(char **names, size_t n)
@@ -36,12 +36,12 @@ static void free_names(char **names, size_t n)
     free(names);
 }
 
-void orl_view_out_wish_done(struct orl_view_out_wish *wish)
+void orl_view_out_request_done(struct orl_view_out_request *view_out_request)
 {
-    orl_named_places_free(wish->points, wish->n_points);
-    free_names(wish->openings, wish->n_openings);
-    free_names(wish->ground, wish->n_ground);
-    orl_view_out_wish_init(wish);
+    orl_named_points_free(view_out_request->points, view_out_request->n_points);
+    free_names(view_out_request->openings, view_out_request->n_openings);
+    free_names(view_out_request->ground, view_out_request->n_ground);
+    orl_view_out_request_init(view_out_request);
 }
 
 const char *orl_view_level_name(enum orl_view_level level)
@@ -76,7 +76,7 @@ enum orl_view_level orl_view_out_level(const struct orl_view_out *view)
 
 /* ---- A ray ----------------------------------------------------------------------------------- */
 
-struct seen {
+struct ray_result {
     unsigned char layer; /* 0: no view */
     uint32_t opening;
     float distance_m; /* horizontal distance; INFINITY for sky and ground */
@@ -92,67 +92,71 @@ static double level_distance(struct orl_vec3 way, struct orl_vec3 outward)
 }
 
 /* State of a ray. */
-struct look {
-    struct seen seen;
+struct ray_state {
+    struct ray_result ray_result;
     bool outside;
     /* Where it passed the opening, and the opening's outward normal. */
     struct orl_vec3 pane, outward;
 };
 
-static void pass_opening(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+static void pass_opening(struct ray_state *ray_state, const struct orl_openings *o,
+                         const struct orl_hit *hit)
 {
     const int32_t port = o->scene->port_of_facet[hit->facet];
-    look->outside = true;
-    look->pane = hit->point;
-    look->outward = o->scene->ports[port].outward;
-    look->seen.opening = o->of_port[port];
+    ray_state->outside = true;
+    ray_state->pane = hit->point;
+    ray_state->outward = o->scene->ports[port].outward;
+    ray_state->ray_result.opening = o->of_port[port];
 }
 
 /* Records an opaque surface that the ray hits outside. */
-static void record_surface(struct look *look, const struct orl_openings *o,
+static void record_surface(struct ray_state *ray_state, const struct orl_openings *o,
                            const struct orl_hit *hit)
 {
-    const struct orl_vec3 way = orl_sub(hit->point, look->pane);
+    const struct orl_vec3 way = orl_sub(hit->point, ray_state->pane);
     if (orl_length(way) < own)
         return;
     const bool ground = orl_openings_is_ground(o, hit->facet) && orl_hit_facing(hit).z > 0;
-    look->seen.layer = ground ? ORL_VIEW_GROUND : ORL_VIEW_LANDSCAPE;
-    look->seen.distance_m = ground ? INFINITY : (float)fmax(0, level_distance(way, look->outward));
+    ray_state->ray_result.layer = ground ? ORL_VIEW_GROUND : ORL_VIEW_LANDSCAPE;
+    ray_state->ray_result.distance_m =
+        ground ? INFINITY : (float)fmax(0, level_distance(way, ray_state->outward));
 }
 
 /* Handles a surface on the ray; returns false if the ray ends there. */
-static bool pass_surface(struct look *look, const struct orl_openings *o, const struct orl_hit *hit)
+static bool pass_surface(struct ray_state *ray_state, const struct orl_openings *o,
+                         const struct orl_hit *hit)
 {
-    const bool clear = !orl_facet_is_placed(o->scene->geometry, hit->facet) && o->clear[hit->facet];
-    const enum orl_crossing crossing =
+    const bool clear =
+        !orl_facet_is_instanced(o->scene->geometry, hit->facet) && o->clear[hit->facet];
+    const enum orl_port_crossing crossing =
         clear ? orl_scene_crossing(o->scene, hit) : ORL_CROSSING_NONE;
     if (clear && crossing != ORL_CROSSING_INWARDS) {
-        if (crossing == ORL_CROSSING_OUTWARDS && !look->outside)
-            pass_opening(look, o, hit);
+        if (crossing == ORL_CROSSING_OUTWARDS && !ray_state->outside)
+            pass_opening(ray_state, o, hit);
         return true;
     }
-    if (look->outside)
-        record_surface(look, o, hit);
+    if (ray_state->outside)
+        record_surface(ray_state, o, hit);
     return false;
 }
 
-static struct seen look_along(const struct orl_openings *o, struct orl_vec3 origin,
-                              struct orl_vec3 direction)
+static struct ray_result trace_view_ray(const struct orl_openings *o, struct orl_vec3 origin,
+                                        struct orl_vec3 direction)
 {
     const struct orl_geometry *geometry = o->scene->geometry;
-    struct look look = {.seen = {.distance_m = INFINITY}};
+    struct ray_state ray_state = {.ray_result = {.distance_m = INFINITY}};
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
         if (!orl_geometry_intersect(geometry, origin, direction, INFINITY, &hit)) {
-            if (look.outside)
-                look.seen.layer = direction.z > 0 ? ORL_VIEW_SKY : ORL_VIEW_GROUND;
-            return look.seen;
+            if (ray_state.outside)
+                ray_state.ray_result.layer = direction.z > 0 ? ORL_VIEW_SKY : ORL_VIEW_GROUND;
+            return ray_state.ray_result;
         }
-        if (!pass_surface(&look, o, &hit))
-            return look.seen;
-        origin = orl_hit_leave(geometry, &hit, direction);
+        if (!pass_surface(&ray_state, o, &hit))
+            return ray_state.ray_result;
+        origin = orl_hit_ray_origin(geometry, &hit, direction);
     }
-    return look.seen;
+    return ray_state.ray_result;
 }
 
 /* ---- Extent of openings ---------------------------------------------------------------------- */
@@ -235,9 +239,9 @@ static void find_extent(const struct orl_openings *o, struct orl_vec3 eye, struc
     for (size_t p = 0; p < o->scene->n_ports; p++) {
         const uint32_t facet = o->scene->ports[p].facet;
         struct orl_facet room;
-        const struct orl_facet *f = orl_facet_own(g, facet, &room);
+        const struct orl_facet *f = orl_facet_get_own(g, facet, &room);
         for (uint32_t t = 0; o->clear[facet] && t < f->n_triangles; t++) {
-            const struct orl_triangle at = orl_triangle_of(g, orl_facet_triangle(f, t));
+            const struct orl_triangle at = orl_triangle_get(g, orl_facet_triangle(f, t));
             const struct orl_vec3 corners[3] = {orl_sub(at.a, eye), orl_sub(at.b, eye),
                                                 orl_sub(at.c, eye)};
             mark_triangle(extent, corners);
@@ -247,8 +251,8 @@ static void find_extent(const struct orl_openings *o, struct orl_vec3 eye, struc
 
 /* ---- A place --------------------------------------------------------------------------------- */
 
-struct finder {
-    const struct orl_view_out_wish *wish;
+struct view_out_finder {
+    const struct orl_view_out_request *view_out_request;
     const struct orl_sensor *sensors;
     struct orl_openings openings;
     struct scratch *scratch; /* by crew member */
@@ -256,20 +260,21 @@ struct finder {
 };
 
 struct scratch {
-    struct seen seen[COLUMNS][ROWS];
+    struct ray_result ray_result[COLUMNS][ROWS];
     struct extent extent;
     unsigned char *layers; /* by opening; owned */
     double distances[COLUMNS];
 };
 
-static void look_around(const struct orl_openings *o, struct orl_vec3 eye, struct scratch *s)
+static void trace_all_directions(const struct orl_openings *o, struct orl_vec3 eye,
+                                 struct scratch *s)
 {
     find_extent(o, eye, &s->extent);
     for (int c = 0; c < COLUMNS; c++) {
         const double azimuth = (c + 0.5) * COLUMN_DEG * ORL_DEG_TO_RAD;
         for (int r = s->extent.first[c]; r <= s->extent.last[c]; r++) {
             const double altitude = (r + 0.5 - 90) * ORL_DEG_TO_RAD;
-            s->seen[c][r] = look_along(
+            s->ray_result[c][r] = trace_view_ray(
                 o, eye,
                 orl_v3(cos(altitude) * cos(azimuth), cos(altitude) * sin(azimuth), sin(altitude)));
         }
@@ -282,26 +287,26 @@ static void gather_layers(const struct orl_openings *o, struct scratch *s)
     memset(s->layers, 0, o->count);
     for (int c = 0; c < COLUMNS; c++)
         for (int r = s->extent.first[c]; r <= s->extent.last[c]; r++) {
-            const struct seen *seen = &s->seen[c][r];
-            if (seen->layer == 0)
+            const struct ray_result *ray_result = &s->ray_result[c][r];
+            if (ray_result->layer == 0)
                 continue;
-            s->layers[seen->opening] |= seen->layer;
-            if (seen->layer == ORL_VIEW_GROUND && r < s->extent.last[c] &&
-                seen[1].layer == ORL_VIEW_SKY && seen[1].opening == seen->opening)
-                s->layers[seen->opening] |= ORL_VIEW_LANDSCAPE;
+            s->layers[ray_result->opening] |= ray_result->layer;
+            if (ray_result->layer == ORL_VIEW_GROUND && r < s->extent.last[c] &&
+                ray_result[1].layer == ORL_VIEW_SKY && ray_result[1].opening == ray_result->opening)
+                s->layers[ray_result->opening] |= ORL_VIEW_LANDSCAPE;
         }
 }
 
 /* Returns the ray of a column that is nearest to the horizontal and has a view. Of two equally near
  * rays the upper one comes first. */
-static const struct seen *find_level(const struct scratch *s, int c)
+static const struct ray_result *find_level(const struct scratch *s, int c)
 {
     for (int k = 0; k < ROWS; k++) {
         const int r = k % 2 == 0 ? ROWS / 2 + k / 2 : ROWS / 2 - 1 - k / 2;
-        const struct seen *seen = &s->seen[c][r];
-        if (r >= s->extent.first[c] && r <= s->extent.last[c] && seen->layer != 0 &&
-            s->layers[seen->opening] & ORL_VIEW_LANDSCAPE)
-            return seen;
+        const struct ray_result *ray_result = &s->ray_result[c][r];
+        if (r >= s->extent.first[c] && r <= s->extent.last[c] && ray_result->layer != 0 &&
+            s->layers[ray_result->opening] & ORL_VIEW_LANDSCAPE)
+            return ray_result;
     }
     return NULL;
 }
@@ -311,41 +316,41 @@ static struct orl_view_out measure_view(const struct orl_openings *o, struct scr
     struct orl_view_out view = {0};
     size_t n = 0;
     for (int c = 0; c < COLUMNS; c++) {
-        const struct seen *seen = find_level(s, c);
-        if (seen)
-            s->distances[n++] = seen->distance_m;
+        const struct ray_result *ray_result = find_level(s, c);
+        if (ray_result)
+            s->distances[n++] = ray_result->distance_m;
     }
     for (size_t i = 0; i < o->count; i++)
         if (level_by_layers(s->layers[i]) > level_by_layers(view.layers) || view.layers == 0)
             view.layers = s->layers[i];
     view.sight_angle_deg = (double)n * COLUMN_DEG;
-    view.distance_m = n > 0 ? orl_find_kth(s->distances, n, n / 2) : 0;
+    view.distance_m = n > 0 ? orl_nth_element(s->distances, n, n / 2) : 0;
     view.level = orl_view_out_level(&view);
     return view;
 }
 
 static void view_from(void *arg, size_t index, uint32_t member)
 {
-    const struct finder *f = arg;
+    const struct view_out_finder *f = arg;
     struct scratch *s = &f->scratch[member];
     struct orl_vec3 at;
-    if (index < f->wish->n_points)
-        at = f->wish->points[index].at;
+    if (index < f->view_out_request->n_points)
+        at = f->view_out_request->points[index].at;
     else {
-        at = f->sensors[index - f->wish->n_points].position;
-        at.z += f->wish->above_sensors;
+        at = f->sensors[index - f->view_out_request->n_points].position;
+        at.z += f->view_out_request->above_sensors;
     }
-    look_around(&f->openings, orl_sub(at, f->openings.scene->geometry->center), s);
+    trace_all_directions(&f->openings, orl_sub(at, f->openings.scene->geometry->center), s);
     gather_layers(&f->openings, s);
     f->views[index] = measure_view(&f->openings, s);
 }
 
 /* ---- All of them ----------------------------------------------------------------------------- */
 
-static int find_all(struct finder *f, size_t n, const struct orl_run_env *env,
+static int find_all(struct view_out_finder *f, size_t n, const struct orl_run_env *env,
                     struct orl_error *err)
 {
-    const uint32_t members = orl_crew_size(env->crew);
+    const uint32_t members = orl_thread_pool_size(env->pool);
     int code = 0;
     f->scratch = calloc(members, sizeof *f->scratch);
     for (uint32_t i = 0; f->scratch && i < members && code == 0; i++) {
@@ -354,38 +359,41 @@ static int find_all(struct finder *f, size_t n, const struct orl_run_env *env,
     }
     if (!f->scratch || code < 0)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    orl_crew_heed(env->crew, env->cancel);
-    if (code == 0 && orl_crew_try(env->crew, n, view_from, f) < 0)
+    orl_thread_pool_set_cancel(env->pool, env->cancel);
+    if (code == 0 && orl_parallel_try(env->pool, n, view_from, f) < 0)
         code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
-    orl_crew_heed(env->crew, NULL);
+    orl_thread_pool_set_cancel(env->pool, NULL);
     for (uint32_t i = 0; f->scratch && i < members; i++)
         free(f->scratch[i].layers);
     free(f->scratch);
     return code;
 }
 
-size_t orl_view_out_places(const struct orl_view_out_wish *wish,
-                           const struct orl_annual_request *request)
+size_t orl_view_out_count(const struct orl_view_out_request *view_out_request,
+                          const struct orl_annual_request *request)
 {
-    return wish->n_points + (isnan(wish->above_sensors) ? 0 : request->n_sensors);
+    return view_out_request->n_points +
+           (isnan(view_out_request->above_sensors) ? 0 : request->n_sensors);
 }
 
-int orl_view_out_find(const struct orl_view_out_wish *wish,
-                      const struct orl_annual_request *request, const struct orl_run_env *env,
-                      struct orl_view_out *ret_views, struct orl_error *err)
+int orl_view_out_compute(const struct orl_view_out_request *view_out_request,
+                         const struct orl_annual_request *request, const struct orl_run_env *env,
+                         struct orl_view_out *ret_views, struct orl_error *err)
 {
     struct orl_scene *scene = NULL;
-    struct finder finder = {.wish = wish, .sensors = request->sensors, .views = ret_views};
-    const size_t n = orl_view_out_places(wish, request);
-    if (n > ORL_VIEW_OUT_MOST_PLACES)
+    struct view_out_finder view_out_finder = {
+        .view_out_request = view_out_request, .sensors = request->sensors, .views = ret_views};
+    const size_t n = orl_view_out_count(view_out_request, request);
+    if (n > ORL_VIEW_OUT_MOST_POINTS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu places to see out from are more than %d", n,
-                             ORL_VIEW_OUT_MOST_PLACES);
-    int code = orl_open_scene(request, env, &scene, err);
+                             ORL_VIEW_OUT_MOST_POINTS);
+    int code = orl_unshaded_scene_load(request, env, &scene, err);
     if (code == 0)
-        code = orl_openings_find(wish, scene, env->cancel, &finder.openings, err);
+        code =
+            orl_openings_find(view_out_request, scene, env->cancel, &view_out_finder.openings, err);
     if (code == 0)
-        code = find_all(&finder, n, env, err);
-    orl_openings_done(&finder.openings);
+        code = find_all(&view_out_finder, n, env, err);
+    orl_openings_done(&view_out_finder.openings);
     orl_scene_release(scene);
     return code;
 }

@@ -1,5 +1,5 @@
 /* Warnings about a report that its user should know. */
-#include "report/making.h"
+#include "report/report_builder.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -1,18 +1,18 @@
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include <sodium.h>
 #include <stdlib.h>
 
-#include <oriel/paths.h>
+#include <oriel/job/paths.h>
 
 #include "run/cache/scene_cache.h"
-#include "run/goals/accuracy_curve.h"
-#include "run/goals/round_cost.h"
+#include "run/estimate/accuracy_curve.h"
+#include "run/estimate/round_cost.h"
 #include "run/goals/rounds.h"
 #include "run/request/grids.h"
 #include "run/stages/sensor_run.h"
-#include "scene/material/lobed.h"
-#include "scene/material/pattern.h"
+#include "scene/material/function_brdf/function_lobes.h"
+#include "scene/material/patterns/pattern.h"
 
 static int load_sensors(struct orl_run_state *state, struct orl_error *err)
 {
@@ -30,13 +30,13 @@ static int load_sensors(struct orl_run_state *state, struct orl_error *err)
 }
 
 /* Refuses an accuracy goal for materials whose lobes are too narrow to sample reliably. */
-static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
+static int check_goal_supported(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_goal *const goal = &state->job->goal;
-    const struct orl_world *const world = state->world;
-    const bool promised = goal->relative_error > 0 || goal->dgp_error > 0;
+    const struct orl_lit_scene *const lit_scene = state->lit_scene;
+    const bool has_error_goal = goal->relative_error > 0 || goal->dgp_error > 0;
     const struct orl_pattern *const lobes =
-        promised ? orl_lobed_narrow_of(world->geometry, world->materials) : NULL;
+        has_error_goal ? orl_find_narrow_lobes(lit_scene->geometry, lit_scene->materials) : NULL;
     if (!lobes)
         return 0;
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
@@ -48,12 +48,12 @@ static int admit_goal(const struct orl_run_state *state, struct orl_error *err)
 }
 
 /* Refuses mist with techniques that do not support it. */
-static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
+static int check_volume_supported(const struct orl_run_state *state, struct orl_error *err)
 {
-    const struct orl_scene *const scene = state->world->scene;
+    const struct orl_scene *const scene = state->lit_scene->scene;
     uint32_t facet = 0;
     const struct orl_plan *plan = &state->result->plan;
-    if (!(orl_paths_missed(plan->technique, plan->paths) & 1U << ORL_PATHS_MIST))
+    if (!(orl_paths_missed(plan->technique, plan->paths) & 1U << ORL_PATHS_VOLUME))
         return 0;
     while (!(orl_facet_area(scene->mist, facet) > 0))
         facet++;
@@ -71,7 +71,7 @@ static int admit_mist(const struct orl_run_state *state, struct orl_error *err)
 static int prepare_run(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_job *job = state->job;
-    orl_run_progress(state, 0);
+    orl_run_report_progress(state, 0);
     int code = orl_job_validate(job, err);
     if (code == 0 && job->n_skies > 0)
         code = orl_error_set(err, ORL_ERR_INVALID, "the job has several skies: run each by itself");
@@ -79,19 +79,19 @@ static int prepare_run(struct orl_run_state *state, struct orl_error *err)
         code = orl_error_set(err, ORL_ERR_INVALID, "the job names no scene files");
     if (code == 0)
         code = load_sensors(state, err);
-    orl_run_guess_costs(state);
+    orl_run_estimate_stages(state);
     if (code == 0)
-        code = orl_run_load(state, err);
+        code = orl_run_load_scene(state, err);
     if (code < 0)
         return code;
-    orl_run_enter(state, ORL_STAGE_PLAN);
+    orl_run_begin_stage(state, ORL_STAGE_PLAN);
     code = orl_run_plan(state, err);
     if (code == 0 &&
         !state->pilot) /* a pilot reports it as the reason for no curve (orl_run_pilot) */
-        code = admit_goal(state, err);
+        code = check_goal_supported(state, err);
     if (code == 0)
-        code = admit_mist(state, err);
-    return code == 0 && orl_crew_cancelled(state->env->crew)
+        code = check_volume_supported(state, err);
+    return code == 0 && orl_thread_pool_cancelled(state->env->pool)
                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while planning")
                : code;
 }
@@ -99,7 +99,7 @@ static int prepare_run(struct orl_run_state *state, struct orl_error *err)
 /* Renders the job, in rounds or without. */
 static int render_job(struct orl_run_state *state, struct orl_error *err)
 {
-    if (orl_goal_is_set(&state->job->goal) || orl_run_batches(state) > 1)
+    if (orl_goal_is_set(&state->job->goal) || orl_run_count_batches(state) > 1)
         return orl_run_rounds(state, err);
     return orl_run_technique(state, err);
 }
@@ -107,22 +107,22 @@ static int render_job(struct orl_run_state *state, struct orl_error *err)
 /* Predicts the cost of more accuracy for a job without rounds; rounds predict it themselves. */
 static void predict_cost(struct orl_run_state *state)
 {
-    orl_run_leave(state);
-    if (!orl_goal_is_set(&state->job->goal) && orl_run_batches(state) == 1)
-        orl_run_cost(state);
+    orl_run_end_stage(state);
+    if (!orl_goal_is_set(&state->job->goal) && orl_run_count_batches(state) == 1)
+        orl_run_compute_cost(state);
 }
 
 /* Compares the sensors with photons and with plain path tracing. */
 static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     const size_t warnings = state->result->n_warnings;
-    int code = orl_run_judge_chance(state, err);
+    int code = orl_run_diagnose_missed_light(state, err);
     if (code == 0)
         code = orl_run_cross_check(state, err);
     if (code == 0)
-        code = orl_sensor_run_again(state, warnings, err);
+        code = orl_sensor_run_retry(state, warnings, err);
     if (code == 0)
-        orl_run_heed_doubts(state);
+        orl_run_apply_unreliable(state);
     return code;
 }
 
@@ -138,9 +138,9 @@ static int render_and_check(struct orl_run_state *state, struct orl_error *err)
 
 static int finish_run(struct orl_run_state *state, struct orl_error *err)
 {
-    int code = orl_run_judge_darkness(state, err);
+    int code = orl_run_diagnose_dark(state, err);
     if (code == 0) {
-        orl_run_judge_health(state);
+        orl_run_diagnose_health(state);
         code = orl_run_write_sensors(state, err);
     }
     return code == 0 ? orl_run_write_grids(state, err) : code;
@@ -148,10 +148,10 @@ static int finish_run(struct orl_run_state *state, struct orl_error *err)
 
 static int run_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    struct orl_sensor_run sensors = {.made = false};
+    struct orl_sensor_run sensors = {.is_separate = false};
     int code = prepare_run(state, err);
     if (code == 0)
-        code = orl_sensor_run_make(state, &sensors, err);
+        code = orl_sensor_run_start(state, &sensors, err);
     if (code == 0)
         code = render_and_check(state, err);
     orl_sensor_run_join(state, &sensors);
@@ -169,60 +169,60 @@ static int plan_stages(struct orl_run_state *state, struct orl_error *err)
 {
     const int code = prepare_run(state, err);
     if (code == 0)
-        state->result->no_curve = orl_run_why_no_curve(state);
+        state->result->no_curve = orl_run_no_curve_reason(state);
     return code;
 }
 
-static int try_stages(struct orl_run_state *state, struct orl_error *err)
+static int pilot_stages(struct orl_run_state *state, struct orl_error *err)
 {
     const int code = prepare_run(state, err);
     return code == 0 ? orl_run_pilot(state, err) : code;
 }
 
 /* Stages to run, and an optional pilot to fill in. */
-struct course {
+struct run_mode {
     int (*stages)(struct orl_run_state *state, struct orl_error *err);
     struct orl_pilot *pilot;
 };
 
 /* Runs a job with resolved views. *scene: in: a scene already loaded, or NULL; out: the scene that
  * was used. */
-static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
-                       struct orl_scene **scene, const struct course *course,
-                       struct orl_result *ret_result, struct orl_error *err)
+static int run_resolved(const struct orl_job *job, const struct orl_run_env *env,
+                        struct orl_scene **scene, const struct run_mode *run_mode,
+                        struct orl_result *ret_result, struct orl_error *err)
 {
-    struct orl_result result = {.threads = orl_crew_size(env->crew), .seed = job->seed};
+    struct orl_result result = {.threads = orl_thread_pool_size(env->pool), .seed = job->seed};
     struct orl_run_state state = {.job = job,
                                   .env = env,
                                   .result = &result,
                                   .run_sensors = orl_run_only_sensors,
-                                  .only_plan = course->stages == plan_stages,
-                                  .pilot = course->pilot};
+                                  .only_plan = run_mode->stages == plan_stages,
+                                  .pilot = run_mode->pilot};
     const double started = env->now_s(env->ctx);
-    struct orl_told told = {.at_s = started};
+    struct orl_progress progress = {.at_s = started};
     int code;
     if (*scene)
         state.scene = orl_scene_hold(*scene);
-    state.told = &told;
+    state.progress = &progress;
     state.n_sensors = job->n_sensors;
-    orl_run_guess_costs(&state);
+    orl_run_estimate_stages(&state);
     state.stage_started = state.started_s = started;
     if (job->goal.deadline_s > 0)
-        state.ends_s = started + job->goal.deadline_s;
-    orl_crew_heed(env->crew, env->cancel);
-    state.searches = calloc(orl_crew_size(env->crew), sizeof *state.searches);
+        state.deadline_at_s = started + job->goal.deadline_s;
+    orl_thread_pool_set_cancel(env->pool, env->cancel);
+    state.searches = calloc(orl_thread_pool_size(env->pool), sizeof *state.searches);
     if (state.searches)
-        code = course->stages(&state, err);
+        code = run_mode->stages(&state, err);
     else
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    orl_crew_heed(env->crew, NULL);
-    orl_run_leave(&state);
+    orl_thread_pool_set_cancel(env->pool, NULL);
+    orl_run_end_stage(&state);
     result.total_s = env->now_s(env->ctx) - started;
-    orl_run_forget_pixels(&state);
+    orl_run_free_pixels(&state);
     orl_run_release_maps(&state);
-    orl_run_forget_backward(&state);
+    orl_run_free_backward(&state);
     orl_emission_free(state.emission);
-    orl_world_free(state.world);
+    orl_lit_scene_free(state.lit_scene);
     orl_lights_release(state.lights);
     if (*scene)
         orl_scene_release(state.scene);
@@ -238,8 +238,8 @@ static int run_settled(const struct orl_job *job, const struct orl_run_env *env,
         orl_result_done(&result);
         return code;
     }
-    orl_run_report(env, ORL_STAGE_RENDER, 1,
-                   &(struct orl_run_report){.share = 1, .elapsed_s = result.total_s});
+    orl_progress_report(env, ORL_STAGE_RENDER, 1,
+                        &(struct orl_progress_report){.share = 1, .elapsed_s = result.total_s});
     *ret_result = result;
     return 0;
 }
@@ -248,28 +248,29 @@ int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *en
                          struct orl_scene *scene, struct orl_result *ret_result,
                          struct orl_error *err)
 {
-    return run_settled(job, env, &scene, &(struct course){.stages = sensor_stages}, ret_result,
-                       err);
+    return run_resolved(job, env, &scene, &(struct run_mode){.stages = sensor_stages}, ret_result,
+                        err);
 }
 
 /* Resolves views in files, then runs the job. */
 static int run_job(const struct orl_job *job, const struct orl_run_env *env,
-                   struct orl_scene **scene, const struct course *course,
+                   struct orl_scene **scene, const struct run_mode *run_mode,
                    struct orl_result *ret_result, struct orl_error *err)
 {
-    struct orl_job settled = *job;
-    int code = orl_run_views(job, env->files, &settled.views, err);
+    struct orl_job resolved = *job;
+    int code = orl_run_resolve_views(job, env->files, &resolved.views, err);
     if (code == 0)
-        code = run_settled(&settled, env, scene, course, ret_result, err);
-    if (settled.views != job->views)
-        orl_run_views_done(job, settled.views);
+        code = run_resolved(&resolved, env, scene, run_mode, ret_result, err);
+    if (resolved.views != job->views)
+        orl_run_views_done(job, resolved.views);
     return code;
 }
 
-int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
-                     struct orl_scene **scene, struct orl_result *ret_result, struct orl_error *err)
+int orl_run_with_scene(const struct orl_job *job, const struct orl_run_env *env,
+                       struct orl_scene **scene, struct orl_result *ret_result,
+                       struct orl_error *err)
 {
-    return run_job(job, env, scene, &(struct course){.stages = run_stages}, ret_result, err);
+    return run_job(job, env, scene, &(struct run_mode){.stages = run_stages}, ret_result, err);
 }
 
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
@@ -277,7 +278,7 @@ int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl
 {
     struct orl_scene *scene = NULL;
     const int code =
-        run_job(job, env, &scene, &(struct course){.stages = run_stages}, ret_result, err);
+        run_job(job, env, &scene, &(struct run_mode){.stages = run_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -287,21 +288,23 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
 {
     struct orl_scene *scene = NULL;
     const int code =
-        run_job(job, env, &scene, &(struct course){.stages = plan_stages}, ret_result, err);
+        run_job(job, env, &scene, &(struct run_mode){.stages = plan_stages}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
 
-int orl_plan_curve(const struct orl_job *job, const struct orl_run_env *env,
-                   enum orl_technique technique, struct orl_curve *ret_curve, struct orl_error *err)
+int orl_plan_accuracy_curve(const struct orl_job *job, const struct orl_run_env *env,
+                            enum orl_technique technique, struct orl_accuracy_curve *ret_curve,
+                            struct orl_error *err)
 {
-    const struct orl_job tried = orl_pilot_job(job, technique);
-    struct orl_curve curve = {.technique = technique, .threads = orl_crew_size(env->crew)};
-    struct orl_pilot pilot = {.sensor_times = 1, .view_times = 1, .curve = &curve};
+    const struct orl_job pilot_job = orl_pilot_job(job, technique);
+    struct orl_accuracy_curve curve = {.technique = technique,
+                                       .threads = orl_thread_pool_size(env->pool)};
+    struct orl_pilot pilot = {.sensor_factor = 1, .view_factor = 1, .curve = &curve};
     struct orl_result result = {0};
     struct orl_scene *scene = NULL;
     const int code =
-        run_job(&tried, env, &scene, &(struct course){try_stages, &pilot}, &result, err);
+        run_job(&pilot_job, env, &scene, &(struct run_mode){pilot_stages, &pilot}, &result, err);
     orl_scene_release(scene);
     orl_result_done(&result);
     if (code == 0)

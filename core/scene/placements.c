@@ -3,28 +3,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "base/arena.h"
+#include "base/memory/arena.h"
 
-const struct orl_curved orl_curved_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
+const struct orl_quadric orl_quadric_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
 
-uint64_t orl_description_count_surfaces(const struct orl_description *description)
+uint64_t orl_parsed_scene_count_surfaces(const struct orl_parsed_scene *parsed_scene)
 {
-    uint64_t n = description->n_surfaces;
-    for (size_t i = 0; i < description->n_placements; i++)
-        n += description->prototypes[description->placements[i].prototype].n_surfaces;
+    uint64_t n = parsed_scene->n_surfaces;
+    for (size_t i = 0; i < parsed_scene->n_placements; i++)
+        n += parsed_scene->prototypes[parsed_scene->placements[i].prototype].n_surfaces;
     return n;
 }
 
 /* Returns the part of a surface's name behind the prototype's prefix. */
-static const char *own_name(const struct orl_description *d, const struct orl_placement *placement,
+static const char *own_name(const struct orl_parsed_scene *d, const struct orl_placement *placement,
                             const char *name)
 {
     return name + d->prototypes[placement->prototype].prefix_bytes;
 }
 
-bool orl_placement_has_name(const struct orl_description *description,
+bool orl_placement_has_name(const struct orl_parsed_scene *parsed_scene,
                             const struct orl_placement *placement, const char *kept,
                             const char *name)
 {
@@ -32,7 +32,7 @@ bool orl_placement_has_name(const struct orl_description *description,
     if (placement->name)
         return strcmp(placement->name, name) == 0;
     return strncmp(placement->prefix, name, front) == 0 &&
-           strcmp(own_name(description, placement, kept), name + front) == 0;
+           strcmp(own_name(parsed_scene, placement, kept), name + front) == 0;
 }
 
 /* ---- One surface ----------------------------------------------------------------------------- */
@@ -64,12 +64,13 @@ struct orl_vec3 orl_xform_normal(const struct orl_xform *xform, struct orl_vec3 
     return xform->inverted ? orl_neg(turned) : turned;
 }
 
-struct orl_curved orl_xform_curved(const struct orl_xform *xform, const struct orl_curved *round)
+struct orl_quadric orl_xform_quadric(const struct orl_xform *xform,
+                                     const struct orl_quadric *quadric)
 {
-    struct orl_curved placed;
+    struct orl_quadric placed;
     for (int i = 0; i < 2; i++) {
-        placed.center[i] = orl_xform_point(xform, round->center[i]);
-        placed.radius[i] = xform->scale * round->radius[i];
+        placed.center[i] = orl_xform_point(xform, quadric->center[i]);
+        placed.radius[i] = xform->scale * quadric->radius[i];
     }
     return placed;
 }
@@ -87,15 +88,15 @@ enum orl_surface_kind orl_xform_kind(const struct orl_xform *xform, enum orl_sur
 
 /* Transforms the corners and the (u, v) coordinates behind them; reverses their order if the front
  * would change sides. */
-static bool place_polygon(const struct orl_xform *xform, struct orl_surface *surface,
-                          struct orl_arena *arena)
+static bool transform_polygon(const struct orl_xform *xform, struct orl_surface *surface,
+                              struct orl_arena *arena)
 {
     enum { PLACE = 2 * sizeof(double) };
     const uint32_t n = surface->n_vertices;
     const bool backwards = xform->mirrored != xform->inverted;
     const struct orl_vec3 *const from = surface->vertices;
-    const char *const places = (const char *)orl_surface_places(surface);
-    struct orl_vec3 *const to = orl_arena_take(arena, n * (sizeof *to + (places ? PLACE : 0)));
+    const char *const places = (const char *)orl_surface_uv(surface);
+    struct orl_vec3 *const to = orl_arena_alloc(arena, n * (sizeof *to + (places ? PLACE : 0)));
     if (!to)
         return false;
     for (uint32_t i = 0; i < n; i++) {
@@ -108,26 +109,26 @@ static bool place_polygon(const struct orl_xform *xform, struct orl_surface *sur
     return true;
 }
 
-static bool place_round(const struct orl_xform *xform, struct orl_surface *surface,
-                        struct orl_arena *arena)
+static bool place_quadric(const struct orl_xform *xform, struct orl_surface *surface,
+                          struct orl_arena *arena)
 {
-    struct orl_curved *const round = orl_arena_take(arena, sizeof *round);
-    if (!round)
+    struct orl_quadric *const quadric = orl_arena_alloc(arena, sizeof *quadric);
+    if (!quadric)
         return false;
-    *round = orl_xform_curved(xform, surface->round);
-    surface->round = round;
+    *quadric = orl_xform_quadric(xform, surface->quadric);
+    surface->quadric = quadric;
     surface->kind = orl_xform_kind(xform, surface->kind);
     return true;
 }
 
-static bool name_surface(const struct orl_description *d, const struct orl_placement *placement,
+static bool name_surface(const struct orl_parsed_scene *d, const struct orl_placement *placement,
                          struct orl_surface *surface)
 {
     const char *const own =
         placement->name ? placement->name : own_name(d, placement, surface->name);
     const char *const prefix = placement->name ? "" : placement->prefix;
     const size_t front = strlen(prefix), length = strlen(own);
-    surface->name = orl_arena_letters(d->outlines, front + length + 1);
+    surface->name = orl_arena_alloc_chars(d->outlines, front + length + 1);
     if (!surface->name)
         return false;
     memcpy(surface->name, prefix, front);
@@ -138,7 +139,7 @@ static bool name_surface(const struct orl_description *d, const struct orl_place
 /* ---- Expansion ------------------------------------------------------------------------------- */
 
 struct expansion {
-    struct orl_description *d;
+    struct orl_parsed_scene *d;
     size_t *places; /* by prototype: number of its places if it is expanded, else 0 */
     struct orl_surface *surfaces;
     size_t n;
@@ -155,8 +156,8 @@ static bool expand_one(struct expansion *e, const struct orl_placement *placemen
         surface->normal = orl_xform_normal(&placement->xform, surface->normal);
         if (!name_surface(e->d, placement, surface) ||
             !(surface->kind == ORL_SURFACE_POLYGON
-                  ? place_polygon(&placement->xform, surface, e->d->outlines)
-                  : place_round(&placement->xform, surface, e->d->outlines)))
+                  ? transform_polygon(&placement->xform, surface, e->d->outlines)
+                  : place_quadric(&placement->xform, surface, e->d->outlines)))
             return false;
     }
     return true;
@@ -175,7 +176,7 @@ static bool take_place(struct expansion *e)
 /* Processes the placements and file starts at a surface index, those of earlier files first. */
 static bool merge_at(struct expansion *e, size_t index)
 {
-    const struct orl_description *const d = e->d;
+    const struct orl_parsed_scene *const d = e->d;
     for (;;) {
         const bool place =
             e->placement < d->n_placements && d->placements[e->placement].before == index;
@@ -205,7 +206,7 @@ static bool merge_surfaces(struct expansion *e)
 /* Drops the prototypes that have been expanded. */
 static void drop_prototypes(struct expansion *e)
 {
-    struct orl_description *const d = e->d;
+    struct orl_parsed_scene *const d = e->d;
     size_t kept = 0;
     for (size_t i = 0; i < d->n_prototypes; i++) {
         if (e->places[i] > 0) {
@@ -225,12 +226,13 @@ static void drop_prototypes(struct expansion *e)
 /* Chooses the prototypes to expand and returns the number of surfaces that this adds. */
 static uint64_t choose_prototypes(struct expansion *e, size_t fewer_than)
 {
-    const struct orl_description *const d = e->d;
+    const struct orl_parsed_scene *const d = e->d;
     uint64_t n = 0;
     for (size_t i = 0; i < d->n_placements; i++)
         e->places[d->placements[i].prototype]++;
     for (size_t i = 0; i < d->n_prototypes; i++) {
-        e->places[i] = e->places[i] < fewer_than && !d->prototypes[i].varied ? e->places[i] : 0;
+        e->places[i] =
+            e->places[i] < fewer_than && !d->prototypes[i].has_patterns ? e->places[i] : 0;
         n += (uint64_t)e->places[i] * d->prototypes[i].n_surfaces;
     }
     return n;
@@ -238,7 +240,7 @@ static uint64_t choose_prototypes(struct expansion *e, size_t fewer_than)
 
 static int expand_chosen(struct expansion *e, uint64_t more, struct orl_error *err)
 {
-    struct orl_description *const d = e->d;
+    struct orl_parsed_scene *const d = e->d;
     const uint64_t n = d->n_surfaces + more;
     if (n > ORL_LIMIT_SURFACES)
         return orl_error_set(err, ORL_ERR_LIMIT,
@@ -257,24 +259,24 @@ static int expand_chosen(struct expansion *e, uint64_t more, struct orl_error *e
     return 0;
 }
 
-bool orl_description_must_part(const struct orl_description *description)
+bool orl_parsed_scene_must_split(const struct orl_parsed_scene *parsed_scene)
 {
-    for (size_t i = 0; i < description->n_surfaces; i++) {
+    for (size_t i = 0; i < parsed_scene->n_surfaces; i++) {
         const struct orl_material *const m =
-            &description->materials[description->surfaces[i].material];
+            &parsed_scene->materials[parsed_scene->surfaces[i].material];
         if (m->kind == ORL_MATERIAL_ANTIMATTER || m->kind == ORL_MATERIAL_MIST || m->thickness != 0)
             return true;
     }
     return false;
 }
 
-int orl_placements_expand(struct orl_description *description, size_t fewer_than,
+int orl_placements_expand(struct orl_parsed_scene *parsed_scene, size_t fewer_than,
                           struct orl_error *err)
 {
-    if (description->n_prototypes == 0)
+    if (parsed_scene->n_prototypes == 0)
         return 0;
-    struct expansion e = {.d = description,
-                          .places = calloc(description->n_prototypes, sizeof *e.places)};
+    struct expansion e = {.d = parsed_scene,
+                          .places = calloc(parsed_scene->n_prototypes, sizeof *e.places)};
     if (!e.places)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene");
     const uint64_t more = choose_prototypes(&e, fewer_than);

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/grow.h"
+#include "base/memory/array.h"
 
 /*
  * Labels are packed one after the other: the name with its NUL, then the difference of its line to
@@ -66,7 +66,8 @@ static bool record_files(struct orl_surface_labels *labels, const struct orl_sur
     for (size_t i = 0; i < labels->n; i++) {
         if (i > 0 && surfaces[i].file == surfaces[i - 1].file)
             continue;
-        if (!orl_grow(&labels->stretches, &room, labels->n_stretches, sizeof *labels->stretches))
+        if (!orl_array_reserve(&labels->stretches, &room, labels->n_stretches,
+                               sizeof *labels->stretches))
             return false;
         labels->stretches[labels->n_stretches++] = (struct stretch){i, surfaces[i].file};
     }

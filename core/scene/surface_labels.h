@@ -5,11 +5,11 @@
 #ifndef ORL_SCENE_SURFACE_LABELS_H
 #define ORL_SCENE_SURFACE_LABELS_H
 
-#include "scene/description.h"
+#include "scene/parsed_scene.h"
 
 struct orl_surface_label {
     const char *name;
-    const char *file; /* points into orl_description.files */
+    const char *file; /* points into orl_parsed_scene.files */
     int line;
 };
 

@@ -1,9 +1,9 @@
 /* Writes a study's points as comma-separated values. */
 #include <math.h>
 
-#include <oriel/study.h>
+#include <oriel/job/study.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 
 static void write_names(FILE *stream)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 
 enum { REFITS = 400, PASSES = 8 };
 static const double least_uncertainty = 0.1;
@@ -176,7 +176,7 @@ static void bootstrap_errors(struct problem *p, const double *x, double widened,
         ret_errors[c] = sqrt(ret_errors[c]);
 }
 
-static void judge_fit(struct problem *p, const double *x, struct orl_study_fit *fit)
+static void compute_residuals(struct problem *p, const double *x, struct orl_study_fit *fit)
 {
     double chi2 = 0, logs = 0;
     evaluate_model(p, x);
@@ -205,7 +205,7 @@ int orl_study_fit_make(const struct orl_study_point *points, size_t n_points,
         goto done;
     }
     fit_coefficients(&p, p.y, x);
-    judge_fit(&p, x, &fit);
+    compute_residuals(&p, x, &fit);
     bootstrap_errors(&p, x, fit.chi2 > 1 ? sqrt(fit.chi2) : 1, errors, scratch);
     fit.points = p.rows;
     for (int t = 0; t < ORL_FIT_TERMS; t++)

@@ -30,7 +30,7 @@
 #ifndef ORL_STUDY_ERROR_MODEL_H
 #define ORL_STUDY_ERROR_MODEL_H
 
-#include <oriel/study.h>
+#include <oriel/job/study.h>
 
 /* Non-negative least squares: minimises |A x - b| with x >= 0. A is rows x columns, stored
  * by rows. */

@@ -18,7 +18,7 @@ void orl_one_run_done(struct orl_one_run *run)
 }
 
 /* Context of a run, with an array for its values. */
-struct making {
+struct value_collector {
     struct orl_runs_env *env;
     double *values; /* owned until taken */
     size_t count, capacity;
@@ -27,7 +27,7 @@ struct making {
 
 static double now_s(void *ctx)
 {
-    const struct orl_study_env *env = ((const struct making *)ctx)->env->env;
+    const struct orl_study_env *env = ((const struct value_collector *)ctx)->env->env;
     return env->now_s(env->ctx);
 }
 
@@ -36,7 +36,7 @@ static double now_s(void *ctx)
 static void report_progress(void *ctx, enum orl_stage stage, double stage_fraction,
                             double job_fraction, double left_s)
 {
-    struct orl_runs_env *env = ((const struct making *)ctx)->env;
+    struct orl_runs_env *env = ((const struct value_collector *)ctx)->env;
     const double elapsed = now_s(ctx) - env->started_s, done = env->before + env->share;
     const double here = (env->before + env->share * job_fraction) / env->all;
     (void)stage, (void)stage_fraction;
@@ -48,45 +48,46 @@ static void report_progress(void *ctx, enum orl_stage stage, double stage_fracti
 
 static void report_spent(void *ctx, const struct orl_result *result)
 {
-    const struct orl_runs_env *env = ((const struct making *)ctx)->env;
-    if (env->env->spent && !env->untold)
+    const struct orl_runs_env *env = ((const struct value_collector *)ctx)->env;
+    if (env->env->spent && !env->spent_deferred)
         env->env->spent(env->env->ctx, result);
 }
 
-static bool reserve_values(struct making *making, size_t count)
+static bool reserve_values(struct value_collector *value_collector, size_t count)
 {
-    if (making->count + count <= making->capacity)
+    if (value_collector->count + count <= value_collector->capacity)
         return true;
-    double *grown = realloc(making->values, (making->count + count) * sizeof *grown);
+    double *grown =
+        realloc(value_collector->values, (value_collector->count + count) * sizeof *grown);
     if (!grown) {
-        making->out_of_memory = true;
+        value_collector->out_of_memory = true;
         return false;
     }
-    making->values = grown;
-    making->capacity = making->count + count;
+    value_collector->values = grown;
+    value_collector->capacity = value_collector->count + count;
     return true;
 }
 
-static void take_view(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
-                      size_t count)
+static void append_view(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
+                        size_t count)
 {
-    struct making *making = ctx;
+    struct value_collector *value_collector = ctx;
     (void)index, (void)errors;
-    if (!reserve_values(making, count))
+    if (!reserve_values(value_collector, count))
         return;
     for (size_t i = 0; i < count; i++) {
         const struct orl_rgb color = {pixels[i][0], pixels[i][1], pixels[i][2]};
-        making->values[making->count++] = ORL_EFFICACY_LM_PER_W * orl_luma(color);
+        value_collector->values[value_collector->count++] = ORL_EFFICACY_LM_PER_W * orl_luma(color);
     }
 }
 
-static void take_sensors(struct making *making, const struct orl_result *result)
+static void append_sensors(struct value_collector *value_collector, const struct orl_result *result)
 {
-    if (result->n_sensors == 0 || !reserve_values(making, result->n_sensors))
+    if (result->n_sensors == 0 || !reserve_values(value_collector, result->n_sensors))
         return;
-    memcpy(making->values + making->count, result->illuminance_lx,
+    memcpy(value_collector->values + value_collector->count, result->illuminance_lx,
            result->n_sensors * sizeof(double));
-    making->count += result->n_sensors;
+    value_collector->count += result->n_sensors;
 }
 
 /* Deletes all files that a run has left: images and maps. */
@@ -120,29 +121,29 @@ static struct orl_job make_job(const struct orl_study_request *request,
     return job;
 }
 
-static int compute_run(struct making *making, const struct orl_job *job,
+static int compute_run(struct value_collector *value_collector, const struct orl_job *job,
                        struct orl_result *ret_result, struct orl_error *err)
 {
-    const struct orl_runs_env *env = making->env;
+    const struct orl_runs_env *env = value_collector->env;
     const struct orl_study_env *study = env->env;
     struct orl_folder_store folder;
     memcpy(folder.folder, env->folder, sizeof folder.folder);
     struct orl_map_store store = orl_map_store_in_folder(&folder);
     store.release = store.abandon;
-    const struct orl_run_env run_env = {.crew = study->crew,
+    const struct orl_run_env run_env = {.pool = study->pool,
                                         .files = study->files,
                                         .store = &store,
                                         .output_folder = env->folder,
                                         .cancel = study->cancel,
                                         .now_s = now_s,
                                         .progress = report_progress,
-                                        .view_ready = take_view,
+                                        .view_ready = append_view,
                                         .spent = report_spent,
-                                        .ctx = making};
+                                        .ctx = value_collector};
     int code = orl_run(job, &run_env, ret_result, err);
     if (code == 0) {
-        take_sensors(making, ret_result);
-        if (making->out_of_memory)
+        append_sensors(value_collector, ret_result);
+        if (value_collector->out_of_memory)
             code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a run's values");
     }
     clear_folder(env->folder);
@@ -150,10 +151,11 @@ static int compute_run(struct making *making, const struct orl_job *job,
 }
 
 /* Moves the data that the study needs out of the run's result. */
-static void take_result(struct making *making, struct orl_result *result, struct orl_one_run *run)
+static void move_result(struct value_collector *value_collector, struct orl_result *result,
+                        struct orl_one_run *run)
 {
-    *run = (struct orl_one_run){.values = making->values,
-                                .count = making->count,
+    *run = (struct orl_one_run){.values = value_collector->values,
+                                .count = value_collector->count,
                                 .errors = result->standard_error_lx,
                                 .total_s = result->total_s,
                                 .threads = result->threads,
@@ -163,7 +165,7 @@ static void take_result(struct making *making, struct orl_result *result, struct
     memcpy(run->stages_s, result->timings_s, sizeof run->stages_s);
     for (size_t k = 0; k < result->n_maps; k++)
         run->map_bytes += result->maps[k].bytes;
-    making->values = NULL;
+    value_collector->values = NULL;
     result->standard_error_lx = NULL;
     result->warnings = NULL;
     result->n_warnings = 0;
@@ -173,12 +175,12 @@ int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *s
                      uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err)
 {
     const struct orl_job job = make_job(env->request, setting, seed);
-    struct making making = {.env = env};
+    struct value_collector value_collector = {.env = env};
     struct orl_result result = {0};
-    const int code = compute_run(&making, &job, &result, err);
+    const int code = compute_run(&value_collector, &job, &result, err);
     if (code == 0)
-        take_result(&making, &result, ret_run);
-    free(making.values);
+        move_result(&value_collector, &result, ret_run);
+    free(value_collector.values);
     orl_result_done(&result);
     return code;
 }

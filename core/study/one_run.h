@@ -7,7 +7,7 @@
 #ifndef ORL_STUDY_ONE_RUN_H
 #define ORL_STUDY_ONE_RUN_H
 
-#include <oriel/study.h>
+#include <oriel/job/study.h>
 
 /* Result of a run. All arrays are owned. */
 struct orl_one_run {
@@ -34,7 +34,7 @@ struct orl_runs_env {
     double from; /* share of the whole that other processes computed beforehand; for progress */
     double started_s; /* start of the study's first run */
     /* True if `spent` is not called yet: runs report their cost when they are assembled. */
-    bool untold;
+    bool spent_deferred;
     struct orl_study_step step; /* for progress */
     char ***warnings;           /* warnings of the study; new ones are appended */
     size_t *n_warnings;

@@ -1,7 +1,7 @@
 /*
- * Runs of a study as pieces of a distributed job (oriel/pieces.h). Each setting with each seed is a
- * piece, including the reference's seeds; the measured speed is another. A piece records its run's
- * time by the clock of the process that made it. All pieces are independent.
+ * Runs of a study as pieces of a distributed job (oriel/job/job_tasks.h). Each setting with each
+ * seed is a piece, including the reference's seeds; the measured speed is another. A piece records
+ * its run's time by the clock of the process that made it. All pieces are independent.
  */
 #ifndef ORL_STUDY_SHARED_RUNS_H
 #define ORL_STUDY_SHARED_RUNS_H

@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "scene/geometry/embree.h"
 #include "scene/material/hemisphere.h"
 #include "scene/parse/parse.h"
@@ -29,7 +29,7 @@ static size_t add_path(const struct orl_geometry *g, struct orl_random *random, 
             break;
         const struct orl_vec3 normal = orl_hit_facing(&hit);
         direction = orl_hemisphere_about(normal, u, v);
-        point = orl_hit_leave(g, &hit, direction);
+        point = orl_hit_ray_origin(g, &hit, direction);
         rays[n++] = (struct ray){point, direction};
     }
     return n;
@@ -89,10 +89,10 @@ static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
                      const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
                      struct orl_error *err)
 {
-    struct orl_bsdf_xml heeding = *xml;
+    struct orl_bsdf_xml cancellable = *xml;
     (void)content;
-    heeding.cancel = ctx;
-    return orl_bsdf_load(&heeding, ret_bsdf, err);
+    cancellable.cancel = ctx;
+    return orl_bsdf_load(&cancellable, ret_bsdf, err);
 }
 
 int orl_study_measure_speed(const struct orl_study_request *request,
@@ -100,19 +100,19 @@ int orl_study_measure_speed(const struct orl_study_request *request,
                             struct orl_error *err)
 {
     const struct orl_bsdf_loader loader = {env->cancel, load_bsdf, env->cancel};
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_geometry *geometry = NULL;
     int code =
         orl_scene_parse_with((const char *const *)request->job.scene_files,
-                             request->job.n_scene_files, env->files, &loader, &description, err);
-    description.cancel = env->cancel;
+                             request->job.n_scene_files, env->files, &loader, &parsed_scene, err);
+    parsed_scene.cancel = env->cancel;
     if (code == 0)
-        code = orl_geometry_new(&description, &geometry, err);
+        code = orl_geometry_new(&parsed_scene, &geometry, err);
     if (code == 0)
         *ret_rays_per_s = orl_ray_rate(geometry, 1 << 18, 3, env->cancel, env->now_s, env->ctx);
     if (code == 0 && orl_is_cancelled(env->cancel))
         code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while measuring the machine");
     orl_geometry_free(geometry);
-    orl_description_done(&description);
+    orl_parsed_scene_done(&parsed_scene);
     return code;
 }

@@ -9,7 +9,7 @@
 #ifndef ORL_STUDY_SPEED_H
 #define ORL_STUDY_SPEED_H
 
-#include <oriel/study.h>
+#include <oriel/job/study.h>
 
 #include "scene/geometry/geometry.h"
 

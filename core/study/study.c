@@ -2,7 +2,7 @@
  * Runs a study from its request to its results: the reference first, then each setting, finally the
  * fits and the Pareto front.
  */
-#include <oriel/study.h>
+#include <oriel/job/study.h>
 
 #include <errno.h>
 #include <math.h>
@@ -13,11 +13,11 @@
 
 #include "run/stages.h"
 #include "study/error_model.h"
-#include "study/judge.h"
 #include "study/series.h"
 #include "study/shared_runs.h"
 #include "study/speed.h"
 #include "study/study_cost.h"
+#include "study/study_errors.h"
 #include "study/study_request.h"
 
 void orl_study_done(struct orl_study *study)
@@ -26,7 +26,7 @@ void orl_study_done(struct orl_study *study)
         return;
     free(study->points);
     free(study->fits);
-    orl_study_free_given(study->given, study->n_given);
+    orl_study_free_external(study->external, study->n_external);
     for (size_t i = 0; i < study->n_warnings; i++)
         free(study->warnings[i]);
     free(study->warnings);
@@ -41,7 +41,7 @@ const char *orl_study_step_name(const struct orl_study_step *step)
 }
 
 /* State shared by the steps of a study. */
-struct work {
+struct study_run {
     const struct orl_study_request *request;
     const struct orl_study_env *env;
     struct orl_study *study;
@@ -59,32 +59,32 @@ static double sum_of(const double *values, size_t count)
     return sum;
 }
 
-/* Runs the reference, with seeds that no judged run has. */
-static int run_reference(struct work *work, struct orl_error *err)
+/* Runs the reference, with seeds that no measured run has. */
+static int run_reference(struct study_run *study_run, struct orl_error *err)
 {
-    const struct orl_study_setting setting = orl_study_reference_setting(work->request);
-    const uint32_t runs = work->request->reference_runs;
-    struct orl_study_reference *about = &work->study->reference;
+    const struct orl_study_setting setting = orl_study_reference_setting(study_run->request);
+    const uint32_t runs = study_run->request->reference_runs;
+    struct orl_study_reference *about = &study_run->study->reference;
     struct orl_series series = {0};
-    work->runs_env.step.reference = true;
-    int code = orl_series_run(&work->runs_env, &setting, orl_study_reference_seed(work->request),
-                              runs, &series, err);
+    study_run->runs_env.step.reference = true;
+    int code = orl_series_run(&study_run->runs_env, &setting,
+                              orl_study_reference_seed(study_run->request), runs, &series, err);
     if (code == 0)
-        code = orl_reference_make(&work->reference, series.values, runs,
+        code = orl_reference_make(&study_run->reference, series.values, runs,
                                   runs == 1 ? series.errors : NULL, series.count,
-                                  work->study->of_views, err);
+                                  study_run->study->of_views, err);
     if (code == 0) {
         about->samples = setting.samples * runs;
         about->runs = runs;
         about->seconds = sum_of(series.total_s, runs);
-        work->study->threads = series.threads;
-        orl_reference_describe(&work->reference, about);
+        study_run->study->threads = series.threads;
+        orl_reference_describe(&study_run->reference, about);
     }
     orl_series_done(&series);
     return code;
 }
 
-static void take_times(struct orl_study_point *point, const struct orl_series *series)
+static void average_times(struct orl_study_point *point, const struct orl_series *series)
 {
     const double n = (double)series->n_runs;
     double squares = 0;
@@ -99,119 +99,122 @@ static void take_times(struct orl_study_point *point, const struct orl_series *s
     point->map_bytes = series->map_bytes;
 }
 
-static int run_setting(struct work *work, const struct orl_study_setting *setting,
+static int run_setting(struct study_run *study_run, const struct orl_study_setting *setting,
                        struct orl_error *err)
 {
-    struct orl_study_point point = {.setting = *setting, .seeds = work->request->repeats};
+    struct orl_study_point point = {.setting = *setting, .seeds = study_run->request->repeats};
     struct orl_series series = {0};
-    work->runs_env.step.reference = false;
-    int code = orl_series_run(&work->runs_env, setting, work->request->job.seed,
-                              work->request->repeats, &series, err);
-    if (code == 0 && series.count != work->reference.count)
+    study_run->runs_env.step.reference = false;
+    int code = orl_series_run(&study_run->runs_env, setting, study_run->request->job.seed,
+                              study_run->request->repeats, &series, err);
+    if (code == 0 && series.count != study_run->reference.count)
         code = orl_error_set(err, ORL_ERR_INTERNAL, "a run and its reference differ in size");
     if (code == 0)
-        code = orl_study_judge(&work->reference, series.values, series.n_runs,
-                               work->study->of_views, &point, err);
+        code = orl_study_compute_errors(&study_run->reference, series.values, series.n_runs,
+                                        study_run->study->of_views, &point, err);
     if (code == 0) {
-        take_times(&point, &series);
-        work->study->points[work->study->n_points++] = point;
-        if (work->env->point_ready)
-            work->env->point_ready(work->env->ctx, &point);
+        average_times(&point, &series);
+        study_run->study->points[study_run->study->n_points++] = point;
+        if (study_run->env->point_ready)
+            study_run->env->point_ready(study_run->env->ctx, &point);
     }
     orl_series_done(&series);
     return code;
 }
 
-static int copy_given(struct work *work, struct orl_error *err)
+static int copy_given(struct study_run *study_run, struct orl_error *err)
 {
-    const struct orl_study_request *request = work->request;
-    struct orl_study *study = work->study;
-    study->given = calloc(request->n_given + 1, sizeof *study->given);
-    for (size_t i = 0; study->given && i < request->n_given; i++) {
-        study->given[i] = request->given[i];
-        study->given[i].name = strdup(request->given[i].name);
-        study->n_given = i + 1;
-        if (!study->given[i].name)
+    const struct orl_study_request *request = study_run->request;
+    struct orl_study *study = study_run->study;
+    study->external = calloc(request->n_external + 1, sizeof *study->external);
+    for (size_t i = 0; study->external && i < request->n_external; i++) {
+        study->external[i] = request->external[i];
+        study->external[i].name = strdup(request->external[i].name);
+        study->n_external = i + 1;
+        if (!study->external[i].name)
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    return study->given ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return study->external ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* Counts the sensors for cost estimates, also those in a file. */
-static int count_sensors(struct work *work, struct orl_error *err)
+static int count_sensors(struct study_run *study_run, struct orl_error *err)
 {
-    const struct orl_job *job = &work->request->job;
+    const struct orl_job *job = &study_run->request->job;
     struct orl_sensor *sensors = NULL;
     size_t n = job->n_sensors;
-    const int code = job->sensors_file ? orl_sensors_load(work->env->files, job->sensors_file,
-                                                          work->env->cancel, &sensors, &n, err)
+    const int code = job->sensors_file ? orl_sensors_load(study_run->env->files, job->sensors_file,
+                                                          study_run->env->cancel, &sensors, &n, err)
                                        : 0;
     free(sensors);
-    work->runs_env.sensors = (double)n;
+    study_run->runs_env.sensors = (double)n;
     return code;
 }
 
-static int make_folder(struct work *work, struct orl_error *err)
+static int make_folder(struct study_run *study_run, struct orl_error *err)
 {
-    struct orl_runs_env *runs = &work->runs_env;
+    struct orl_runs_env *runs = &study_run->runs_env;
     const int length =
-        snprintf(runs->folder, sizeof runs->folder, "%s/study-XXXXXX", work->env->work_folder);
+        snprintf(runs->folder, sizeof runs->folder, "%s/study-XXXXXX", study_run->env->work_folder);
     if (length < 0 || (size_t)length >= sizeof runs->folder)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path of the work folder is too long");
     if (mkdtemp(runs->folder))
         return 0;
     runs->folder[0] = '\0';
     return orl_error_set(err, orl_err_of_errno(errno), "cannot make a folder in '%s': %s",
-                         work->env->work_folder, strerror(errno));
+                         study_run->env->work_folder, strerror(errno));
 }
 
-static int prepare_study(struct work *work, struct orl_error *err)
+static int prepare_study(struct study_run *study_run, struct orl_error *err)
 {
-    struct orl_study *study = work->study;
-    int code = copy_given(work, err);
+    struct orl_study *study = study_run->study;
+    int code = copy_given(study_run, err);
     if (code == 0)
-        code = orl_study_list_settings(work->request, &work->settings, &work->n_settings, err);
+        code = orl_study_list_settings(study_run->request, &study_run->settings,
+                                       &study_run->n_settings, err);
     if (code == 0)
-        code = count_sensors(work, err);
+        code = count_sensors(study_run, err);
     if (code < 0)
         return code;
-    study->points = calloc(work->n_settings + 1, sizeof *study->points);
+    study->points = calloc(study_run->n_settings + 1, sizeof *study->points);
     study->fits = calloc(ORL_TECHNIQUE_COUNT, sizeof *study->fits);
     if (!study->points || !study->fits)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    work->runs_env.all = orl_study_core_s(work->request, work->runs_env.sensors);
-    return make_folder(work, err);
+    study_run->runs_env.all = orl_study_core_s(study_run->request, study_run->runs_env.sensors);
+    return make_folder(study_run, err);
 }
 
 /* Measures the machine's speed. In a distributed study this also makes all runs. */
-static int measure_speed(struct work *work, struct orl_error *err)
+static int measure_speed(struct study_run *study_run, struct orl_error *err)
 {
-    double *rays_per_s = &work->study->rays_per_s;
-    return orl_study_is_shared(work->env)
-               ? orl_share_runs(&work->runs_env, work->settings, work->n_settings, rays_per_s, err)
-               : orl_study_measure_speed(work->request, work->env, rays_per_s, err);
+    double *rays_per_s = &study_run->study->rays_per_s;
+    return orl_study_is_shared(study_run->env)
+               ? orl_share_runs(&study_run->runs_env, study_run->settings, study_run->n_settings,
+                                rays_per_s, err)
+               : orl_study_measure_speed(study_run->request, study_run->env, rays_per_s, err);
 }
 
 /* Measures the speed, and scales times that were measured on other machines. */
-static int find_speed(struct work *work, struct orl_error *err)
+static int find_speed(struct study_run *study_run, struct orl_error *err)
 {
-    struct orl_study *study = work->study;
-    const int code = measure_speed(work, err);
-    for (size_t i = 0; i < study->n_given && code == 0; i++) {
-        struct orl_study_given *given = &study->given[i];
-        const bool known = given->rays_per_s > 0 && isfinite(study->rays_per_s);
-        const double here_s = given->seconds * (known ? given->rays_per_s / study->rays_per_s : 1);
-        given->here_s = fmin(fmax(here_s, ORL_STUDY_LEAST), ORL_STUDY_MOST);
+    struct orl_study *study = study_run->study;
+    const int code = measure_speed(study_run, err);
+    for (size_t i = 0; i < study->n_external && code == 0; i++) {
+        struct orl_study_external *external = &study->external[i];
+        const bool known = external->rays_per_s > 0 && isfinite(study->rays_per_s);
+        const double here_s =
+            external->seconds * (known ? external->rays_per_s / study->rays_per_s : 1);
+        external->here_s = fmin(fmax(here_s, ORL_STUDY_LEAST), ORL_STUDY_MOST);
     }
     return code;
 }
 
-static int fit_all(struct work *work, struct orl_error *err)
+static int fit_all(struct study_run *study_run, struct orl_error *err)
 {
-    struct orl_study *study = work->study;
+    struct orl_study *study = study_run->study;
     int code = 0;
-    for (size_t i = 0; i < work->request->n_techniques && code >= 0; i++) {
-        code = orl_study_fit_make(study->points, study->n_points, work->request->techniques[i],
+    for (size_t i = 0; i < study_run->request->n_techniques && code >= 0; i++) {
+        code = orl_study_fit_make(study->points, study->n_points, study_run->request->techniques[i],
                                   &study->fits[study->n_fits], err);
         study->n_fits += code == 1;
     }
@@ -222,30 +225,30 @@ int orl_study_run(const struct orl_study_request *request, const struct orl_stud
                   struct orl_study *ret_study, struct orl_error *err)
 {
     struct orl_study study = {.of_views = orl_study_of_views(request)};
-    struct work work = {.request = request,
-                        .env = env,
-                        .study = &study,
-                        .runs_env = {.request = request,
-                                     .env = env,
-                                     .warnings = &study.warnings,
-                                     .n_warnings = &study.n_warnings}};
+    struct study_run study_run = {.request = request,
+                                  .env = env,
+                                  .study = &study,
+                                  .runs_env = {.request = request,
+                                               .env = env,
+                                               .warnings = &study.warnings,
+                                               .n_warnings = &study.n_warnings}};
     int code = orl_study_request_validate(request, err);
     if (code == 0)
-        code = prepare_study(&work, err);
+        code = prepare_study(&study_run, err);
     if (code == 0)
-        code = find_speed(&work, err);
+        code = find_speed(&study_run, err);
     if (code == 0)
-        code = run_reference(&work, err);
-    for (size_t i = 0; i < work.n_settings && code == 0; i++)
-        code = run_setting(&work, &work.settings[i], err);
+        code = run_reference(&study_run, err);
+    for (size_t i = 0; i < study_run.n_settings && code == 0; i++)
+        code = run_setting(&study_run, &study_run.settings[i], err);
     if (code == 0)
-        code = fit_all(&work, err);
+        code = fit_all(&study_run, err);
     if (code == 0)
         orl_study_mark_front(study.points, study.n_points);
-    if (work.runs_env.folder[0])
-        rmdir(work.runs_env.folder);
-    free(work.settings);
-    orl_reference_done(&work.reference);
+    if (study_run.runs_env.folder[0])
+        rmdir(study_run.runs_env.folder);
+    free(study_run.settings);
+    orl_reference_done(&study_run.reference);
     if (code < 0)
         orl_study_done(&study);
     else

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 #include "study/study_request.h"
 
@@ -16,11 +16,11 @@ void orl_study_request_init(struct orl_study_request *request)
     request->reference_runs = 8;
 }
 
-void orl_study_free_given(struct orl_study_given *given, size_t count)
+void orl_study_free_external(struct orl_study_external *external, size_t count)
 {
-    for (size_t i = 0; given && i < count; i++)
-        free(given[i].name);
-    free(given);
+    for (size_t i = 0; external && i < count; i++)
+        free(external[i].name);
+    free(external);
 }
 
 void orl_study_request_done(struct orl_study_request *request)
@@ -33,16 +33,16 @@ void orl_study_request_done(struct orl_study_request *request)
     free(request->samples);
     free(request->title);
     free(request->note);
-    orl_study_free_given(request->given, request->n_given);
+    orl_study_free_external(request->external, request->n_external);
     memset(request, 0, sizeof *request);
 }
 
-bool orl_study_heeds_photons(enum orl_technique technique)
+bool orl_study_uses_photons(enum orl_technique technique)
 {
     return technique != ORL_TECHNIQUE_BACKWARD;
 }
 
-bool orl_study_heeds_samples(enum orl_technique technique, bool of_views)
+bool orl_study_uses_samples(enum orl_technique technique, bool of_views)
 {
     /* Views by photon maps choose their own rays. Sensors read maps directly, except with a
      * gather. */
@@ -63,8 +63,8 @@ bool orl_study_of_views(const struct orl_study_request *request)
 static size_t count_settings(const struct orl_study_request *request, enum orl_technique technique)
 {
     const bool of_views = orl_study_of_views(request);
-    return (orl_study_heeds_photons(technique) ? request->n_photons : 1) *
-           (orl_study_heeds_samples(technique, of_views) ? request->n_samples : 1);
+    return (orl_study_uses_photons(technique) ? request->n_photons : 1) *
+           (orl_study_uses_samples(technique, of_views) ? request->n_samples : 1);
 }
 
 size_t orl_study_count_settings(const struct orl_study_request *request)
@@ -102,7 +102,7 @@ static int check_technique(const struct orl_study_request *request, size_t index
             return fail_member(err, ORL_ERR_INVALID, at, "technique \"%s\" is named twice", name);
     if (count_settings(request, technique) > 0)
         return 0;
-    if (orl_study_heeds_photons(technique) && request->n_photons == 0)
+    if (orl_study_uses_photons(technique) && request->n_photons == 0)
         return fail_member(err, ORL_ERR_INVALID, "photons",
                            "technique \"%s\" needs a list of photons", name);
     return fail_member(err, ORL_ERR_INVALID,
@@ -147,11 +147,13 @@ int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
     return ORL_ERR_LIMIT;
 }
 
-static int check_given(const struct orl_study_given *given, size_t index, struct orl_error *err)
+static int check_given(const struct orl_study_external *external, size_t index,
+                       struct orl_error *err)
 {
     char at[48];
-    const bool seconds = orl_study_can_show(given->seconds), rms = orl_study_can_show(given->rms);
-    if (seconds && rms && (given->rays_per_s == 0 || orl_study_can_show(given->rays_per_s)))
+    const bool seconds = orl_study_can_show(external->seconds),
+               rms = orl_study_can_show(external->rms);
+    if (seconds && rms && (external->rays_per_s == 0 || orl_study_can_show(external->rays_per_s)))
         return 0;
     snprintf(at, sizeof at, "points[%zu].%s", index,
              !seconds ? "seconds"
@@ -159,7 +161,7 @@ static int check_given(const struct orl_study_given *given, size_t index, struct
                       : "rays_per_s");
     return fail_member(err, ORL_ERR_RANGE, at,
                        "point \"%s\": seconds, rms and rays_per_s are from 1e-12 to 1e12",
-                       given->name);
+                       external->name);
 }
 
 int orl_study_request_validate(const struct orl_study_request *request, struct orl_error *err)
@@ -171,8 +173,8 @@ int orl_study_request_validate(const struct orl_study_request *request, struct o
         code = check_technique(request, i, err);
     if (code == 0)
         code = check_counts(request, err);
-    for (size_t i = 0; i < request->n_given && code == 0; i++)
-        code = check_given(&request->given[i], i, err);
+    for (size_t i = 0; i < request->n_external && code == 0; i++)
+        code = check_given(&request->external[i], i, err);
     return code;
 }
 
@@ -201,8 +203,8 @@ int orl_study_list_settings(const struct orl_study_request *request,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < request->n_techniques; i++) {
         const enum orl_technique technique = request->techniques[i];
-        const bool photons = orl_study_heeds_photons(technique);
-        const bool samples = orl_study_heeds_samples(technique, of_views);
+        const bool photons = orl_study_uses_photons(technique);
+        const bool samples = orl_study_uses_samples(technique, of_views);
         for (size_t p = 0; p < (photons ? request->n_photons : 1); p++)
             for (size_t s = 0; s < (samples ? request->n_samples : 1); s++)
                 settings[at++] =

@@ -86,7 +86,8 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
     struct orl_map_entry *entry = orl_map_add(cache, kind, key);
     if (!entry)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    while (rc == 0 && (entry->state == ORL_MAP_IS_BUILDING || entry->state == ORL_MAP_IS_LEAVING)) {
+    while (rc == 0 &&
+           (entry->state == ORL_MAP_IS_BUILDING || entry->state == ORL_MAP_IS_BEING_REMOVED)) {
         if (cancel && atomic_load(cancel)) {
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while another job built the map");
             break;

@@ -2,9 +2,9 @@
  * The photon map cache: records which maps are on disk, which are being built, and which jobs use
  * them.
  *
- * Implements struct orl_map_store (oriel/run.h) for the workers. An entry is absent, building or
- * ready. The first job to acquire an absent map builds it. Other jobs that want it wait until it is
- * ready, or take over when the builder gives up; they poll their cancel flag meanwhile. A commit
+ * Implements struct orl_map_store (oriel/job/run.h) for the workers. An entry is absent, building
+ * or ready. The first job to acquire an absent map builds it. Other jobs that want it wait until it
+ * is ready, or take over when the builder gives up; they poll their cancel flag meanwhile. A commit
  * that fails gives up the build; abandoning it again is harmless. Pins count the jobs that use a
  * ready map. Only a map without pins is ever removed, by request or to free disk space (storage.h).
  * A job that wants the map during the removal waits, and then builds it anew. A job that tops up a
@@ -24,11 +24,11 @@
 
 #include <uv.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "process/log.h"
-#include "store/folders.h"
-#include "store/stored_maps.h"
+#include "store/files/folders.h"
+#include "store/rows/stored_maps.h"
 
 struct orl_map_cache;
 
@@ -61,13 +61,14 @@ enum orl_map_removal { ORL_MAP_REMOVED, ORL_MAP_ABSENT, ORL_MAP_IN_USE };
 int orl_map_cache_remove(struct orl_map_cache *cache, const char *kind, const char *key,
                          enum orl_map_removal *ret_removal, struct orl_error *err);
 /*
- * Removes a map in two steps, so that several can go in one transaction. orl_map_cache_leave
- * deletes the row; jobs that want the map wait from then on. After each leave that returned
- * ORL_MAP_REMOVED, call orl_map_cache_gone. gone is true: the file is deleted. gone is false (the
- * transaction failed): the map stays, like its row.
+ * Removes a map in two steps, so that several can go in one transaction.
+ * orl_map_cache_begin_removal deletes the row; jobs that want the map wait from then on. After each
+ * call that returned ORL_MAP_REMOVED, call orl_map_cache_end_removal. gone is true: the file is
+ * deleted. gone is false (the transaction failed): the map stays, like its row.
  */
-int orl_map_cache_leave(struct orl_map_cache *cache, const char *kind, const char *key,
-                        enum orl_map_removal *ret_removal, struct orl_error *err);
-void orl_map_cache_gone(struct orl_map_cache *cache, const char *kind, const char *key, bool gone);
+int orl_map_cache_begin_removal(struct orl_map_cache *cache, const char *kind, const char *key,
+                                enum orl_map_removal *ret_removal, struct orl_error *err);
+void orl_map_cache_end_removal(struct orl_map_cache *cache, const char *kind, const char *key,
+                               bool gone);
 
 #endif

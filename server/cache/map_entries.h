@@ -1,6 +1,7 @@
 /*
- * The entries of the photon map cache, shared by map_cache.c, which workers call, and map_keep.c,
- * the loop thread's side. Callers hold the mutex unless a function says otherwise.
+ * The entries of the photon map cache, shared by map_cache.c, which workers call, and
+ * map_cache_rows.c, the loop thread's side. Callers hold the mutex unless a function says
+ * otherwise.
  */
 #ifndef ORL_SERVER_CACHE_MAP_ENTRIES_H
 #define ORL_SERVER_CACHE_MAP_ENTRIES_H
@@ -10,7 +11,12 @@
 #include "cache/map_cache.h"
 
 /* LEAVING: no longer ready, though its row and file may still exist. */
-enum orl_map_state { ORL_MAP_IS_ABSENT, ORL_MAP_IS_BUILDING, ORL_MAP_IS_READY, ORL_MAP_IS_LEAVING };
+enum orl_map_state {
+    ORL_MAP_IS_ABSENT,
+    ORL_MAP_IS_BUILDING,
+    ORL_MAP_IS_READY,
+    ORL_MAP_IS_BEING_REMOVED
+};
 
 struct orl_map_entry {
     struct orl_stored_map map;

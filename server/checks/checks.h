@@ -1,10 +1,10 @@
 /*
- * Checks of untrusted uploads before they are accepted. Children (keeper.h) do the checks; a pool
- * thread waits for each. At most ORL_SERVER_CHECKS run at once, which leaves a pool thread for
- * other work, and no more than memory allows (memory.h). The others wait for their turn (turns.h),
- * at most for --check-timeout, and are then refused with 503 and Retry-After. A check that runs
- * longer than --check-timeout is cancelled and its upload refused with 413. All checks are
- * cancelled when the daemon stops.
+ * Checks of untrusted uploads before they are accepted. Children (fork_server.h) do the checks; a
+ * pool thread waits for each. At most ORL_SERVER_CHECKS run at once, which leaves a pool thread for
+ * other work, and no more than memory allows (memory.h). The others wait for their turn
+ * (check_scheduler.h), at most for --check-timeout, and are then refused with 503 and Retry-After.
+ * A check that runs longer than --check-timeout is cancelled and its upload refused with 413. All
+ * checks are cancelled when the daemon stops.
  *
  * Threads: the loop thread, except where the pool is named.
  */
@@ -16,9 +16,9 @@
 
 #include <uv.h>
 
-#include "checks/lanes.h"
+#include "checks/check_pool.h"
 #include "health/memory.h"
-#include "http/request.h"
+#include "http/request/request.h"
 #include "process/config.h"
 
 /* One check; part of the request's state. All zero at first. */
@@ -26,13 +26,13 @@ struct orl_check {
     struct orl_checks *checks;
     struct orl_request *request;
     orl_request_step run, then;
-    struct orl_asking asking; /* request to a child, used on the pool */
+    struct orl_check_call call; /* request to a child, used on the pool */
     atomic_bool cancel;
-    atomic_llong started_ms; /* on the monotonic clock; 0: still waiting */
-    bool late, starved;      /* cancelled because it ran, or waited, for too long */
-    bool yields;             /* cancelled to let another check have its turn */
-    bool whole;              /* true if it has the largest memory grant of a single check */
-    bool is_long;            /* true if it has yielded before */
+    atomic_llong started_ms;        /* on the monotonic clock; 0: still waiting */
+    bool timed_out, wait_timed_out; /* cancelled because it ran, or waited, for too long */
+    bool preempted;                 /* cancelled to let another check have its turn */
+    bool has_full_grant;            /* true if it has the largest memory grant of a single check */
+    bool is_long;                   /* true if it has yielded before */
     long long waits_since_ms;
     struct orl_check *next;
 };
@@ -41,13 +41,13 @@ struct orl_check {
 struct orl_checks {
     const struct orl_config *config;
     struct orl_memory *memory;
-    struct orl_lanes *lanes;  /* child processes */
-    void (*freed)(void *ctx); /* called when memory that jobs may wait for is free again */
+    struct orl_check_pool *check_pool; /* child processes */
+    void (*freed)(void *ctx);          /* called when memory that jobs may wait for is free again */
     void *ctx;
     bool stopping;                       /* true once all checks are to end */
     struct orl_check *running, *waiting; /* waiting: in order of arrival */
     unsigned count;                      /* running checks */
-    uv_timer_t turns;                    /* runs while any check waits */
+    uv_timer_t timer;                    /* runs while any check waits */
 };
 
 void orl_checks_open(struct orl_checks *checks, uv_loop_t *loop);
@@ -56,9 +56,9 @@ void orl_checks_close(struct orl_checks *checks);
 
 /*
  * Begins a check, like orl_request_work, once it has its turn. `run` executes on the pool: it sends
- * requests to children by check->asking (ask.h). `then` must call orl_check_ended before anything
- * else. `run` may execute up to three times: once more with more memory, and once more after the
- * check has yielded.
+ * requests to children by check->call (check_client.h). `then` must call orl_check_finish before
+ * anything else. `run` may execute up to three times: once more with more memory, and once more
+ * after the check has yielded.
  */
 void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
                      struct orl_request *request, orl_request_step run, orl_request_step then);
@@ -68,7 +68,7 @@ void orl_check_begin(struct orl_checks *checks, struct orl_check *check,
  * Either the check runs again, or the request is already answered: the daemon stops, memory is
  * short, or the client has disconnected. If the check took too long, *rc and err say so.
  */
-bool orl_check_ended(struct orl_check *check, int *rc, struct orl_error *err);
+bool orl_check_finish(struct orl_check *check, int *rc, struct orl_error *err);
 
 /* Cancels checks that ran or waited too long. Called about every second, and at a stop. */
 void orl_checks_sweep(struct orl_checks *checks);

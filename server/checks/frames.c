@@ -31,13 +31,13 @@ bool orl_frame_text_add(struct orl_frame_text *text, const char *data, size_t si
 {
     if (size > most - text->size)
         return false;
-    if (text->size + size + 1 > text->room) {
-        const size_t room = 2 * text->room + size + 1;
-        char *grown = realloc(text->text, room);
+    if (text->size + size + 1 > text->capacity) {
+        const size_t capacity = 2 * text->capacity + size + 1;
+        char *grown = realloc(text->text, capacity);
         if (!grown)
             return false;
         text->text = grown;
-        text->room = room;
+        text->capacity = capacity;
     }
     if (size > 0)
         memcpy(text->text + text->size, data, size);

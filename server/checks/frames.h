@@ -45,7 +45,7 @@ bool orl_frame_send_text(int fd, enum orl_frame_kind part, enum orl_frame_kind e
 /* A text that arrives in parts. */
 struct orl_frame_text {
     char *text; /* owned; free() */
-    size_t size, room;
+    size_t size, capacity;
 };
 /* Appends data and a terminating NUL. Returns false if the text exceeds `most` bytes or memory runs
  * out. */

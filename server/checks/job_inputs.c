@@ -2,19 +2,19 @@
 
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-int orl_job_inputs_check(const struct orl_job_brief *brief, const struct orl_bundle *scene,
+int orl_job_inputs_check(const struct orl_job_manifest *manifest, const struct orl_bundle *scene,
                          struct orl_error *err)
 {
     char other[ORL_ERROR_TEXT_MAX];
-    for (size_t i = 0; i < brief->n_files; i++) {
-        const struct orl_named_file *file = &brief->files[i];
+    for (size_t i = 0; i < manifest->n_files; i++) {
+        const struct orl_named_file *file = &manifest->files[i];
         if (orl_bundle_find(scene, file->name))
             continue;
         orl_error_set(err, ORL_ERR_NOT_FOUND,
                       "the scene was uploaded without a file named '%.200s'", file->name);
-        orl_error_at(err, NULL, 0, file->place);
+        orl_error_at(err, NULL, 0, file->location);
         if (orl_bundle_other_case(scene, file->name, other, sizeof other))
             orl_error_hint(err, "it has '%.200s': upper and lower case differ", other);
         else
@@ -56,7 +56,7 @@ static int add_scene(const struct orl_bundle *scene, struct orl_job_inputs *inpu
                      struct orl_error *err)
 {
     int rc = 0;
-    inputs->whole = true;
+    inputs->whole_scene = true;
     for (size_t i = 0; i < scene->count && rc == 0; i++)
         rc = add_input(&inputs->files, &scene->files[i], scene->files[i].resource, err);
     return rc;
@@ -68,15 +68,15 @@ static bool is_same_year(const struct orl_named_file *before, const struct orl_n
     return before && strcmp(before->entry ? before->entry : "", year) == 0;
 }
 
-int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bundle *scene,
-                        struct orl_job_inputs *inputs, struct orl_error *err)
+int orl_job_inputs_collect(const struct orl_job_manifest *manifest, const struct orl_bundle *scene,
+                           struct orl_job_inputs *inputs, struct orl_error *err)
 {
     /* The last use for weather of each file: all skies of a day name the same file and year. */
     const struct orl_named_file *weather[ORL_LIMIT_SCENE_FILES] = {NULL};
     struct orl_bundle *files = &inputs->files;
-    int rc = brief->whole ? add_scene(scene, inputs, err) : 0;
-    for (size_t i = 0; i < brief->n_files && rc == 0; i++) {
-        const struct orl_named_file *named = &brief->files[i];
+    int rc = manifest->whole_scene ? add_scene(scene, inputs, err) : 0;
+    for (size_t i = 0; i < manifest->n_files && rc == 0; i++) {
+        const struct orl_named_file *named = &manifest->files[i];
         if (named->role == ORL_FILE_MASK || named->role == ORL_FILE_SCENE ||
             named->role == ORL_FILE_MATRIX || named->role == ORL_FILE_SCHEDULE)
             continue; /* these are read with the document */

@@ -1,16 +1,16 @@
 /*
- * The files of a scene that a job names (task_json.h): sensors, weather, and the lists of its
- * views. If they are read with the document, all files of the scene (README.md has the table).
+ * The files of a scene that a job names (job_request_json.h): sensors, weather, and the lists of
+ * its views. If they are read with the document, all files of the scene (README.md has the table).
  */
 #ifndef ORL_SERVER_CHECKS_JOB_INPUTS_H
 #define ORL_SERVER_CHECKS_JOB_INPUTS_H
 
-#include "checks/job_brief.h"
-#include "store/scene_bundle.h"
+#include "checks/job_manifest.h"
+#include "store/files/scene_bundle.h"
 
 struct orl_job_inputs {
     struct orl_bundle files; /* each file once */
-    bool whole;              /* files has the whole scene; read with the document */
+    bool whole_scene;        /* files has the whole scene; read with the document */
     json_t *uses;            /* [name, role, entry or null] for each file to read; NULL: none */
 };
 void orl_job_inputs_done(struct orl_job_inputs *inputs); /* all zeros are allowed */
@@ -25,12 +25,12 @@ struct orl_job_inputs_found {
 
 /* Checks that the scene has the named files. ORL_ERR_NOT_FOUND if not, with the place in the
  * document. */
-int orl_job_inputs_check(const struct orl_job_brief *brief, const struct orl_bundle *scene,
+int orl_job_inputs_check(const struct orl_job_manifest *manifest, const struct orl_bundle *scene,
                          struct orl_error *err);
 
 /* Collects the files and their uses in *inputs, which must be all zeros. Call it after
  * orl_job_inputs_check. The caller owns the contents of *inputs, even after an error. */
-int orl_job_inputs_note(const struct orl_job_brief *brief, const struct orl_bundle *scene,
-                        struct orl_job_inputs *inputs, struct orl_error *err);
+int orl_job_inputs_collect(const struct orl_job_manifest *manifest, const struct orl_bundle *scene,
+                           struct orl_job_inputs *inputs, struct orl_error *err);
 
 #endif

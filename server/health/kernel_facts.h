@@ -8,9 +8,9 @@
 enum { ORL_BOOT_ID = 40 };
 
 /* Writes the id of this boot; "" if the kernel does not report it. */
-void orl_machine_boot(char ret_id[ORL_BOOT_ID]);
+void orl_kernel_boot_id(char ret_id[ORL_BOOT_ID]);
 /* Returns the number of processes that the kernel has killed for memory since the boot, including
  * those killed by limits of control groups. UINT64_MAX if the kernel does not report it. */
-uint64_t orl_machine_oom_kills(void);
+uint64_t orl_kernel_oom_kills(void);
 
 #endif

@@ -45,7 +45,7 @@ static bool has_memory(const char *controllers)
     return at && (at == controllers || at[-1] == ',') && (at[6] == ',' || at[6] == '\0');
 }
 
-uint64_t orl_memory_of_groups(const char *groups, const char *mount)
+uint64_t orl_memory_cgroup_limit(const char *groups, const char *mount)
 {
     uint64_t least = UINT64_MAX;
     char *copy = strdup(groups), *save = NULL;
@@ -80,7 +80,7 @@ static uint64_t read_groups(void)
     const size_t n = fread(text, 1, sizeof text - 1, file);
     fclose(file);
     text[n] = '\0';
-    return orl_memory_of_groups(text, "/sys/fs/cgroup");
+    return orl_memory_cgroup_limit(text, "/sys/fs/cgroup");
 }
 
 static uint64_t read_available(void)
@@ -127,19 +127,19 @@ void orl_memory_open(struct orl_memory *memory, uint64_t bytes)
 
 /* ---- Promises ------------------------------------------------------------------------------- */
 
-uint64_t orl_memory_free(const struct orl_memory *memory)
+uint64_t orl_memory_available(const struct orl_memory *memory)
 {
     const uint64_t resident = orl_memory_resident(), promised = memory->idle + memory->jobs;
     const uint64_t held = (resident > promised ? resident : promised) + memory->checks;
     return held < memory->capacity ? memory->capacity - held : 0;
 }
 
-uint64_t orl_memory_most(const struct orl_memory *memory)
+uint64_t orl_memory_limit(const struct orl_memory *memory)
 {
     return memory->idle < memory->capacity ? memory->capacity - memory->idle : 0;
 }
 
-void orl_memory_promise(struct orl_memory *memory, uint64_t bytes)
+void orl_memory_reserve(struct orl_memory *memory, uint64_t bytes)
 {
     if (memory->jobs == 0)
         memory->idle = orl_memory_resident();
@@ -147,7 +147,7 @@ void orl_memory_promise(struct orl_memory *memory, uint64_t bytes)
     memory->wanted = 0;
 }
 
-void orl_memory_take_back(struct orl_memory *memory, uint64_t bytes)
+void orl_memory_release(struct orl_memory *memory, uint64_t bytes)
 {
     memory->jobs -= bytes;
 }

@@ -33,17 +33,17 @@ void orl_memory_open(struct orl_memory *memory, uint64_t bytes);
 uint64_t orl_memory_resident(void);
 
 /* Returns the capacity not in use now, bytes. */
-uint64_t orl_memory_free(const struct orl_memory *memory);
+uint64_t orl_memory_available(const struct orl_memory *memory);
 /* Returns the largest allowed estimate of a job, and grant of a check, in bytes. */
-uint64_t orl_memory_most(const struct orl_memory *memory);
+uint64_t orl_memory_limit(const struct orl_memory *memory);
 
-void orl_memory_promise(struct orl_memory *memory, uint64_t bytes);
-void orl_memory_take_back(struct orl_memory *memory, uint64_t bytes);
+void orl_memory_reserve(struct orl_memory *memory, uint64_t bytes);
+void orl_memory_release(struct orl_memory *memory, uint64_t bytes);
 
 /*
  * Returns the memory limit of a process's control groups, in bytes. groups: text of its
  * /proc/PID/cgroup. mount: where they are mounted ("/sys/fs/cgroup"). UINT64_MAX: no limit.
  */
-uint64_t orl_memory_of_groups(const char *groups, const char *mount);
+uint64_t orl_memory_cgroup_limit(const char *groups, const char *mount);
 
 #endif

@@ -44,5 +44,5 @@ void orl_metrics_parts(struct orl_parts_count *sum, const struct orl_parts_count
     sum->done += parts->done;
     sum->again += parts->again;
     sum->lost_s += parts->lost_s;
-    sum->waves += parts->waves;
+    sum->rounds += parts->rounds;
 }

@@ -12,10 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
-#include "parts/sharing.h"
-#include "store/stored_jobs.h"
+#include "distributed/distributed_job.h"
+#include "store/rows/stored_jobs.h"
 
 enum { ORL_METRICS_BUCKETS = 14, ORL_METRICS_ROUTES = 48, ORL_METRICS_CLASSES = 6 };
 

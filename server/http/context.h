@@ -12,30 +12,32 @@
 #include <uv.h>
 
 #include "health/metrics.h"
-#include "http/clients.h"
-#include "http/link_key.h"
+#include "http/access/link_key.h"
+#include "http/quota/clients.h"
 #include "http/router.h"
 #include "process/config.h"
 #include "process/log.h"
-#include "store/db.h"
-#include "store/folders.h"
-#include "store/settling.h"
+#include "store/database/db.h"
+#include "store/durability/wal_sync.h"
+#include "store/files/folders.h"
 
 struct orl_server;
 
 /* Callbacks into the daemon. */
 struct orl_http_calls {
     /* Return true if so many more bytes fit: receive: of a body in flight; admit: to store for good
-     * (upkeep/storage.h). */
-    bool (*receive)(struct orl_server *server, struct orl_hold *hold, uint64_t bytes);
-    bool (*admit)(struct orl_server *server, const struct orl_hold *hold, uint64_t bytes);
-    struct orl_room *(*room)(struct orl_server *server);
+     * (maintenance/storage.h). */
+    bool (*reserve_body)(struct orl_server *server, struct orl_reservation *reservation,
+                         uint64_t bytes);
+    bool (*reserve_storage)(struct orl_server *server, const struct orl_reservation *reservation,
+                            uint64_t bytes);
+    struct orl_quota *(*upload_quota)(struct orl_server *server);
     uint64_t (*budget)(const struct orl_server *server);
     /* Returns the number of jobs of a token, by its id, that wait or run. */
     uint64_t (*jobs_of)(const struct orl_server *server, const char *owner);
-    void (*swept)(struct orl_server *server);  /* called every second */
-    void (*worked)(struct orl_server *server); /* after each work of a request on the pool */
-    void (*served)(struct orl_server *server); /* after connections have been read and written */
+    void (*on_tick)(struct orl_server *server);   /* called every second */
+    void (*work_done)(struct orl_server *server); /* after each work of a request on the pool */
+    void (*on_served)(struct orl_server *server); /* after connections have been read and written */
 };
 
 /* State of the HTTP layer. Borrows its pointers. */
@@ -48,16 +50,16 @@ struct orl_http_context {
     const struct orl_log *log;
     const struct orl_folders *folders;
     struct orl_db *db;
-    struct orl_settling *settling;
+    struct orl_wal_sync *wal_sync;
     unsigned char link_key[ORL_LINK_KEY_BYTES];
-    sqlite3_stmt *token_finder; /* if tokens are required */
+    sqlite3_stmt *token_statement; /* if tokens are required */
     struct orl_metrics *metrics;
     struct orl_clients clients;
-    struct orl_request *begun; /* the last one, while its target is parsed; or NULL */
-    uint64_t requests;         /* number of requests so far; the last one's id */
-    unsigned working;          /* requests whose work is on the pool, or whose answer waits */
+    struct orl_request *being_parsed; /* the last one, while its target is parsed; or NULL */
+    uint64_t requests;                /* number of requests so far; the last one's id */
+    unsigned working;    /* requests whose work is on the pool, or whose answer waits */
     unsigned unanswered; /* requests whose handler was called, but not all of its answer sent */
-    bool disk_full;      /* no new data is stored (disk_room.h) */
+    bool disk_full;      /* no new data is stored (disk_reserve.h) */
     bool stopping;       /* new requests are refused */
 };
 

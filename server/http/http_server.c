@@ -10,10 +10,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "http/connections.h"
+#include "http/connection/connections.h"
+#include "http/connection/tls.h"
 #include "http/context.h"
 #include "http/serve.h"
-#include "http/tls.h"
 #include "process/limits.h"
 
 enum { SWEEP_MS = 1000 };
@@ -46,7 +46,7 @@ static void on_sweep(uv_timer_t *timer)
     struct orl_http_server *http = timer->data;
     orl_connections_sweep(&http->connections);
     free_certificates(http);
-    http->context->calls->swept(http->context->server);
+    http->context->calls->on_tick(http->context->server);
 }
 
 static void on_readable(uv_poll_t *poll, int status, int events)
@@ -71,14 +71,14 @@ void orl_http_kick(struct orl_http_server *http)
     }
     http->running = false;
     if (more)
-        orl_connections_look(&http->connections);
+        orl_connections_cut_stuck(&http->connections);
     /* Never 0: libuv runs due timers until none is left, and this one would be due again from
      * within its own callback. Nothing else on the loop would run. */
     if (timed)
         uv_timer_start(&http->timer, on_timer, timeout_ms > 0 ? timeout_ms : 1, 0);
     else
         uv_timer_stop(&http->timer);
-    http->context->calls->served(http->context->server);
+    http->context->calls->on_served(http->context->server);
 }
 
 static void on_message(void *ctx, const char *format, va_list args)
@@ -142,7 +142,7 @@ static int start_daemon(struct orl_http_server *http, struct orl_error *err)
         {http->tls.current ? MHD_OPTION_ARRAY : MHD_OPTION_END, 0, (void *)(uintptr_t)tls},
         {MHD_OPTION_END, 0, NULL}};
     http->daemon = MHD_start_daemon(
-        flags, 0, orl_connections_allow, &http->connections, orl_serve_go_on, http->context,
+        flags, 0, orl_connections_allow, &http->connections, orl_serve_handle, http->context,
         MHD_OPTION_EXTERNAL_LOGGER, on_message, (void *)http, MHD_OPTION_LISTEN_SOCKET,
         http->listen_fd, MHD_OPTION_CONNECTION_LIMIT, connection_limit(),
         MHD_OPTION_CONNECTION_TIMEOUT, config->idle_timeout_s, MHD_OPTION_URI_LOG_CALLBACK,

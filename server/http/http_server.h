@@ -15,7 +15,7 @@
 #include <sys/socket.h>
 #include <uv.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 struct orl_connections;
 struct orl_http_server;

@@ -7,8 +7,8 @@
 
 #include <stddef.h>
 
-#include "http/request.h"
-#include "store/stored_tokens.h"
+#include "http/request/request.h"
+#include "store/rows/stored_tokens.h"
 
 struct orl_route {
     const char *method;         /* GET also serves HEAD */
@@ -18,7 +18,7 @@ struct orl_route {
     orl_request_step handler;
     uint64_t max_body;        /* 0: no body is read */
     const char *const *types; /* accepted media types of the body, ended by NULL; NULL: any */
-    bool by_link;             /* true if a signed link may replace a token (links.h) */
+    bool by_link;             /* true if a signed link may replace a token (signed_links.h) */
 };
 
 struct orl_routes {

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "http/access.h"
-#include "http/connections.h"
+#include "http/access/access.h"
+#include "http/access/cors.h"
+#include "http/connection/connections.h"
 #include "http/context.h"
-#include "http/cors.h"
-#include "http/framing.h"
-#include "http/reply.h"
+#include "http/request/framing.h"
+#include "http/response/reply.h"
 #include "http/router.h"
 #include "process/limits.h"
 #include "process/times.h"
@@ -29,18 +29,19 @@ static void refuse_too_large(struct orl_request *request)
 }
 
 /* Reserves space for a body that will go to disk, before it arrives. */
-static void reserve_body(struct orl_request *request, uint64_t bytes)
+static void reserve_request_body(struct orl_request *request, uint64_t bytes)
 {
     request->client = orl_client_ref(request);
-    request->hold = (struct orl_hold){.all = request->context->calls->room(request->server),
-                                      .own = request->client ? &request->client->bytes : NULL};
+    request->reservation =
+        (struct orl_reservation){.all = request->context->calls->upload_quota(request->server),
+                                 .own = request->client ? &request->client->bytes : NULL};
     if (bytes <= ORL_SERVER_BODY_BUFFER / 2)
         return;
     if (!request->context->disk_full &&
-        request->context->calls->receive(request->server, &request->hold, bytes))
-        request->body.held = bytes;
+        request->context->calls->reserve_body(request->server, &request->reservation, bytes))
+        request->body.reserved = bytes;
     else
-        orl_reply_held(request, bytes);
+        orl_reply_quota_exceeded(request, bytes);
 }
 
 /* Finds the route, and refuses at once if the headers are enough to refuse. */
@@ -84,7 +85,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
     request->route = route;
     if (strncmp(route->path, "/v1/jobs/{}", 11) == 0)
         snprintf(request->job, sizeof request->job, "%.*s", ORL_JOB_ID - 1, request->params[0]);
-    orl_body_init(&request->body, route->max_body, &request->hold);
+    orl_body_init(&request->body, route->max_body, &request->reservation);
     if (!orl_access_check_token(request))
         return;
     if (request->context->stopping) {
@@ -100,7 +101,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
                           "The body has a type that is not understood", "%s takes %s", url,
                           orl_router_types(route, types));
     else
-        reserve_body(request, bytes);
+        reserve_request_body(request, bytes);
 }
 
 void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connection)
@@ -121,14 +122,14 @@ void *orl_serve_begin(void *ctx, const char *uri, struct MHD_Connection *connect
     orl_body_init(&request->body, 0, NULL);
     request->version_at = uri ? uri + strlen(uri) + 1 : NULL;
     request->too_long = uri && orl_framing_cut_query(uri);
-    context->begun = request;
+    context->being_parsed = request;
     return request;
 }
 
 size_t orl_serve_unescape(void *ctx, struct MHD_Connection *connection, char *text)
 {
     const struct orl_http_context *context = ctx;
-    const struct orl_request *request = context->begun;
+    const struct orl_request *request = context->being_parsed;
     /* orl_framing_cut_query does not see a query after a NUL. If its arguments do not fit,
      * libmicrohttpd would drop the rest of the request and then wait for it. */
     if (MHD_VERSION < 0x01000000 && request && request->connection == connection &&
@@ -141,13 +142,13 @@ size_t orl_serve_unescape(void *ctx, struct MHD_Connection *connection, char *te
 static void note_headers(struct orl_request *request, const char *url, const char *method,
                          const char *version)
 {
-    request->opened = true;
-    request->context->begun = NULL;
+    request->headers_complete = true;
+    request->context->being_parsed = NULL;
     request->started_s = orl_time_steady_s();
     snprintf(request->method, sizeof request->method, "%s", method);
     const char *path = url, *fault = orl_target_split(url, &request->target, &path);
     snprintf(request->path, sizeof request->path, "%s", path);
-    orl_connection_headers(request->connection);
+    orl_connection_headers_complete(request->connection);
     open_request(request, path, method, version, fault);
 }
 
@@ -160,7 +161,7 @@ static void release_state(struct orl_request *request)
     request->state = NULL;
     if (request->dispatched) {
         orl_body_done(&request->body);
-        orl_hold_give_back(&request->hold);
+        orl_reservation_release(&request->reservation);
     }
 }
 
@@ -229,7 +230,7 @@ static enum MHD_Result take_data(struct orl_request *request, const char *data, 
         return MHD_NO;
     if (full) {
         MHD_suspend_connection(request->connection);
-        orl_connection_hold(request->connection);
+        orl_connection_suspend(request->connection);
         orl_request_work(request, flush_body, NULL);
     }
     return MHD_YES;
@@ -239,7 +240,7 @@ static enum MHD_Result call_handler(struct orl_request *request)
 {
     request->dispatched = true;
     request->context->unanswered++;
-    orl_connection_body(request->connection);
+    orl_connection_body_complete(request->connection);
     if (!request->response && request->context->stopping)
         orl_reply_stopping(request);
     if (request->response)
@@ -258,24 +259,24 @@ static enum MHD_Result call_handler(struct orl_request *request)
     return MHD_YES;
 }
 
-enum MHD_Result orl_serve_go_on(void *ctx, struct MHD_Connection *connection, const char *url,
-                                const char *method, const char *version, const char *data,
-                                size_t *data_size, void **handle)
+enum MHD_Result orl_serve_handle(void *ctx, struct MHD_Connection *connection, const char *url,
+                                 const char *method, const char *version, const char *data,
+                                 size_t *data_size, void **handle)
 {
     struct orl_request *request = *handle;
     (void)ctx;
     if (!request) {
         /* There was no memory for the request. Its headers are valid, so no 400 may be sent for
          * them. */
-        orl_connection_body(connection);
+        orl_connection_body_complete(connection);
         return MHD_NO;
     }
-    if (!request->opened) {
+    if (!request->headers_complete) {
         note_headers(request, url, method, version);
         /* Without a body the answer can wait for the next call, which keeps the connection open. */
         if (!request->response || !answer_at_once(request))
             return MHD_YES;
-        orl_connection_body(connection); /* further data is not read */
+        orl_connection_body_complete(connection); /* further data is not read */
         return send_response(request);
     }
     if (*data_size > 0)
@@ -292,11 +293,11 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
 {
     struct orl_http_context *context = ctx;
     struct orl_request *request = *handle;
-    orl_connection_over(connection);
+    orl_connection_end_request(connection);
     if (!request)
         return;
-    if (context->begun == request)
-        context->begun = NULL;
+    if (context->being_parsed == request)
+        context->being_parsed = NULL;
     const double seconds = orl_time_steady_s() - request->started_s;
     orl_metrics_request(context->metrics, orl_router_index(context->routes, request->route),
                         request->status, seconds);
@@ -311,7 +312,7 @@ void orl_serve_completed(void *ctx, struct MHD_Connection *connection, void **ha
         MHD_destroy_response(request->response);
     release_state(request);
     orl_body_done(&request->body);
-    orl_hold_give_back(&request->hold);
+    orl_reservation_release(&request->reservation);
     orl_client_unref(&context->clients, request->client);
     free(request);
     *handle = NULL;

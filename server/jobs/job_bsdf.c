@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include "jobs/job_runs.h"
-#include "store/scenes.h"
+#include "store/rows/scenes.h"
 
-struct keeping {
+struct bsdf_storing {
     uv_work_t work;
     struct orl_jobs_job *job;
     struct orl_worker_outcome outcome;
@@ -18,7 +18,7 @@ struct keeping {
 /* Makes the blob as a hard link to the results' file; neither is ever written to again. */
 static void store_blob(uv_work_t *work)
 {
-    struct keeping *k = work->data;
+    struct bsdf_storing *k = work->data;
     const struct orl_folders *folders = k->job->jobs->env.folders;
     char from[ORL_PATH_MAX], to[ORL_PATH_MAX];
     orl_folders_path(folders, from, "results/%s/" ORL_BSDF_MADE_FILE, k->job->row.id);
@@ -28,14 +28,14 @@ static void store_blob(uv_work_t *work)
                                         "cannot keep the BSDF: %s", strerror(errno));
         return;
     }
-    k->outcome.code = orl_blob_keep(folders, to, k->outcome.bsdf->id, &k->outcome.err);
+    k->outcome.code = orl_blob_store(folders, to, k->outcome.bsdf->id, &k->outcome.err);
     if (k->outcome.code)
         unlink(to);
 }
 
 static void insert_bsdf(uv_work_t *work, int status)
 {
-    struct keeping *k = work->data;
+    struct bsdf_storing *k = work->data;
     const struct orl_jobs_env *env = &k->job->jobs->env;
     struct orl_worker_outcome *outcome = &k->outcome;
     struct orl_made_bsdf *bsdf = outcome->bsdf;
@@ -47,7 +47,7 @@ static void insert_bsdf(uv_work_t *work, int status)
     orl_blobs_release(env->blobs, bsdf->id);
     orl_made_bsdf_free(bsdf);
     outcome->bsdf = NULL;
-    k->job->settling = false;
+    k->job->finishing = false;
     k->done(k->job, outcome);
     free(k);
 }
@@ -67,7 +67,7 @@ bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcom
                         orl_job_bsdf_done *done)
 {
     const struct orl_jobs_env *env = &job->jobs->env;
-    struct keeping *k = outcome->bsdf ? calloc(1, sizeof *k) : NULL;
+    struct bsdf_storing *k = outcome->bsdf ? calloc(1, sizeof *k) : NULL;
     if (!outcome->bsdf)
         return false;
     if (!k || orl_blobs_claim(env->blobs, outcome->bsdf->id, NULL)) {
@@ -79,7 +79,7 @@ bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcom
     k->job = job;
     k->outcome = *outcome;
     k->done = done;
-    job->settling = true;
+    job->finishing = true;
     uv_queue_work(env->loop, &k->work, store_blob, insert_bsdf);
     return true;
 }

@@ -3,7 +3,7 @@
  * the job becomes succeeded, so clients that see that state find it. Internal to jobs.h; its rules
  * apply.
  *
- * Meanwhile the job is `settling`, as in job_giving.h. A job whose BSDF cannot be stored fails.
+ * Meanwhile the job is `finishing`, as in result_fanout.h. A job whose BSDF cannot be stored fails.
  *
  * Threads: the loop thread only; the file's blob is made on the pool.
  */

@@ -63,8 +63,8 @@ const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char
 }
 
 /* Ids with the same first digits share a bucket; a bucket is chosen by ORL_JOB_PREFIX digits. */
-const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, const char *prefix,
-                                               bool *ret_several)
+const struct orl_jobs_job *orl_jobs_find_prefix(const struct orl_jobs *jobs, const char *prefix,
+                                                bool *ret_several)
 {
     const size_t length = strlen(prefix);
     const struct orl_jobs_job *found = NULL;
@@ -121,7 +121,7 @@ void orl_jobs_running(const struct orl_jobs *jobs,
     }
 }
 
-const char *orl_jobs_turn_key(const struct orl_jobs_job *job)
+const char *orl_jobs_fairness_key(const struct orl_jobs_job *job)
 {
     return job->row.owner[0] ? job->row.owner : job->row.client;
 }
@@ -150,7 +150,7 @@ bool orl_jobs_full(const struct orl_jobs *jobs)
     return jobs->counts[ORL_JOB_QUEUED] + sharing >= ORL_SERVER_QUEUE;
 }
 
-int orl_job_label(struct orl_jobs_job *job, const char *name, const char *tags)
+int orl_job_set_labels(struct orl_jobs_job *job, const char *name, const char *tags)
 {
     job->labels.name = name ? strdup(name) : NULL;
     job->labels.tags = tags ? strdup(tags) : NULL;

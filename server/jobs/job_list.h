@@ -12,7 +12,7 @@ void orl_job_list_add(struct orl_jobs *jobs, struct orl_jobs_job *job);
 void orl_job_list_remove(struct orl_jobs *jobs, struct orl_jobs_job *job);
 
 /* Gives the job copies of name and tags (NULL: none). ORL_ERR_NOMEM. */
-int orl_job_label(struct orl_jobs_job *job, const char *name, const char *tags);
+int orl_job_set_labels(struct orl_jobs_job *job, const char *name, const char *tags);
 
 /* Frees a job that is not in the list; NULL is allowed. */
 void orl_job_free(struct orl_jobs_job *job);

@@ -4,19 +4,19 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <oriel/json_read.h>
+#include <oriel/base/json_read.h>
 
 #include "jobs/job_runs.h"
 #include "process/times.h"
-#include "store/discard.h"
-#include "store/orphans.h"
+#include "store/files/async_remove.h"
+#include "store/files/orphans.h"
 
 static void results_path(const struct orl_jobs *jobs, const char *id, char ret_path[ORL_PATH_MAX])
 {
     orl_folders_path(jobs->env.folders, ret_path, "results/%s", id);
 }
 
-bool orl_job_results_kept(const struct orl_jobs_job *job)
+bool orl_job_results_exist(const struct orl_jobs_job *job)
 {
     const bool has_some = job->row.state == ORL_JOB_SUCCEEDED ||
                           (job->row.state == ORL_JOB_CANCELLED && job->outcome);
@@ -35,7 +35,7 @@ uint64_t orl_job_results_expected(const struct orl_jobs *jobs)
 
 bool orl_job_results_count(const char *text, uint64_t *ret_bytes)
 {
-    json_t *outcome = orl_json_reread(text);
+    json_t *outcome = orl_json_read_stored(text);
     const json_t *entry;
     size_t i;
     *ret_bytes = 0;
@@ -47,7 +47,7 @@ bool orl_job_results_count(const char *text, uint64_t *ret_bytes)
     return outcome != NULL;
 }
 
-void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state)
+void orl_job_results_set_final(struct orl_jobs_job *job, enum orl_job_state state)
 {
     struct orl_jobs *jobs = job->jobs;
     if (job->row.state <= ORL_JOB_RUNNING)
@@ -63,7 +63,7 @@ double orl_job_results_error(struct orl_jobs *jobs, const char *id)
     if (!job || job->row.state <= ORL_JOB_RUNNING)
         return (double)NAN;
     if (!job->measured) {
-        json_t *outcome = orl_json_reread(job->outcome);
+        json_t *outcome = orl_json_read_stored(job->outcome);
         const json_t *achieved = json_object_get(json_object_get(outcome, "accuracy"), "achieved");
         job->achieved = json_is_number(achieved) ? json_number_value(achieved) : (double)NAN;
         job->measured = true;
@@ -117,31 +117,31 @@ void orl_job_results_remove_files(const struct orl_jobs *jobs, const char *id)
 {
     char path[ORL_PATH_MAX];
     results_path(jobs, id, path);
-    orl_discard(jobs->env.loop, jobs->env.folders, path);
+    orl_remove_async(jobs->env.loop, jobs->env.folders, path);
 }
 
 void orl_job_results_discard(struct orl_jobs_job *job)
 {
-    if (!orl_job_results_kept(job))
+    if (!orl_job_results_exist(job))
         return;
     const struct orl_jobs_env *env = &job->jobs->env;
     char path[ORL_PATH_MAX];
     job->jobs->result_bytes -= job->row.result_bytes;
     results_path(job->jobs, job->row.id, path);
-    orl_discard_when_safe(env->settling, env->loop, env->folders, path);
+    orl_remove_when_durable(env->wal_sync, env->loop, env->folders, path);
 }
 
-int orl_job_results_leave(struct orl_jobs *jobs, const char *id, struct orl_error *err)
+int orl_job_results_mark_evicted(struct orl_jobs *jobs, const char *id, struct orl_error *err)
 {
     const struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
-    if (!job || !orl_job_results_kept(job))
+    if (!job || !orl_job_results_exist(job))
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "the job has no results");
     struct orl_job_row row = job->row;
     row.evicted_ms = orl_time_now_ms();
     return orl_job_row_update(jobs->env.db, &row, err);
 }
 
-void orl_job_results_gone(struct orl_jobs *jobs, const char *id)
+void orl_job_results_delete_files(struct orl_jobs *jobs, const char *id)
 {
     struct orl_jobs_job *job = orl_jobs_lookup(jobs, id);
     orl_job_results_discard(job);
@@ -171,12 +171,12 @@ void orl_job_results_sweep(struct orl_jobs *jobs)
 {
     char path[ORL_PATH_MAX];
     for (const struct orl_jobs_job *job = jobs->newest; job; job = job->older)
-        jobs->result_bytes += orl_job_results_kept(job) ? job->row.result_bytes : 0;
+        jobs->result_bytes += orl_job_results_exist(job) ? job->row.result_bytes : 0;
     orl_folders_path(jobs->env.folders, path, "results");
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
         const struct orl_jobs_job *job = orl_jobs_lookup(jobs, entry->d_name);
-        if (entry->d_name[0] == '.' || (job && orl_job_results_kept(job)))
+        if (entry->d_name[0] == '.' || (job && orl_job_results_exist(job)))
             continue;
         sweep_results(jobs, job, entry->d_name);
     }

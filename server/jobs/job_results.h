@@ -12,7 +12,7 @@
 #include "jobs/jobs.h"
 
 /* Returns true if the job has results. */
-bool orl_job_results_kept(const struct orl_jobs_job *job);
+bool orl_job_results_exist(const struct orl_jobs_job *job);
 /* Returns the bytes of all jobs' results. */
 uint64_t orl_job_results_bytes(const struct orl_jobs *jobs);
 
@@ -24,7 +24,7 @@ bool orl_job_results_count(const char *text, uint64_t *ret_bytes);
 
 /* Replaces a job's expected bytes by the bytes it leaves. Call it when the job is about to end in
  * that state. */
-void orl_job_results_settle(struct orl_jobs_job *job, enum orl_job_state state);
+void orl_job_results_set_final(struct orl_jobs_job *job, enum orl_job_state state);
 
 /* Returns the relative error that an ended job's goal reached (Accuracy's "achieved"); NaN: no
  * goal. The value is remembered. */
@@ -38,8 +38,8 @@ int64_t orl_job_results_used_ms(const struct orl_jobs_job *job);
 
 /* leave: writes to the row that the results are evicted. gone: removes them, once that row is safe
  * on disk. */
-int orl_job_results_leave(struct orl_jobs *jobs, const char *id, struct orl_error *err);
-void orl_job_results_gone(struct orl_jobs *jobs, const char *id);
+int orl_job_results_mark_evicted(struct orl_jobs *jobs, const char *id, struct orl_error *err);
+void orl_job_results_delete_files(struct orl_jobs *jobs, const char *id);
 /* Removes only the files, of a job whose row is deleted. */
 void orl_job_results_discard(struct orl_jobs_job *job);
 

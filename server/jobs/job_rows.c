@@ -2,18 +2,18 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#include "encode.h"
 #include "jobs/job_results.h"
 #include "jobs/job_runs.h"
-#include "problem.h"
 #include "process/times.h"
+#include "json/encode.h"
+#include "json/problem.h"
 
 void orl_job_note_saved(struct orl_jobs_job *job, bool saved)
 {
     job->jobs->n_unsaved += (size_t)!saved - (size_t)job->unsaved;
     job->unsaved = !saved;
     if (saved)
-        job->commit = orl_settling_last(job->jobs->env.settling);
+        job->commit = orl_wal_sync_last_commit(job->jobs->env.wal_sync);
 }
 
 /* Writes the row that is right after a crash. */
@@ -71,7 +71,7 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     jobs->counts[job->row.state]--;
     jobs->counts[state]++;
     if (state > ORL_JOB_RUNNING)
-        orl_job_results_settle(job, state);
+        orl_job_results_set_final(job, state);
     job->row.state = state;
     job->row.outcome = job->outcome;
     job->row.problem = job->problem;
@@ -89,21 +89,22 @@ void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state)
     jobs->env.changed(jobs->env.ctx, job);
 }
 
-static void on_settled(struct orl_settling_wait *wait, int rc, const struct orl_error *err)
+static void on_synced(struct orl_wal_sync_wait *wait, int rc, const struct orl_error *err)
 {
-    struct orl_jobs *jobs = (struct orl_jobs *)((char *)wait - offsetof(struct orl_jobs, settling));
-    jobs->settles = false;
+    struct orl_jobs *jobs =
+        (struct orl_jobs *)((char *)wait - offsetof(struct orl_jobs, sync_wait));
+    jobs->sync_pending = false;
     if (rc)
         orl_log_event(jobs->env.log, ORL_LOG_ERROR, "settling-failed", "s", "why", err->message);
 }
 
-void orl_jobs_settle(struct orl_jobs *jobs)
+void orl_jobs_request_sync(struct orl_jobs *jobs)
 {
-    if (jobs->settles)
+    if (jobs->sync_pending)
         return;
-    jobs->settles = true;
-    jobs->settling.settled = on_settled;
-    orl_settling_ask(jobs->env.settling, &jobs->settling);
+    jobs->sync_pending = true;
+    jobs->sync_wait.synced = on_synced;
+    orl_wal_sync_request(jobs->env.wal_sync, &jobs->sync_wait);
 }
 
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err)

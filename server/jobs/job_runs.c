@@ -5,19 +5,19 @@
 #include <string.h>
 
 #include "jobs/job_bsdf.h"
-#include "jobs/job_giving.h"
+#include "jobs/job_dedup.h"
 #include "jobs/job_list.h"
 #include "jobs/job_results.h"
-#include "jobs/job_share.h"
+#include "jobs/result_fanout.h"
 #include "process/limits.h"
 #include "process/times.h"
 #include "runner/checkpoints.h"
-#include "store/scenes.h"
+#include "store/rows/scenes.h"
 
 /* ---- Leaders and followers ------------------------------------------------------------------- */
 
 static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                     const struct orl_giving *giving);
+                     const struct orl_result_fanout *fanout);
 
 static void add_leader(struct orl_jobs_job *job)
 {
@@ -25,7 +25,7 @@ static void add_leader(struct orl_jobs_job *job)
     job->jobs->leaders = job;
 }
 
-void orl_runs_lead_no_more(struct orl_jobs_job *job)
+void orl_runs_remove_leader(struct orl_jobs_job *job)
 {
     struct orl_jobs_job **at = &job->jobs->leaders;
     while (*at != job)
@@ -43,7 +43,7 @@ static bool is_abandoned(const struct orl_jobs_job *leader)
 
 static bool is_ending(const struct orl_jobs_job *leader)
 {
-    return leader->requeue || leader->settling || leader->late || is_abandoned(leader);
+    return leader->requeue || leader->finishing || leader->timed_out || is_abandoned(leader);
 }
 
 /* Limits followers, since results for each of them are recorded in one turn of the loop. */
@@ -52,7 +52,7 @@ static bool has_max_followers(const struct orl_jobs_job *leader)
     size_t count = 0;
     for (const struct orl_jobs_job *job = leader->followers; job; job = job->next_follower)
         count++;
-    return count >= ORL_SERVER_SHARING;
+    return count >= ORL_SERVER_DEDUP_FOLLOWERS;
 }
 
 /* Returns a job that waits or runs and asks for identical results. */
@@ -83,7 +83,7 @@ static void raise_priority(struct orl_jobs_job *leader, const struct orl_jobs_jo
         return;
     orl_queue_remove(queue, &leader->waiting);
     leader->waiting.priority = job->row.priority;
-    failed.code = orl_queue_add(queue, &leader->waiting, orl_jobs_turn_key(job), &failed.err);
+    failed.code = orl_queue_add(queue, &leader->waiting, orl_jobs_fairness_key(job), &failed.err);
     if (failed.code)
         end_jobs(leader, &failed, NULL);
 }
@@ -95,12 +95,12 @@ void orl_runs_enqueue(struct orl_jobs_job *job)
     job->waiting.priority = job->row.priority;
     job->waiting.order = job->row.seq;
     if (leader) {
-        orl_share_follow(leader, job);
+        orl_dedup_follow(leader, job);
         if (leader->worker)
             mark_running(job);
         else
             raise_priority(leader, job);
-    } else if (orl_queue_add(job->jobs->queue, &job->waiting, orl_jobs_turn_key(job), &err)) {
+    } else if (orl_queue_add(job->jobs->queue, &job->waiting, orl_jobs_fairness_key(job), &err)) {
         orl_jobs_fail(job, &err);
     } else {
         add_leader(job);
@@ -155,32 +155,34 @@ static void end_job(struct orl_jobs_job *job, const struct orl_worker_outcome *o
         orl_jobs_fail(job, &outcome->err);
     }
     /* Remove partial results too, as of a job stopped by the time limit. */
-    if ((outcome->code == 0 || outcome->summary) && !orl_job_results_kept(job))
+    if ((outcome->code == 0 || outcome->summary) && !orl_job_results_exist(job))
         orl_job_results_remove_files(job->jobs, job->row.id);
 }
 
 /* ---- The end of a computation ---------------------------------------------------------------- */
 
 static void end_follower(const struct orl_jobs_job *leader, struct orl_jobs_job *job,
-                         const struct orl_worker_outcome *outcome, const struct orl_giving *giving)
+                         const struct orl_worker_outcome *outcome,
+                         const struct orl_result_fanout *fanout)
 {
     struct orl_worker_outcome own = *outcome;
     job->leader = NULL;
     job->next_follower = NULL;
     if (own.code == 0)
-        own.code = orl_giving_find(giving, leader, job, &own.err);
-    else if (job->cancelled && own.summary && orl_giving_find(giving, leader, job, &own.err) != 0)
+        own.code = orl_result_fanout_find(fanout, leader, job, &own.err);
+    else if (job->cancelled && own.summary &&
+             orl_result_fanout_find(fanout, leader, job, &own.err) != 0)
         own.summary = NULL; /* cancelled, and without partial results */
     end_job(job, &own);
 }
 
 /* Ends the leader, unless it was cancelled before, and all its followers. */
 static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
-                     const struct orl_giving *giving)
+                     const struct orl_result_fanout *fanout)
 {
     const bool requeue = leader->requeue, ended = leader->row.state >= ORL_JOB_SUCCEEDED;
     struct orl_jobs_job *followers = leader->followers;
-    orl_runs_lead_no_more(leader);
+    orl_runs_remove_leader(leader);
     leader->followers = NULL;
     if (!ended)
         end_job(leader, outcome);
@@ -188,7 +190,7 @@ static void end_jobs(struct orl_jobs_job *leader, const struct orl_worker_outcom
         struct orl_jobs_job *job = followers;
         followers = job->next_follower;
         job->requeue = requeue;
-        end_follower(leader, job, outcome, giving);
+        end_follower(leader, job, outcome, fanout);
     }
     if (ended && (outcome->code == 0 || outcome->summary))
         orl_job_results_remove_files(leader->jobs, leader->row.id);
@@ -199,7 +201,7 @@ static struct orl_worker_outcome apply_time_limit(const struct orl_jobs_job *lea
                                                   const struct orl_worker_outcome *outcome)
 {
     struct orl_worker_outcome own = *outcome;
-    if (outcome->code != ORL_ERR_CANCELLED || !leader->late || is_abandoned(leader) ||
+    if (outcome->code != ORL_ERR_CANCELLED || !leader->timed_out || is_abandoned(leader) ||
         leader->requeue)
         return own;
     own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
@@ -211,20 +213,20 @@ static struct orl_worker_outcome apply_time_limit(const struct orl_jobs_job *lea
 }
 
 static void finish_computation(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                               const struct orl_giving *giving)
+                               const struct orl_result_fanout *fanout)
 {
     struct orl_jobs *jobs = job->jobs;
     const struct orl_worker_outcome own = apply_time_limit(job, outcome);
-    job->late = false;
+    job->timed_out = false;
     jobs->n_workers--;
-    orl_memory_take_back(jobs->env.memory, job->row.memory_bytes);
+    orl_memory_release(jobs->env.memory, job->row.memory_bytes);
     jobs->alone = false;
     if (job->followers)
         orl_jobs_batch_begin(jobs);
-    end_jobs(job, &own, giving);
+    end_jobs(job, &own, fanout);
     if (jobs->batch)
         orl_jobs_batch_end(jobs);
-    orl_jobs_settle(jobs);
+    orl_jobs_request_sync(jobs);
     orl_metrics_job(jobs->env.metrics, outcome->code ? job->row.state : ORL_JOB_SUCCEEDED,
                     &outcome->tally);
     free(outcome->summary);
@@ -236,7 +238,7 @@ static void finish_computation(struct orl_jobs_job *job, const struct orl_worker
 static void end_worker(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome)
 {
     const bool has_results = outcome->code == 0 || (outcome->summary && is_abandoned(job));
-    if (!has_results || !orl_giving_start(job, outcome, finish_computation))
+    if (!has_results || !orl_result_fanout_start(job, outcome, finish_computation))
         finish_computation(job, outcome, NULL);
 }
 
@@ -247,10 +249,10 @@ void orl_runs_log_parts(const struct orl_jobs_job *job)
     while (job->worker && orl_worker_part_news(job->worker, &news)) {
         const bool failed = strcmp(news.what, "failed") == 0;
         orl_log_event(log, failed ? ORL_LOG_WARN : ORL_LOG_INFO, "job-part", "sssisdiis", "job",
-                      job->row.id, "what", news.what, "wave", news.wave, "part", (int64_t)news.part,
-                      "slurm", *news.slurm ? news.slurm : NULL, "ran_s", news.ran_s, "minutes",
-                      (int64_t)news.limits.minutes, "mib", (int64_t)news.limits.mib, "why",
-                      *news.why ? news.why : NULL);
+                      job->row.id, "what", news.what, "wave", news.round, "part",
+                      (int64_t)news.part, "slurm", *news.slurm ? news.slurm : NULL, "ran_s",
+                      news.ran_s, "minutes", (int64_t)news.limits.minutes, "mib",
+                      (int64_t)news.limits.mib, "why", *news.why ? news.why : NULL);
     }
 }
 
@@ -259,10 +261,10 @@ static void end_parts(const struct orl_jobs_job *job, const struct orl_parts_cou
 {
     const struct orl_jobs_env *env = &job->jobs->env;
     orl_metrics_parts(&env->metrics->parts, parts);
-    if (parts->waves > 0)
+    if (parts->rounds > 0)
         orl_log_event(env->log, ORL_LOG_INFO, "job-parts", "siiid", "job", job->row.id, "done",
                       (int64_t)parts->done, "again", (int64_t)parts->again, "waves",
-                      (int64_t)parts->waves, "lost_s", parts->lost_s);
+                      (int64_t)parts->rounds, "lost_s", parts->lost_s);
 }
 
 static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
@@ -283,10 +285,10 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     struct orl_worker_spec spec = {
         .folders = jobs->env.folders,
         .maps = orl_map_cache_store(jobs->env.maps),
-        .shelf = jobs->env.shelf,
-        .place = jobs->env.place,
+        .memory_cache = jobs->env.memory_cache,
+        .slurm = jobs->env.slurm,
         .memory_bytes = job->row.memory_bytes,
-        .threads = jobs->env.threads / jobs->env.at_once,
+        .threads = jobs->env.threads / jobs->env.max_running,
         .done = job_done,
         .ctx = job,
     };
@@ -308,7 +310,7 @@ static int start_job(struct orl_jobs_job *job, struct orl_error *err)
     rc = orl_worker_start(jobs->env.loop, &spec, &job->worker, err);
     if (rc == 0) {
         jobs->n_workers++;
-        orl_memory_promise(jobs->env.memory, job->row.memory_bytes);
+        orl_memory_reserve(jobs->env.memory, job->row.memory_bytes);
     }
     return rc;
 }
@@ -330,28 +332,28 @@ static bool is_suspect(const struct orl_jobs_job *job)
 static bool has_memory(struct orl_jobs *jobs, const struct orl_jobs_job *job)
 {
     struct orl_memory *memory = jobs->env.memory;
-    const bool fits = orl_memory_free(memory) >= job->row.memory_bytes ||
+    const bool fits = orl_memory_available(memory) >= job->row.memory_bytes ||
                       (jobs->n_workers == 0 && memory->checks == 0);
     memory->wanted = fits ? 0 : job->row.memory_bytes;
-    if (!fits && jobs->short_of_memory != job)
+    if (!fits && jobs->waiting_for_memory != job)
         orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-waits-for-memory", "sii", "job",
                       job->row.id, "wants_bytes", (int64_t)job->row.memory_bytes, "free_bytes",
-                      (int64_t)orl_memory_free(memory));
-    jobs->short_of_memory = fits ? NULL : job;
+                      (int64_t)orl_memory_available(memory));
+    jobs->waiting_for_memory = fits ? NULL : job;
     return fits;
 }
 
-void orl_runs_want_no_memory(const struct orl_jobs_job *job)
+void orl_runs_end_memory_wait(const struct orl_jobs_job *job)
 {
-    if (job->jobs->short_of_memory != job)
+    if (job->jobs->waiting_for_memory != job)
         return;
-    job->jobs->short_of_memory = NULL;
+    job->jobs->waiting_for_memory = NULL;
     job->jobs->env.memory->wanted = 0;
 }
 
 void orl_jobs_memory_freed(struct orl_jobs *jobs)
 {
-    if (jobs && jobs->short_of_memory)
+    if (jobs && jobs->waiting_for_memory)
         orl_runs_start_next(jobs);
 }
 
@@ -362,7 +364,8 @@ void orl_jobs_memory_freed(struct orl_jobs *jobs)
  */
 void orl_runs_start_next(struct orl_jobs *jobs)
 {
-    while (!jobs->stopping && !jobs->held && jobs->n_workers < jobs->env.at_once && !jobs->alone) {
+    while (!jobs->stopping && !jobs->paused && jobs->n_workers < jobs->env.max_running &&
+           !jobs->alone) {
         struct orl_jobs_job *job = next_job(jobs);
         struct orl_worker_outcome failed = {0};
         const bool suspect = job && is_suspect(job);
@@ -370,7 +373,7 @@ void orl_runs_start_next(struct orl_jobs *jobs)
             jobs->env.memory->wanted = 0;
         if (!job || (suspect && jobs->n_workers > 0) || !has_memory(jobs, job))
             return;
-        orl_queue_take(jobs->queue);
+        orl_queue_pop(jobs->queue);
         failed.code = start_job(job, &failed.err);
         if (failed.code)
             end_jobs(job, &failed, NULL);

@@ -15,17 +15,17 @@ struct orl_jobs {
     struct orl_queue *queue;
     struct orl_jobs_job *leaders; /* leaders that wait or run */
     uint32_t n_workers;
-    bool alone;                                 /* no other job may start beside the running one */
-    const struct orl_jobs_job *short_of_memory; /* the next job, if it waits for memory */
+    bool alone; /* no other job may start beside the running one */
+    const struct orl_jobs_job *waiting_for_memory; /* the next job, if it waits for memory */
     struct orl_jobs_job *buckets[ORL_JOBS_BUCKETS];
     size_t counts[ORL_JOB_STATE_COUNT];
     uint64_t result_bytes;   /* size of stored results */
     uint64_t expected_bytes; /* expected size of results of jobs that wait or run */
     size_t n_unsaved;        /* jobs whose rows could not be written, or are about to be */
     bool batch;              /* true while rows are gathered for one transaction */
-    struct orl_settling_wait settling; /* wait for ended jobs' rows, if settles is true */
-    bool settles;
-    bool stopping, held; /* stopping or held: no job starts */
+    struct orl_wal_sync_wait sync_wait; /* wait for ended jobs' rows, if sync_pending is true */
+    bool sync_pending;
+    bool stopping, paused; /* stopping or held: no job starts */
 };
 
 /* ---- jobs.c --------------------------------------------------------------------------------- */
@@ -48,7 +48,7 @@ void orl_job_note_saved(struct orl_jobs_job *job, bool saved);
 void orl_jobs_set_state(struct orl_jobs_job *job, enum orl_job_state state);
 void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err);
 /* Requests that written rows become safe on disk soon, though no client waits for it. */
-void orl_jobs_settle(struct orl_jobs *jobs);
+void orl_jobs_request_sync(struct orl_jobs *jobs);
 /* Between begin and end, in one turn of the loop, rows are gathered and then written in one
  * transaction. */
 void orl_jobs_batch_begin(struct orl_jobs *jobs);
@@ -61,9 +61,9 @@ void orl_runs_log_parts(const struct orl_jobs_job *job);
 /* Makes a queued job a leader or a follower; fails it if there is no memory. */
 void orl_runs_enqueue(struct orl_jobs_job *job);
 /* Removes a leader from the list of those that wait or run. */
-void orl_runs_lead_no_more(struct orl_jobs_job *job);
+void orl_runs_remove_leader(struct orl_jobs_job *job);
 /* The job left the queue: clears the record of the memory it waited for. */
-void orl_runs_want_no_memory(const struct orl_jobs_job *job);
+void orl_runs_end_memory_wait(const struct orl_jobs_job *job);
 /* Starts as many jobs as may run. */
 void orl_runs_start_next(struct orl_jobs *jobs);
 

@@ -5,50 +5,50 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "jobs/job_dedup.h"
 #include "jobs/job_list.h"
 #include "jobs/job_results.h"
 #include "jobs/job_runs.h"
-#include "jobs/job_share.h"
 #include "process/limits.h"
 #include "process/times.h"
 #include "runner/checkpoints.h"
-#include "store/discard.h"
+#include "store/files/async_remove.h"
 
 /* ---- Submitting, cancelling, stopping ------------------------------------------------------- */
 
-int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
+int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_job_submission *submission,
                     const struct orl_jobs_job **ret_job, struct orl_error *err)
 {
     unsigned char bytes[(ORL_JOB_ID - 1) / 2];
     struct orl_jobs_job *job = calloc(1, sizeof *job);
     if (!job)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    if (orl_job_label(job, order->labels.name, order->labels.tags)) {
+    if (orl_job_set_labels(job, submission->labels.name, submission->labels.tags)) {
         orl_job_free(job);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
     randombytes_buf(bytes, sizeof bytes);
     sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);
-    snprintf(job->row.scene, sizeof job->row.scene, "%s", order->scene);
-    snprintf(job->row.document, sizeof job->row.document, "%s", order->document);
-    snprintf(job->row.identity, sizeof job->row.identity, "%s", order->identity);
-    snprintf(job->row.client, sizeof job->row.client, "%s", order->client);
-    snprintf(job->row.owner, sizeof job->row.owner, "%s", order->owner);
-    job->row.kind = order->kind;
-    job->row.priority = order->priority;
-    job->row.result_bytes = order->result_bytes;
-    job->row.memory_bytes = order->memory_bytes;
+    snprintf(job->row.scene, sizeof job->row.scene, "%s", submission->scene);
+    snprintf(job->row.document, sizeof job->row.document, "%s", submission->document);
+    snprintf(job->row.identity, sizeof job->row.identity, "%s", submission->identity);
+    snprintf(job->row.client, sizeof job->row.client, "%s", submission->client);
+    snprintf(job->row.owner, sizeof job->row.owner, "%s", submission->owner);
+    job->row.kind = submission->kind;
+    job->row.priority = submission->priority;
+    job->row.result_bytes = submission->result_bytes;
+    job->row.memory_bytes = submission->memory_bytes;
     job->row.state = ORL_JOB_QUEUED;
     job->row.created_ms = orl_time_now_ms();
     const int rc =
-        orl_job_row_insert(jobs->env.db, &job->row, order->request_key, &job->row.seq, err);
+        orl_job_row_insert(jobs->env.db, &job->row, submission->request_key, &job->row.seq, err);
     if (rc) {
         orl_job_free(job);
         return rc;
     }
     orl_job_list_add(jobs, job);
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job", "ssss", "job", job->row.id, "state", "queued",
-                  "scene", order->scene, "client", order->client);
+                  "scene", submission->scene, "client", submission->client);
     orl_runs_enqueue(job);
     jobs->env.changed(jobs->env.ctx, job);
     orl_runs_start_next(jobs);
@@ -70,15 +70,16 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner
 
 /* Hands partial results of an earlier start to the job that leads in this one's place, or removes
  * them. */
-static void hand_over_checkpoint(const struct orl_jobs_job *job, const struct orl_jobs_job *heir)
+static void hand_over_checkpoint(const struct orl_jobs_job *job,
+                                 const struct orl_jobs_job *successor)
 {
     const struct orl_folders *folders = job->jobs->env.folders;
     char path[ORL_PATH_MAX];
-    const bool leads = heir && heir->row.state == ORL_JOB_QUEUED && !heir->leader;
-    if (leads && orl_checkpoint_give(folders, job->row.id, heir->row.id))
+    const bool leads = successor && successor->row.state == ORL_JOB_QUEUED && !successor->leader;
+    if (leads && orl_checkpoint_transfer(folders, job->row.id, successor->row.id))
         return;
     orl_checkpoint_folder(folders, job->row.id, path);
-    orl_discard(job->jobs->env.loop, folders, path);
+    orl_remove_async(job->jobs->env.loop, folders, path);
 }
 
 /* Writes the row as cancelled before anything else changes, so that a crash does not restart the
@@ -106,12 +107,12 @@ static void cancel_running(struct orl_jobs_job *job)
 static void cancel_queued(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *followers = job->followers, *const first = followers;
-    orl_runs_want_no_memory(job);
+    orl_runs_end_memory_wait(job);
     if (job->leader) {
-        orl_share_leave(job);
+        orl_dedup_leave(job);
     } else {
         orl_queue_remove(job->jobs->queue, &job->waiting);
-        orl_runs_lead_no_more(job);
+        orl_runs_remove_leader(job);
         job->followers = NULL;
     }
     orl_jobs_set_state(job, ORL_JOB_CANCELLED);
@@ -134,7 +135,7 @@ static bool is_last_active(const struct orl_jobs_job *leader, const struct orl_j
 
 /* Cancels a job that shares its computation, which continues while another job needs it. The last
  * job to be cancelled gets the partial results, like a job alone. */
-static void cancel_sharing(struct orl_jobs_job *job)
+static void cancel_deduplicated(struct orl_jobs_job *job)
 {
     struct orl_jobs_job *leader = job->leader ? job->leader : job;
     if (is_last_active(leader, job)) {
@@ -144,7 +145,7 @@ static void cancel_sharing(struct orl_jobs_job *job)
         return;
     }
     if (job->leader)
-        orl_share_leave(job);
+        orl_dedup_leave(job);
     orl_jobs_set_state(job, ORL_JOB_CANCELLED);
 }
 
@@ -166,7 +167,7 @@ int orl_jobs_cancel(struct orl_jobs *jobs, const char *id, struct orl_error *err
     else if (!job->leader && !job->followers)
         cancel_running(job);
     else
-        cancel_sharing(job);
+        cancel_deduplicated(job);
     if (job->row.state == ORL_JOB_RUNNING) /* otherwise the change was reported already */
         jobs->env.changed(jobs->env.ctx, job);
     return 0;
@@ -185,10 +186,10 @@ static void drop_job(struct orl_jobs_job *job)
 {
     struct orl_jobs *jobs = job->jobs;
     orl_log_event(jobs->env.log, ORL_LOG_INFO, "job-removed", "s", "job", job->row.id);
-    jobs->env.leaving(jobs->env.ctx, job);
+    jobs->env.removing(jobs->env.ctx, job);
     orl_job_note_saved(job, true); /* there is nothing left to save */
     orl_job_results_discard(job);
-    orl_blobs_forget(jobs->env.blobs, job->row.document);
+    orl_blobs_remove_unused(jobs->env.blobs, job->row.document);
     orl_job_list_remove(jobs, job);
     orl_job_free(job);
 }
@@ -224,9 +225,9 @@ void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *en
         drop_job(ended[i]);
 }
 
-void orl_jobs_hold(struct orl_jobs *jobs, bool held)
+void orl_jobs_pause(struct orl_jobs *jobs, bool paused)
 {
-    jobs->held = held;
+    jobs->paused = paused;
     orl_runs_start_next(jobs);
 }
 

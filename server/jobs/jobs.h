@@ -5,12 +5,12 @@
  *     queued -> cancelled
  *     running -> queued      when the daemon stops or was killed
  *
- * Identical jobs share a computation (job_share.h).
+ * Identical jobs share a computation (job_dedup.h).
  *
  * A row is written before a client can see the state. To make it safe from a power cut too, the
- * code that answers the client must ask settling.h. Jobs run in the order of queue.h, at most as
- * many at once as configured. A job that was running when the daemon was killed is queued again,
- * and from then on runs alone. It fails when the daemon has ended because of it (blame.h)
+ * code that answers the client must ask wal_sync.h. Jobs run in the order of job_queue.h, at most
+ * as many at once as configured. A job that was running when the daemon was killed is queued again,
+ * and from then on runs alone. It fails when the daemon has ended because of it (crash_record.h)
  * ORL_SERVER_ATTEMPTS times. An orderly stop does not count as an attempt.
  *
  * Memory: one struct orl_jobs_job for every job that has not been removed (about a kilobyte), and
@@ -25,15 +25,15 @@
 #include <uv.h>
 
 #include "cache/map_cache.h"
-#include "health/blame.h"
+#include "health/crash_record.h"
 #include "health/memory.h"
-#include "jobs/queue.h"
+#include "jobs/job_queue.h"
 #include "process/log.h"
-#include "runner/worker.h"
-#include "store/blobs.h"
-#include "store/retention_clock.h"
-#include "store/settling.h"
-#include "store/stored_jobs.h"
+#include "runner/worker/worker.h"
+#include "store/durability/wal_sync.h"
+#include "store/files/blobs.h"
+#include "store/rows/retention_clock.h"
+#include "store/rows/stored_jobs.h"
 
 struct orl_jobs;
 
@@ -50,12 +50,12 @@ struct orl_jobs_job {
     struct orl_worker *worker; /* while running; a leader's */
     double started_s;          /* monotonic clock, while running */
     bool cancelled, requeue;   /* how to treat ORL_ERR_CANCELLED from the worker */
-    bool late;                 /* stopped by the time limit */
-    bool settling;             /* a leader whose results are being copied to its followers */
+    bool timed_out;            /* stopped by the time limit */
+    bool finishing;            /* a leader whose results are being copied to its followers */
     bool unsaved;              /* the row in the database is out of date */
-    uint64_t commit;           /* commit with the row, or a later one: settling.h */
+    uint64_t commit;           /* commit with the row, or a later one: wal_sync.h */
     bool fetched;              /* the last fetch time is not yet saved to the row */
-    /* job_share.h. leader is NULL in a leader. */
+    /* job_dedup.h. leader is NULL in a leader. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
     struct orl_jobs_job *older, *newer, *same_bucket;
 };
@@ -63,26 +63,28 @@ struct orl_jobs_job {
 struct orl_jobs_env {
     uv_loop_t *loop;
     struct orl_db *db;
-    struct orl_settling *settling; /* for commits to db */
+    struct orl_wal_sync *wal_sync; /* for commits to db */
     const struct orl_folders *folders;
     struct orl_blobs *blobs;
     struct orl_map_cache *maps;
-    struct orl_shelf *shelf;              /* memory cache shared by all jobs; or NULL */
-    const struct orl_shared_place *place; /* NULL: no job is split into parts */
-    const struct orl_past *past;          /* end of the previous daemon; for orl_jobs_open */
-    struct orl_memory *memory;            /* account of the memory of running jobs */
-    char program[ORL_SHA_HEX];            /* program.h */
+    struct orl_memory_cache *memory_cache; /* memory cache shared by all jobs; or NULL */
+    const struct orl_slurm_config *slurm;  /* NULL: no job is split into parts */
+    const struct orl_previous_exit
+        *previous_exit;        /* end of the previous daemon; for orl_jobs_open */
+    struct orl_memory *memory; /* account of the memory of running jobs */
+    char program[ORL_SHA_HEX]; /* program.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* total over all jobs */
-    uint32_t at_once;
+    uint32_t max_running;
     uint32_t job_timeout_s;                  /* time limit of a job */
-    bool held;                               /* initial value of orl_jobs_hold */
+    bool paused;                             /* initial value of orl_jobs_pause */
     const struct orl_retention_clock *clock; /* clock of the jobs' age */
     uint32_t keep_jobs, keep_days;           /* limits for ended jobs; 0 days: forever */
     /* Called when a job is new, its state has changed, or it was asked to stop. */
     void (*changed)(void *ctx, const struct orl_jobs_job *job);
-    void (*leaving)(void *ctx, const struct orl_jobs_job *job); /* called before a job is removed */
+    void (*removing)(void *ctx,
+                     const struct orl_jobs_job *job); /* called before a job is removed */
     void (*idle)(void *ctx); /* called once no job runs after a stop or drain */
     void *ctx;
 };
@@ -105,17 +107,17 @@ void orl_jobs_save(struct orl_jobs *jobs);
 /* Starts jobs that waited for memory, now that more is free. */
 void orl_jobs_memory_freed(struct orl_jobs *jobs);
 
-/* While held, no job starts, as on a full disk; running jobs continue. */
-void orl_jobs_hold(struct orl_jobs *jobs, bool held);
+/* While paused, no job starts, as on a full disk; running jobs continue. */
+void orl_jobs_pause(struct orl_jobs *jobs, bool paused);
 
 /* Returns true if the queue is full. */
 bool orl_jobs_full(const struct orl_jobs *jobs);
 /* The properties of a new job. Borrowed. */
-struct orl_jobs_order {
-    enum orl_task_kind kind;
+struct orl_job_submission {
+    enum orl_job_request_kind kind;
     int priority;
     const char *scene, *document; /* the document is a blob */
-    const char *identity;         /* job_share.h */
+    const char *identity;         /* job_dedup.h */
     struct orl_labels labels;     /* copied */
     uint64_t result_bytes;        /* expected */
     uint64_t memory_bytes;        /* job_memory.h */
@@ -129,7 +131,7 @@ int orl_jobs_by_key(struct orl_jobs *jobs, const char *client, const char *owner
                     const char *request_key, const struct orl_jobs_job **ret_job,
                     struct orl_error *err);
 /* Queues a job. *ret_job belongs to jobs. */
-int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_jobs_order *order,
+int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_job_submission *submission,
                     const struct orl_jobs_job **ret_job, struct orl_error *err);
 /* Cancels a job for good. Queued: at once. Running: soon. Ended: ORL_ERR_INVALID unless already
  * cancelled. */
@@ -151,8 +153,8 @@ const struct orl_jobs_job *orl_jobs_find(const struct orl_jobs *jobs, const char
  * or more. NULL: none, or several (*ret_several).
  */
 enum { ORL_JOB_PREFIX = 4 };
-const struct orl_jobs_job *orl_jobs_find_begun(const struct orl_jobs *jobs, const char *prefix,
-                                               bool *ret_several);
+const struct orl_jobs_job *orl_jobs_find_prefix(const struct orl_jobs *jobs, const char *prefix,
+                                                bool *ret_several);
 /* Returns the newest job; ->older leads to the others. */
 const struct orl_jobs_job *orl_jobs_newest(const struct orl_jobs *jobs);
 /* Returns the name of the job's state for clients. A running job that was asked to stop is
@@ -168,7 +170,7 @@ void orl_jobs_running(const struct orl_jobs *jobs,
 size_t orl_jobs_position(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
 /* Returns the client whose turn in the queue the job uses: its token's id, or else its client's
  * name. */
-const char *orl_jobs_turn_key(const struct orl_jobs_job *job);
+const char *orl_jobs_fairness_key(const struct orl_jobs_job *job);
 /* Returns the number of jobs of that token id that wait or run. Time is linear in the number of
  * jobs that wait or run. */
 size_t orl_jobs_of_owner(const struct orl_jobs *jobs, const char *owner);

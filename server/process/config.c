@@ -92,7 +92,7 @@ void orl_config_help(FILE *stream)
         "  --slurm-partition, --slurm-account, --slurm-qos, --slurm-constraint NAME\n"
         "                         sbatch's\n"
         "  --slurm-option OPTION  one more of sbatch's, as --time=60; there may be several\n",
-        DEFAULT_PORT, ORL_SERVER_SHELF_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20);
+        DEFAULT_PORT, ORL_SERVER_MEMORY_CACHE_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20);
     print_bounds(stream);
 }
 
@@ -256,7 +256,7 @@ static int apply_option(struct orl_config *config, const char *name, const char 
     } else if (strcmp(name, "--scrub-rate") == 0) {
         rc = parse_size(name, value, 0, &config->scrub_bytes_per_s, err);
     } else if (strcmp(name, "--shelf") == 0) {
-        rc = parse_size(name, value, 0, &config->shelf_bytes, err);
+        rc = parse_size(name, value, 0, &config->memory_cache_bytes, err);
     } else if (strcmp(name, "--log-level") == 0) {
         if (orl_log_level_from_name(value, &config->log_level))
             rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
@@ -293,7 +293,7 @@ static void set_defaults(struct orl_config *config)
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->check_memory = ORL_SERVER_CHECK_BYTES;
-    config->shelf_bytes = ORL_SERVER_SHELF_BYTES;
+    config->memory_cache_bytes = ORL_SERVER_MEMORY_CACHE_BYTES;
     config->scrub_bytes_per_s = ORL_SERVER_SCRUB_RATE;
     config->job_timeout_s = ORL_SERVER_JOB_S;
     config->keep_jobs = ORL_SERVER_KEPT_JOBS;

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 #include "process/limits.h"
 #include "process/log.h"
@@ -35,11 +35,11 @@ struct orl_config {
     uint64_t memory_bytes;         /* capacity for daemon and checks; 0: what the system has */
     uint64_t storage_bytes;        /* storage budget; 0: half of the disk's free space */
     uint64_t scrub_bytes_per_s;    /* 0: stored files are not scrubbed */
-    uint64_t shelf_bytes;          /* size of the memory cache that jobs share, bytes */
+    uint64_t memory_cache_bytes;   /* size of the memory cache that jobs share, bytes */
     uint32_t job_timeout_s;        /* time limit of a job */
     uint32_t keep_jobs, keep_days; /* limits for ended jobs; 0 days: forever */
     uint32_t keep_orphans_days;    /* days that orphans are kept */
-    bool set_orphans_aside;        /* if the database is lost or another folder's: opening.h */
+    bool set_orphans_aside;        /* if the database is lost or another folder's: store_open.h */
     uint32_t drain_s;              /* seconds that running jobs have to finish at a stop */
     struct orl_runner_options runner;
     enum orl_log_level log_level;

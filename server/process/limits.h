@@ -1,11 +1,11 @@
 /*
- * Limits on the resources of HTTP clients; oriel/limits.h has those of scenes and jobs. GET
+ * Limits on the resources of HTTP clients; oriel/base/limits.h has those of scenes and jobs. GET
  * /v1/limits reports both.
  */
 #ifndef ORL_SERVER_PROCESS_LIMITS_H
 #define ORL_SERVER_PROCESS_LIMITS_H
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 #include "process/sanitized.h"
 
@@ -22,8 +22,8 @@
 #define ORL_SERVER_CONNECTION_MEMORY (32U << 10) /* headers and read buffer of a connection */
 #define ORL_SERVER_URI_BYTES (8U << 10)          /* request target, plus 64 for each argument */
 #define ORL_SERVER_ORIGINS 16U                   /* allowed origins of web pages */
-#define ORL_SERVER_HUB_EVENTS 512U               /* latest events of jobs, kept for all streams */
-#define ORL_SERVER_HUB_BYTES (1UL << 20)         /* bytes of these events */
+#define ORL_SERVER_BROKER_EVENTS 512U            /* latest events of jobs, kept for all streams */
+#define ORL_SERVER_BROKER_BYTES (1UL << 20)      /* bytes of these events */
 #define ORL_SERVER_SESSION_S 43200U              /* lifetime of a browser's session */
 #define ORL_SERVER_SESSIONS 64U                  /* browser sessions of one token */
 #define ORL_SERVER_LINK_S 3600U                  /* maximum lifetime of a signed link */
@@ -41,7 +41,7 @@
 #define ORL_SERVER_QUEUE 1024U      /* waiting jobs */
 #define ORL_SERVER_CLIENT_JOBS 256U /* jobs of one client of several, waiting or running */
 #define ORL_SERVER_CLIENT_STREAMS 256U /* open event streams of such a client */
-#define ORL_SERVER_SHARING 64U         /* followers of one computation; one more starts another */
+#define ORL_SERVER_DEDUP_FOLLOWERS 64U /* followers of one computation; one more starts another */
 #define ORL_SERVER_KEY_S 86400U        /* lifetime of an Idempotency-Key */
 #define ORL_SERVER_UNFETCHED_S 600U    /* time that results are kept for a first fetch */
 #define ORL_SERVER_LIST 1000U          /* jobs in a listing */
@@ -52,14 +52,14 @@
 #define ORL_SERVER_IO_THREADS 4U          /* further pool threads, for uploads and files */
 #define ORL_SERVER_POOL_S 2.0         /* delay of the pool beyond which the daemon is not ready */
 #define ORL_SERVER_CHECKS 3U          /* checks at once; leaves one thread above for other work */
-#define ORL_SERVER_CHECK_QUICK_MS 200 /* limit of a quick check; one lane is for these */
+#define ORL_SERVER_CHECK_QUICK_MS 200 /* limit of a quick check; one slot is for these */
 #define ORL_SERVER_CHECK_S 120U       /* time limit of a check (default) */
-#define ORL_SERVER_SMALL_JSON (64UL << 10)   /* larger job documents are read in a child */
-#define ORL_SERVER_CHECK_BYTES (2UL << 30)   /* memory limit of one check (default) */
-#define ORL_SERVER_CHECK_FIRST (256UL << 20) /* first memory grant of a check */
-#define ORL_SERVER_CHECK_LEAST (64UL << 20)  /* least memory grant of a check */
-#define ORL_SERVER_SCRUB_RATE (4UL << 20)    /* scrubbed bytes/s (default) */
-#define ORL_SERVER_SHELF_BYTES (256UL << 20) /* memory cache shared by jobs (default) */
+#define ORL_SERVER_SMALL_JSON (64UL << 10)          /* larger job documents are read in a child */
+#define ORL_SERVER_CHECK_BYTES (2UL << 30)          /* memory limit of one check (default) */
+#define ORL_SERVER_CHECK_FIRST (256UL << 20)        /* first memory grant of a check */
+#define ORL_SERVER_CHECK_LEAST (64UL << 20)         /* least memory grant of a check */
+#define ORL_SERVER_SCRUB_RATE (4UL << 20)           /* scrubbed bytes/s (default) */
+#define ORL_SERVER_MEMORY_CACHE_BYTES (256UL << 20) /* memory cache shared by jobs (default) */
 #define ORL_SERVER_ATTEMPTS 3 /* times that a job may end the daemon before it fails */
 
 #endif

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "encode.h"
 #include "process/times.h"
+#include "json/encode.h"
 
 static const char *const level_names[] = {"debug", "info", "warn", "error"};
 

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 enum { ORL_ORIGIN_MAX = 300 }; /* bytes: the longest name that DNS has, and a port */
 

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 enum { ORL_RUNNER_WORDS = 32, ORL_RUNNER_NAMED = 4 };
 
@@ -17,7 +17,7 @@ struct orl_runner_options {
     const char *named[ORL_RUNNER_NAMED]; /* sbatch options: partition, account, qos, constraint */
     const char *words[ORL_RUNNER_WORDS]; /* further sbatch options, passed on unchanged */
     size_t n_words;
-    uint32_t parts;        /* parts of a wave, which is also the number of concurrent tasks */
+    uint32_t parts;        /* parts of a round, which is also the number of concurrent tasks */
     uint32_t part_threads; /* threads of each part */
     uint32_t least_s;      /* jobs with less work than these seconds of one core run here */
     bool any;              /* true if any of these options was given */

@@ -42,7 +42,7 @@ void orl_signal_ignore(int signum)
     set_handler(signum, SIG_IGN);
 }
 
-int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx)
+int orl_signal_handle(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx)
 {
     int i = 0;
     while (i < SIGNALS && atomic_load(&table[i].signum) != 0)

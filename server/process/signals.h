@@ -16,7 +16,7 @@ typedef void (*orl_signal_cb)(int signum, void *ctx);
 void orl_signal_ignore(int signum);
 
 /* Calls on_signal on the loop, once for each signal that arrived. Returns 0 or libuv's error. */
-int orl_signal_heed(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx);
+int orl_signal_handle(uv_loop_t *loop, int signum, orl_signal_cb on_signal, void *ctx);
 
 /* From now on ignores all handled signals, and closes their handles. */
 void orl_signals_stop(void);

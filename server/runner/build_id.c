@@ -7,8 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include <oriel/sha256.h>
-#include <oriel/version.h>
+#include <oriel/base/sha256.h>
+#include <oriel/base/version.h>
 
 static const char *aligned(const char *at, size_t to, const char *from)
 {

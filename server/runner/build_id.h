@@ -10,7 +10,7 @@
 #ifndef ORL_SERVER_RUNNER_BUILD_ID_H
 #define ORL_SERVER_RUNNER_BUILD_ID_H
 
-#include "store/folders.h"
+#include "store/files/folders.h"
 
 void orl_program_digest(char ret_digest[ORL_SHA_HEX]);
 

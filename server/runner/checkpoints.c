@@ -9,13 +9,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
-#include "encode.h"
-#include "picture_json.h"
-#include "store/mapped_file.h"
-#include "store/orphans.h"
-#include "store/scene_bundle.h"
+#include "store/files/mapped_file.h"
+#include "store/files/orphans.h"
+#include "store/files/scene_bundle.h"
+#include "view/picture_json.h"
+#include "json/encode.h"
 
 static void path_below(const char *folder, const char *before, const char *name, const char *ending,
                        char ret_path[ORL_PATH_MAX])
@@ -90,7 +90,7 @@ static bool is_for_users(const char *name)
     return !half && !strchr(name, '+');
 }
 
-void orl_checkpoint_forget(const char *folder)
+void orl_checkpoint_remove_internal(const char *folder)
 {
     char path[ORL_PATH_MAX];
     DIR *entries = opendir(folder);
@@ -104,7 +104,8 @@ void orl_checkpoint_forget(const char *folder)
         closedir(entries);
 }
 
-bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id, const char *to_id)
+bool orl_checkpoint_transfer(const struct orl_folders *folders, const char *from_id,
+                             const char *to_id)
 {
     char from[ORL_PATH_MAX], to[ORL_PATH_MAX];
     orl_checkpoint_folder(folders, from_id, from);
@@ -113,7 +114,7 @@ bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id,
 }
 
 void orl_checkpoint_sweep(const struct orl_folders *folders,
-                          const char *(*heir)(void *ctx, const char *job_id, bool *ret_known),
+                          const char *(*successor)(void *ctx, const char *job_id, bool *ret_known),
                           void *ctx)
 {
     char path[ORL_PATH_MAX];
@@ -121,9 +122,10 @@ void orl_checkpoint_sweep(const struct orl_folders *folders,
     DIR *folder = opendir(path);
     for (const struct dirent *entry; folder && (entry = readdir(folder));) {
         bool known = true;
-        const char *id = entry->d_name[0] == '.' ? entry->d_name : heir(ctx, entry->d_name, &known);
+        const char *id =
+            entry->d_name[0] == '.' ? entry->d_name : successor(ctx, entry->d_name, &known);
         if (id &&
-            (strcmp(id, entry->d_name) == 0 || orl_checkpoint_give(folders, entry->d_name, id)))
+            (strcmp(id, entry->d_name) == 0 || orl_checkpoint_transfer(folders, entry->d_name, id)))
             continue;
         if (!known) {
             snprintf(path, sizeof path, "partial/%.255s", entry->d_name);

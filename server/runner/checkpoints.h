@@ -20,9 +20,9 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
-#include "store/folders.h"
+#include "store/files/folders.h"
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
@@ -36,14 +36,15 @@ void orl_checkpoint_folder(const struct orl_folders *folders, const char *job_id
 /* Makes the folder. Keeps its contents if they were made with that key. */
 int orl_checkpoint_open(const char *folder, const char *key, struct orl_error *err);
 /* Removes the files that are not for users, such as photon maps of rounds. */
-void orl_checkpoint_forget(const char *folder);
+void orl_checkpoint_remove_internal(const char *folder);
 /* Moves a job's work folder to a job that continues its work. Returns false if that job has its own
  * folder. */
-bool orl_checkpoint_give(const struct orl_folders *folders, const char *from_id, const char *to_id);
+bool orl_checkpoint_transfer(const struct orl_folders *folders, const char *from_id,
+                             const char *to_id);
 /* Sweeps the work folders. heir returns the job that continues one, maybe that job itself. A folder
  * without an heir is removed, or set aside (orphans.h) if the job of that id is not known. */
 void orl_checkpoint_sweep(const struct orl_folders *folders,
-                          const char *(*heir)(void *ctx, const char *job_id, bool *ret_known),
+                          const char *(*successor)(void *ctx, const char *job_id, bool *ret_known),
                           void *ctx);
 
 /* ---- Parts ----------------------------------------------------------------------------------- */

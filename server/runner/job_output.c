@@ -7,38 +7,40 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <oriel/crew.h>
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
+#include <oriel/base/thread_pool.h>
 
 #include "chart/study_chart.h"
-#include "decode.h"
-#include "encode.h"
-#include "result_json.h"
-#include "runner/kinds.h"
-#include "skies_result_json.h"
-#include "store/mapped_file.h"
-#include "study_json.h"
+#include "job/study_json.h"
+#include "result/result_json.h"
+#include "result/skies_result_json.h"
+#include "runner/estimate/job_kinds.h"
+#include "store/files/mapped_file.h"
+#include "json/decode.h"
+#include "json/encode.h"
 
-int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
-                 struct orl_error *err)
+int orl_job_read(const char *text, size_t size, struct orl_job_request *ret_job_request,
+                 char **ret_scene_id, struct orl_error *err)
 {
     json_t *doc = NULL;
-    struct orl_task task;
+    struct orl_job_request job_request;
     char *scene = NULL;
     int rc = orl_json_parse(NULL, text, size, &doc, err);
     if (rc)
         return rc;
-    rc = orl_task_from_json(doc, ORL_JOB_REMOTE, &task, &scene, err);
+    rc = orl_job_request_from_json(doc, ORL_JOB_REMOTE, &job_request, &scene, err);
     json_decref(doc);
     if (rc)
         return rc;
-    rc = orl_kinds[task.kind].admit ? orl_kinds[task.kind].admit(&task, err) : 0;
+    rc = orl_job_kinds[job_request.kind].check_limits
+             ? orl_job_kinds[job_request.kind].check_limits(&job_request, err)
+             : 0;
     if (rc) {
-        orl_task_done(&task);
+        orl_job_request_done(&job_request);
         free(scene);
         return rc;
     }
-    *ret_task = task;
+    *ret_job_request = job_request;
     if (ret_scene_id)
         *ret_scene_id = scene;
     else
@@ -46,7 +48,8 @@ int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char 
     return 0;
 }
 
-int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle, struct orl_error *err)
+int orl_job_set_scene(struct orl_job_request *job_request, const struct orl_bundle *bundle,
+                      struct orl_error *err)
 {
     const size_t count = orl_bundle_main_count(bundle);
     if (count == 0)
@@ -60,7 +63,7 @@ int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle, st
         names[n] = strdup(bundle->files[i].name);
         all = names[n++] != NULL;
     }
-    orl_task_set_scene(task, names, n);
+    orl_job_request_set_scene(job_request, names, n);
     return all ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
@@ -71,7 +74,7 @@ void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL
 
 static _Thread_local const atomic_bool *cancel_flag;
 
-void orl_job_output_heed(const atomic_bool *cancel)
+void orl_job_output_set_cancel(const atomic_bool *cancel)
 {
     cancel_flag = cancel;
 }
@@ -335,7 +338,7 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
 
 static json_t *bsdf_document(const struct orl_bsdf_output *o)
 {
-    json_t *doc = o->told;
+    json_t *doc = o->report;
     json_t *more =
         json_pack("{s:s, s:i, s:{s:f, s:f}, s:[o], s:{s:s, s:s, s:I}, s:o}", "state", "succeeded",
                   "threads", (int)o->threads, "timings_s", "making", o->kept->seconds, "total",

@@ -4,26 +4,26 @@
 
 #include <stdatomic.h>
 
-#include <oriel/run.h>
-#include <oriel/study.h>
+#include <oriel/job/run.h>
+#include <oriel/job/study.h>
 
-#include "store/scene_bundle.h"
-#include "task_json.h"
+#include "job/job_request_json.h"
+#include "store/files/scene_bundle.h"
 
 /*
- * Parses and validates a document. Returns its request (orl_task_done), without the files of its
- * scene. *ret_scene_id (NULL is allowed) is the scene's id, owned by the caller.
+ * Parses and validates a document. Returns its request (orl_job_request_done), without the files of
+ * its scene. *ret_scene_id (NULL is allowed) is the scene's id, owned by the caller.
  */
-int orl_job_read(const char *text, size_t size, struct orl_task *ret_task, char **ret_scene_id,
-                 struct orl_error *err);
+int orl_job_read(const char *text, size_t size, struct orl_job_request *ret_job_request,
+                 char **ret_scene_id, struct orl_error *err);
 
 /* Adds the bundle's main files to the job. */
-int orl_job_set_scene(struct orl_task *task, const struct orl_bundle *bundle,
+int orl_job_set_scene(struct orl_job_request *job_request, const struct orl_bundle *bundle,
                       struct orl_error *err);
 
 /* Makes orl_job_output_list on this thread poll *cancel from now on (ORL_ERR_CANCELLED); NULL: no
  * polling. */
-void orl_job_output_heed(const atomic_bool *cancel);
+void orl_job_output_set_cancel(const atomic_bool *cancel);
 
 /* Writes the path of a result file. */
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX]);
@@ -85,7 +85,7 @@ int orl_study_output_write(const struct orl_study *study, const struct orl_study
  * the job's seconds, and those that making the BSDF took when it was made.
  */
 struct orl_bsdf_output {
-    json_t *told, *warnings; /* report and warnings of the BSDF; owned by the call */
+    json_t *report, *warnings; /* report and warnings of the BSDF; owned by the call */
     const struct orl_map_info *kept;
     const char *file, *id; /* name below folder; digest */
     size_t bytes;

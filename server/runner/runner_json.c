@@ -2,15 +2,15 @@
 
 #include <math.h>
 
-#include "encode.h"
+#include "json/encode.h"
 
 json_t *orl_parts_to_json(const struct orl_parts_count *count)
 {
     return json_pack("{s:I, s:I, s:I, s:I, s:o, s:i, s:I}", "waiting", (json_int_t)count->waiting,
                      "running", (json_int_t)count->running, "done", (json_int_t)count->done,
                      "again", (json_int_t)count->again, "lost_s",
-                     orl_json_from_real(round(10 * count->lost_s) / 10), "waves", (int)count->waves,
-                     "held", (json_int_t)count->held);
+                     orl_json_from_real(round(10 * count->lost_s) / 10), "waves",
+                     (int)count->rounds, "held", (json_int_t)count->held);
 }
 
 json_t *orl_runner_to_json(bool in_parts, const char *why, const struct orl_parts_count *count)

@@ -5,7 +5,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "parts/sharing.h"
+#include "distributed/distributed_job.h"
 
 /* Both return new references; NULL: out of memory. */
 json_t *orl_parts_to_json(const struct orl_parts_count *count);

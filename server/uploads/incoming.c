@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "process/limits.h"
 
@@ -36,7 +36,7 @@ int orl_incoming_begin(struct orl_incoming *incoming, const struct orl_folders *
     if (incoming->fd < 0)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot store a file of the upload: %s",
                              strerror(errno));
-    incoming->hold = folders->hold;
+    incoming->reservation = folders->reservation;
     orl_sha256_init(&incoming->hash);
     return 0;
 }
@@ -54,7 +54,7 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
     }
     if (incoming->sink)
         return incoming->sink->data(incoming->sink->ctx, data, size, err);
-    const int rc = orl_hold_take(incoming->hold, size, err);
+    const int rc = orl_reservation_grow(incoming->reservation, size, err);
     if (rc)
         return rc;
     orl_sha256_add(&incoming->hash, data, size);

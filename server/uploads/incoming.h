@@ -6,10 +6,10 @@
 #ifndef ORL_SERVER_UPLOADS_INCOMING_H
 #define ORL_SERVER_UPLOADS_INCOMING_H
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
-#include "http/hold.h"
-#include "store/scene_bundle.h"
+#include "http/quota/quota.h"
+#include "store/files/scene_bundle.h"
 
 /* Callbacks that receive the files in place of tmp/. */
 struct orl_incoming_sink {
@@ -21,7 +21,7 @@ struct orl_incoming_sink {
 struct orl_incoming {
     struct orl_bundle *bundle;            /* borrowed; its last file is the current one */
     const struct orl_incoming_sink *sink; /* borrowed; NULL: tmp/ */
-    struct orl_hold *hold;                /* borrowed; bounds the bytes on disk; NULL: no bound */
+    struct orl_reservation *reservation;  /* borrowed; bounds the bytes on disk; NULL: no bound */
     int fd;                               /* -1: no file is open */
     struct orl_sha256 hash;
 };

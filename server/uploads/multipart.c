@@ -15,7 +15,7 @@ enum { PROCESSOR_BUFFER = 64 << 10, FEED_BYTES = 1 << 20 };
 /* A text field and its length. */
 struct field {
     char **text;
-    size_t length, room;
+    size_t length, capacity;
 };
 
 struct splitter {
@@ -58,16 +58,16 @@ static struct field *find_field(struct splitter *s, const char *name)
 /* Makes space for that many more bytes and a NUL. */
 static bool reserve_space(struct field *field, size_t more)
 {
-    size_t room = field->room ? field->room : 256;
-    while (room < field->length + more + 1)
-        room *= 2;
-    if (room == field->room)
+    size_t capacity = field->capacity ? field->capacity : 256;
+    while (capacity < field->length + more + 1)
+        capacity *= 2;
+    if (capacity == field->capacity)
         return true;
-    char *grown = realloc(*field->text, room);
+    char *grown = realloc(*field->text, capacity);
     if (!grown)
         return false;
     *field->text = grown;
-    field->room = room;
+    field->capacity = capacity;
     return true;
 }
 

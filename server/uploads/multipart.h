@@ -8,7 +8,7 @@
 
 #include <microhttpd.h>
 
-#include "store/scene_bundle.h"
+#include "store/files/scene_bundle.h"
 
 struct orl_multipart {
     struct orl_bundle files; /* in the order sent; temporary */

@@ -9,10 +9,10 @@
 #include <string.h>
 #include <strings.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
-#include "main_files.h"
 #include "process/limits.h"
+#include "project/main_files.h"
 #include "uploads/incoming.h"
 
 enum { CHUNK = 64 << 10 };
@@ -221,7 +221,7 @@ int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
     (void)ctx;
     for (size_t i = 0; i < files->count; i++)
         names[i] = files->files[i].name;
-    return orl_main_files_places(names, files->count, &provider, ret_places, err);
+    return orl_main_files_ranks(names, files->count, &provider, ret_places, err);
 }
 
 /* Puts main files first, in the order of their places; an insertion sort like orl_bundle_sort. */
@@ -241,7 +241,7 @@ static void give_roles(struct orl_bundle *files, unsigned *places)
     }
 }
 
-int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
+int orl_unzip_finish(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
                      struct orl_bundle *bundle, struct orl_error *err)
 {
     unsigned places[ORL_LIMIT_SCENE_FILES];
@@ -308,7 +308,7 @@ int orl_unzip(const struct orl_file *archive, const struct orl_folders *folders,
     struct orl_bundle files = {0};
     int rc = orl_unzip_entries(archive, folders, NULL, orl_bundle_bytes(bundle), &files, err);
     if (rc == 0)
-        rc = orl_unzip_settle(&files, guess_roles ? orl_unzip_guess : NULL, NULL, bundle, err);
+        rc = orl_unzip_finish(&files, guess_roles ? orl_unzip_guess : NULL, NULL, bundle, err);
     orl_bundle_done(&files);
     return rc;
 }

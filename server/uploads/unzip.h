@@ -3,7 +3,7 @@
  *
  * Names are those in the archive. If all files are in one top-level folder, its name is removed.
  * The exception is the "model" folder of a project, whose files refer to each other by that name
- * (honeybee/project.h). Files that desktops add (__MACOSX, .DS_Store, Thumbs.db, desktop.ini) are
+ * (project/project.h). Files that desktops add (__MACOSX, .DS_Store, Thumbs.db, desktop.ini) are
  * skipped. main_files.h determines the main files and their order.
  *
  * Refused, with the entry's name: names not allowed in a bundle (absolute, with "..", not UTF-8),
@@ -42,7 +42,7 @@ typedef int (*orl_unzip_guesser)(void *ctx, struct orl_bundle *files, unsigned *
 int orl_unzip_guess(void *ctx, struct orl_bundle *files, unsigned *ret_places,
                     struct orl_error *err);
 /* Sets names and roles, and moves the files to the bundle. Without a guesser all are resources. */
-int orl_unzip_settle(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
+int orl_unzip_finish(struct orl_bundle *files, orl_unzip_guesser guess, void *ctx,
                      struct orl_bundle *bundle, struct orl_error *err);
 
 /* Returns true for a media type of zips, ignoring parameters; false for NULL. */

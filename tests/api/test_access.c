@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-#include "resources/routes.h"
+#include "handlers/routes.h"
 #include "support/certificate.h"
 #include "support/daemon.h"
 

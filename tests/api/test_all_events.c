@@ -273,7 +273,7 @@ static void test_slow_reader(void **state)
     for (int i = 0; i < 100; i++)
         at += (size_t)snprintf(name + at, sizeof name - at, "\xf0\x9f\x8c\x9e");
     snprintf(name + at, sizeof name - at, "\"");
-    for (int i = 0; i < (int)ORL_SERVER_HUB_EVENTS + 100; i++) {
+    for (int i = 0; i < (int)ORL_SERVER_BROKER_EVENTS + 100; i++) {
         char path[100];
         submit(room, name, i, id);
         snprintf(path, sizeof path, "/v1/jobs/%.32s", id);

@@ -14,13 +14,13 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "store/blobs.h"
-#include "store/scenes.h"
+#include "store/files/blobs.h"
+#include "store/rows/scenes.h"
 #include "support/data_folder.h"
 
 struct fixture {
     struct data_folder data;
-    struct orl_settling *settling;
+    struct orl_wal_sync *wal_sync;
     struct orl_blobs *blobs;
     char sha[ORL_SHA_HEX]; /* digest of "ten bytes." */
     struct orl_error err;
@@ -48,28 +48,28 @@ static int open_blobs(struct fixture *f)
     orl_folders_path(&f->data.folders, path, "oriel.db");
     int rc = orl_db_serve(&f->data.db, &f->err);
     if (rc == 0)
-        rc = orl_settling_open(loop, &f->data.db, path, on_quiet, NULL, &f->settling, &f->err);
+        rc = orl_wal_sync_open(loop, &f->data.db, path, on_quiet, NULL, &f->wal_sync, &f->err);
     return rc ? rc
-              : orl_blobs_open(loop, &f->data.folders, &f->data.db, f->settling, &f->blobs,
+              : orl_blobs_open(loop, &f->data.folders, &f->data.db, f->wal_sync, &f->blobs,
                                &f->err);
 }
 
 /* Runs all pending disk operations. */
 static void wait_for_syncs(const struct fixture *f)
 {
-    while (!orl_settling_is_quiet(f->settling))
+    while (!orl_wal_sync_is_idle(f->wal_sync))
         uv_run(uv_default_loop(), UV_RUN_ONCE);
 }
 
 static void close_all(struct fixture *f)
 {
     wait_for_syncs(f);
-    orl_settling_stop(f->settling);
+    orl_wal_sync_stop(f->wal_sync);
     uv_run(uv_default_loop(), UV_RUN_DEFAULT);
     orl_blobs_close(f->blobs);
     f->blobs = NULL;
-    orl_settling_free(f->settling);
-    f->settling = NULL;
+    orl_wal_sync_free(f->wal_sync);
+    f->wal_sync = NULL;
     data_folder_close(&f->data);
 }
 
@@ -102,7 +102,7 @@ static void store_blob(struct fixture *f)
     char path[ORL_PATH_MAX];
     orl_folders_temporary(&f->data.folders, path);
     assert_int_equal(orl_write_file(path, "ten bytes.", 10, &f->err), 0);
-    assert_int_equal(orl_blob_keep(&f->data.folders, path, f->sha, &f->err), 0);
+    assert_int_equal(orl_blob_store(&f->data.folders, path, f->sha, &f->err), 0);
 }
 
 static void name_it(struct fixture *f)
@@ -116,7 +116,7 @@ static void unname(struct fixture *f)
     bool removed = false;
     assert_int_equal(orl_bsdf_drop(&f->data.db, f->sha, &removed, &f->err), 0);
     assert_true(removed);
-    orl_blobs_forget(f->blobs, f->sha);
+    orl_blobs_remove_unused(f->blobs, f->sha);
 }
 
 static void claim(struct fixture *f)

@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "process/limits.h"
-#include "store/folders.h"
+#include "store/files/folders.h"
 #include "support/daemon.h"
 #include "support/daemon_metric.h"
 #include "support/patience.h"
@@ -47,7 +47,7 @@ static char *many_objects(size_t count, size_t *ret_size)
 
 /* 33 MB that would take 2.5 GB are refused without parsing. Smaller input, such as 5 MB that take
  * 0.4 GB, is parsed in a separate process. */
-static void test_objects(void **state)
+static void test_mesh_import(void **state)
 {
     static const struct {
         size_t count;
@@ -215,7 +215,7 @@ static void test_sharing_is_bounded(void **state)
     struct reply reply;
     char path[80], first[80];
     daemon_submit(&f->daemon, f->scene, 100000000, 1, NULL, first);
-    for (unsigned i = 0; i < ORL_SERVER_SHARING + 1; i++)
+    for (unsigned i = 0; i < ORL_SERVER_DEDUP_FOLLOWERS + 1; i++)
         daemon_submit(&f->daemon, f->scene, 100000000, 1, NULL, path);
     daemon_get(&f->daemon, path, &reply);
     assert_string_equal(reply_text(&reply, "state"), "queued");
@@ -225,7 +225,7 @@ static void test_sharing_is_bounded(void **state)
     assert_true(json_is_true(reply_at(&reply, "more")));
     reply_done(&reply);
     daemon_get(&f->daemon, "/v1/jobs?limit=1000", &reply);
-    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), ORL_SERVER_SHARING + 2);
+    assert_int_equal(json_array_size(reply_at(&reply, "jobs")), ORL_SERVER_DEDUP_FOLLOWERS + 2);
     assert_true(json_is_false(reply_at(&reply, "more")));
     reply_done(&reply);
 }
@@ -233,7 +233,7 @@ static void test_sharing_is_bounded(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_objects, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_mesh_import, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_names, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_uploads_mend, daemon_room_set_up,
                                         daemon_room_tear_down),

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "checks/confine.h"
+#include "checks/child/sandbox.h"
 #include "process/sanitized.h"
 #include "support/daemon.h"
 #include "support/daemon_metric.h"
@@ -289,10 +289,10 @@ static void test_large_checks_leave_room(void **state)
 
 static int try_everything(void)
 {
-    const struct orl_bounds bounds = {64 << 20, 10};
+    const struct orl_sandbox_limits bounds = {64 << 20, 10};
     char *const arguments[] = {(char[]){"/bin/true"}, NULL};
     int failed = 0;
-    if (orl_confine(&bounds, NULL))
+    if (orl_sandbox_enter(&bounds, NULL))
         return 100;
     failed += socket(AF_INET, SOCK_STREAM, 0) < 0;
     failed += fopen("/etc/passwd", "r") == NULL;

@@ -14,11 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/annual_phases.h>
-#include <oriel/units.h>
+#include <oriel/annual/annual_phases.h>
+#include <oriel/base/units.h>
 
-#include "annual/phases/matrix_file.h"
-#include "bsdf/basis.h"
+#include "annual/matrices/matrix_file.h"
+#include "bsdf/matrix/basis.h"
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"
 #include "support/room.h"
@@ -254,7 +254,7 @@ static void test_parts(void **state)
 
 /* ---- Bytes, and refusals --------------------------------------------------------------------- */
 
-static void test_any_crew(void **state)
+static void test_any_pool_size(void **state)
 {
     static const char *const names[] = {"desks.p.v.mtx", "p.d.mtx", "p.t.mtx", "desks.cds.mtx"};
     const char *folder = *state;
@@ -292,6 +292,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_same_year), cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_any_crew), cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_any_pool_size), cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

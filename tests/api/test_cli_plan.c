@@ -11,7 +11,7 @@
 #include <cmocka.h>
 #include <jansson.h>
 
-#include <oriel/plan.h>
+#include <oriel/job/plan.h>
 
 #include "support/cli.h"
 #include "support/extent.h"

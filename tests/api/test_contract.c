@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "resources/routes.h"
+#include "handlers/routes.h"
 
 static void test_contract(void **state)
 {

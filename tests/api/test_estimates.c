@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "checks/job_brief.h"
+#include "checks/job_manifest.h"
 #include "process/sanitized.h"
 #include "support/cli.h"
 #include "support/room.h"
@@ -61,12 +61,12 @@ static void estimate(const struct year_room *f, const char *members, double *ret
 {
     const size_t size = strlen(members) + 256;
     char *text = malloc(size);
-    struct orl_job_brief brief;
+    struct orl_job_manifest brief;
     struct orl_error err = {0};
     assert_non_null(text);
     snprintf(text, size, "{\"kind\":\"annual\",\"scene\":\"%s\",%s}", f->scene, members);
     const struct orl_file document = {text, strlen(text), NULL};
-    if (orl_job_brief_read(&document, &brief, &err))
+    if (orl_job_manifest_read(&document, &brief, &err))
         fail_msg("%s", err.message);
     brief.needs.surfaces = brief.needs.triangles = 7;
     brief.needs.year_rows = 1;
@@ -74,7 +74,7 @@ static void estimate(const struct year_room *f, const char *members, double *ret
     *ret_disk_mb =
         (double)(brief.result_bytes + ORL_MATRIX_CHANNELS * orl_job_memory_windows(&brief.needs)) /
         (1 << 20);
-    orl_job_brief_done(&brief);
+    orl_job_manifest_done(&brief);
     free(text);
 }
 

@@ -18,15 +18,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/open.h>
+#include <oriel/base/open.h>
 
-#include "base/file.h"
-#include "base/sealed.h"
-#include "http/tls.h"
+#include "base/io/checked_file.h"
+#include "base/io/out_file.h"
+#include "http/connection/tls.h"
 #include "photon/map/map.h"
 #include "run/cache/word_file.h"
-#include "store/folders.h"
-#include "store/mapped_file.h"
+#include "store/files/folders.h"
+#include "store/files/mapped_file.h"
 #include "support/cli.h"
 #include "support/storage.h"
 
@@ -74,13 +74,13 @@ static void test_open(void **state)
         assert_int_equal(errno, ORL_OPEN_NOT_REGULAR);
     }
     for (const char *mode = "rwa"; *mode; mode++)
-        assert_null(orl_stream_regular(fifo, *mode));
+        assert_null(orl_fopen_regular(fifo, *mode));
     assert_int_equal(orl_open_regular(*state, O_RDONLY), -1);
     assert_int_equal(errno, ORL_OPEN_NOT_REGULAR);
-    assert_null(orl_stream_to_device(fifo));
+    assert_null(orl_fopen_device(fifo));
     assert_int_equal(errno, ENXIO);
     const int reader = open(fifo, O_RDONLY | O_NONBLOCK);
-    FILE *stream = orl_stream_to_device(fifo);
+    FILE *stream = orl_fopen_device(fifo);
     assert_non_null(stream);
     assert_int_equal(fcntl(fileno(stream), F_GETFL) & O_NONBLOCK, 0);
     fclose(stream);
@@ -91,11 +91,11 @@ static void test_readers(void **state)
 {
     const char *fifo = make_fifo(*state, "fifo");
     const struct orl_files files = orl_files_from_folder(*state);
-    const struct orl_sealed_kind kind = {.magic = "ORIELXX", .what = "thing"};
-    const unsigned char content[ORL_SEALED_CONTENT] = {0};
+    const struct orl_checked_file_kind kind = {.magic = "ORIELXX", .what = "thing"};
+    const unsigned char content[ORL_CHECKED_FILE_CONTENT] = {0};
     struct orl_photon_map *map;
-    struct orl_kept_about about;
-    struct orl_sealed_file sealed;
+    struct orl_word_file_info file_info;
+    struct orl_checked_file sealed;
     struct orl_tls tls = {0};
     struct orl_file file;
     struct orl_error err;
@@ -103,8 +103,8 @@ static void test_readers(void **state)
     assert_non_null(strstr(err.message, "not a regular file"));
     assert_true(orl_photon_map_open(fifo, true, &map, &err) < 0);
     assert_non_null(strstr(err.message, "not a regular file"));
-    assert_true(orl_sealed_open(&kind, fifo, content, &sealed, &err) < 0);
-    assert_true(orl_kept_describe(fifo, &about, &err) < 0);
+    assert_true(orl_checked_file_open(&kind, fifo, content, &sealed, &err) < 0);
+    assert_true(orl_word_file_describe(fifo, &file_info, &err) < 0);
     assert_true(orl_map_file(fifo, &file, &err) < 0);
     assert_true(orl_tls_load(&tls, fifo, fifo, 0, &err) < 0);
     assert_true(orl_sync_path(fifo, &err) < 0);
@@ -113,9 +113,9 @@ static void test_readers(void **state)
 static void test_writers(void **state)
 {
     const char *folder = *state;
-    const struct orl_sealed_kind kind = {.magic = "ORIELXX", .what = "thing"};
-    struct orl_sealed_writer sealed;
-    struct orl_kept_about about = {0};
+    const struct orl_checked_file_kind kind = {.magic = "ORIELXX", .what = "thing"};
+    struct orl_checked_writer sealed;
+    struct orl_word_file_info file_info = {0};
     struct orl_out_file file;
     struct orl_error err;
     char path[128];
@@ -124,8 +124,8 @@ static void test_writers(void **state)
     assert_true(orl_out_open(&file, path, &err) < 0);
     snprintf(path, sizeof path, "%s/out.part", folder);
     assert_true(orl_out_open(&file, path, &err) < 0);
-    assert_true(orl_sealed_begin(&sealed, &kind, path, &err) < 0);
-    assert_true(orl_kept_write(path, &about, "1234", 4, &err) < 0);
+    assert_true(orl_checked_writer_begin(&sealed, &kind, path, &err) < 0);
+    assert_true(orl_word_file_write(path, &file_info, "1234", 4, &err) < 0);
 }
 
 /* ---- The command ----------------------------------------------------------------------------- */

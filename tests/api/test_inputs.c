@@ -78,7 +78,7 @@ static void test_wrong(void **state)
 }
 
 /* The error names a file that differs only in upper and lower case. */
-static void test_other_case(void **state)
+static void test_ignore_case(void **state)
 {
     static const char rad[] = "!xform S.TXT\n";
     const struct upload_file files[] = {{"box.rad", rad, strlen(rad), false},
@@ -257,7 +257,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_wrong, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_right, daemon_set_up, daemon_tear_down),
-        cmocka_unit_test_setup_teardown(test_other_case, daemon_set_up, daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_ignore_case, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_years, daemon_set_up, daemon_tear_down),
         cmocka_unit_test_setup_teardown(test_views, daemon_set_up, daemon_tear_down),
         cmocka_unit_test(test_memory),

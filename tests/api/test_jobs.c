@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <oriel/plan.h>
+#include <oriel/job/plan.h>
 
 #include "process/limits.h"
 #include "support/daemon.h"

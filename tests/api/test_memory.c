@@ -16,7 +16,7 @@
 
 #include "health/memory.h"
 #include "process/sanitized.h"
-#include "store/folders.h"
+#include "store/files/folders.h"
 #include "support/daemon.h"
 
 /* ---- Available memory ------------------------------------------------------------------------ */
@@ -48,14 +48,14 @@ static void test_groups(void **state)
     write_limit(root, "a/b/c/memory.max", "5000\n");
     write_limit(root, "memory/memory.limit_in_bytes", "9223372036854771712\n");
     write_limit(root, "memory/old/memory.limit_in_bytes", "2000\n");
-    assert_int_equal(orl_memory_of_groups("0::/a/b/c\n", root), 3000);
-    assert_int_equal(orl_memory_of_groups("0::/a/b\n", root), 3000);
-    assert_int_equal(orl_memory_of_groups("0::/elsewhere\n", root), UINT64_MAX);
-    assert_int_equal(orl_memory_of_groups("7:cpu,memory:/old\n0::/a\n", root), 2000);
-    assert_int_equal(orl_memory_of_groups("7:memory:/\n5:cpu:/a\n", root), UINT64_MAX);
-    assert_int_equal(orl_memory_of_groups("", root), UINT64_MAX);
+    assert_int_equal(orl_memory_cgroup_limit("0::/a/b/c\n", root), 3000);
+    assert_int_equal(orl_memory_cgroup_limit("0::/a/b\n", root), 3000);
+    assert_int_equal(orl_memory_cgroup_limit("0::/elsewhere\n", root), UINT64_MAX);
+    assert_int_equal(orl_memory_cgroup_limit("7:cpu,memory:/old\n0::/a\n", root), 2000);
+    assert_int_equal(orl_memory_cgroup_limit("7:memory:/\n5:cpu:/a\n", root), UINT64_MAX);
+    assert_int_equal(orl_memory_cgroup_limit("", root), UINT64_MAX);
     write_limit(root, "memory.max", "1000\n"); /* as seen from inside a container */
-    assert_int_equal(orl_memory_of_groups("0::/\n", root), 1000);
+    assert_int_equal(orl_memory_cgroup_limit("0::/\n", root), 1000);
     orl_remove_tree(root, NULL);
 }
 

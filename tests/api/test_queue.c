@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs/queue.h"
+#include "jobs/job_queue.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 2000, MANY_PHOTONS = 100000000 };
@@ -42,7 +42,7 @@ static void expect_order(struct orl_queue *queue, struct waiting *waiting, size_
                 strcat(taken, waiting[i].name);
     strcpy(told, taken);
     taken[0] = '\0';
-    for (struct orl_queue_entry *entry; (entry = orl_queue_take(queue));)
+    for (struct orl_queue_entry *entry; (entry = orl_queue_pop(queue));)
         strcat(taken, ((struct waiting *)entry)->name);
     assert_string_equal(taken, expected);
     assert_string_equal(told, expected);
@@ -107,7 +107,7 @@ static void test_coming_back_is_no_advantage(void **state)
     for (int i = 0; i < 6; i++) {
         if (!single.entry.client)
             orl_queue_add(queue, &single.entry, single.client, &err);
-        strcat(taken, ((struct waiting *)orl_queue_take(queue))->name);
+        strcat(taken, ((struct waiting *)orl_queue_pop(queue))->name);
     }
     assert_string_equal(taken, "azbzcz");
     orl_queue_free(queue);
@@ -124,9 +124,9 @@ static void test_many_clients(void **state)
         char name[32];
         snprintf(name, sizeof name, "client %d", i);
         assert_int_equal(orl_queue_add(queue, &entry, name, &err), 0);
-        assert_ptr_equal(orl_queue_take(queue), &entry);
+        assert_ptr_equal(orl_queue_pop(queue), &entry);
     }
-    assert_null(orl_queue_take(queue));
+    assert_null(orl_queue_pop(queue));
     orl_queue_free(queue);
 }
 

@@ -12,7 +12,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "health/blame.h"
+#include "health/crash_record.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 20000, MANY_PHOTONS = 100000000, SOME_PHOTONS = 2000000 };
@@ -67,16 +67,16 @@ static void test_killed_in_the_middle(void **state)
  * happened since. */
 static void forget_oom_kills(const struct daemon *daemon, uint64_t kills)
 {
-    struct orl_past past;
+    struct orl_previous_exit previous_exit;
     char path[96];
     snprintf(path, sizeof path, "%s/oriel.running", daemon->root);
     FILE *page = fopen(path, "r+");
     assert_non_null(page);
-    assert_int_equal(fread(&past, sizeof past, 1, page), 1);
-    assert_true(past.oom_kills != UINT64_MAX);
-    past.oom_kills -= kills;
+    assert_int_equal(fread(&previous_exit, sizeof previous_exit, 1, page), 1);
+    assert_true(previous_exit.oom_kills != UINT64_MAX);
+    previous_exit.oom_kills -= kills;
     rewind(page);
-    assert_int_equal(fwrite(&past, sizeof past, 1, page), 1);
+    assert_int_equal(fwrite(&previous_exit, sizeof previous_exit, 1, page), 1);
     fclose(page);
 }
 

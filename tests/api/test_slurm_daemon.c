@@ -97,7 +97,7 @@ static int count_in_log(const struct parted_daemon *f, const char *const words[3
     return n;
 }
 
-/* A job's progress advances while its one wave runs; and each part has log lines that lead a
+/* A job's progress advances while its one round runs; and each part has log lines that lead a
  * cluster's user to its task. */
 static void test_a_wave_moves(void **state)
 {

@@ -16,15 +16,15 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "support/cluster.h"
 #include "support/parted_daemon.h"
 #include "support/patience.h"
 
-/* Counts the parts of the current wave. */
+/* Counts the parts of the current round. */
 static int count_parts(const struct parted_daemon *f, const char *path)
 {
-    char folder[256], wave[256] = "";
+    char folder[256], round[256] = "";
     int n = 0;
     snprintf(folder, sizeof folder, "%s/%s", f->shared, path + strlen("/v1/jobs/"));
     for (int pass = 0; pass < 2; pass++) {
@@ -33,26 +33,27 @@ static int count_parts(const struct parted_daemon *f, const char *path)
         for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
             const char *ending = strrchr(entry->d_name, '.');
             if (pass == 0 && ending && strcmp(ending, ".wave") == 0)
-                snprintf(wave, sizeof wave, "%.*s-", (int)(ending - entry->d_name), entry->d_name);
+                snprintf(round, sizeof round, "%.*s-", (int)(ending - entry->d_name),
+                         entry->d_name);
             n += pass == 1 && ending && strcmp(ending, ".json") == 0 &&
-                 strncmp(entry->d_name, wave, strlen(wave)) == 0;
+                 strncmp(entry->d_name, round, strlen(round)) == 0;
         }
         closedir(entries);
     }
-    assert_true(*wave && n > 0);
+    assert_true(*round && n > 0);
     return n;
 }
 
-/* Asserts that no part ran twice: those of the wave that was running at the restart keep their
- * tasks. If that wave had ended, no parts were left. */
+/* Asserts that no part ran twice: those of the round that was running at the restart keep their
+ * tasks. If that round had ended, no parts were left. */
 static void assert_nothing_twice(struct parted_daemon *f, const char *path, int tasks_then,
-                                 int wave)
+                                 int round)
 {
     struct reply reply;
     daemon_get(&f->daemon, path, &reply);
     assert_true(reply_number(&reply, "runner.parts.again") == 0);
     const int done = (int)reply_number(&reply, "runner.parts.done");
-    assert_int_equal(cluster_tasks_ever(), done > 0 ? tasks_then + done - wave : tasks_then);
+    assert_int_equal(cluster_tasks_ever(), done > 0 ? tasks_then + done - round : tasks_then);
     reply_done(&reply);
 }
 
@@ -65,10 +66,10 @@ static void test_the_daemon_is_killed(void **state)
     cluster_wait_for_tasks();
     daemon_end(&f->daemon, SIGKILL);
     cluster_rest(0.5);
-    const int tasks = cluster_tasks_ever(), wave = count_parts(f, path);
+    const int tasks = cluster_tasks_ever(), round = count_parts(f, path);
     parted_restart(f);
     parted_wait_resumed(f, path);
-    assert_nothing_twice(f, path, tasks, wave);
+    assert_nothing_twice(f, path, tasks, round);
     parted_compare_daemons(f, parted_middle, path);
 }
 

@@ -204,7 +204,7 @@ static void test_sizes(void **state)
     }
 }
 
-static void test_shelf_sizes(void **state)
+static void test_memory_cache_sizes(void **state)
 {
     static const struct {
         char text[32];
@@ -216,12 +216,12 @@ static void test_shelf_sizes(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char program[] = "orield", name[] = "--shelf", text[32];
         char *argv[] = {program, name, text, NULL};
-        struct orl_config config = {.shelf_bytes = 0};
+        struct orl_config config = {.memory_cache_bytes = 0};
         struct orl_error err;
         enum orl_config_action action;
         memcpy(text, cases[i].text, sizeof text);
         assert_int_equal(orl_config_parse(3, argv, &config, &action, &err), cases[i].rc);
-        assert_true(config.shelf_bytes == cases[i].bytes);
+        assert_true(config.memory_cache_bytes == cases[i].bytes);
     }
 }
 
@@ -245,7 +245,7 @@ int main(void)
         EACH(test_queue_of_results),
         EACH(test_too_large),
         cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_shelf_sizes),
+        cmocka_unit_test(test_memory_cache_sizes),
         EACH(test_budget_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

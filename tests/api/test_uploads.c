@@ -13,8 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "store/mapped_file.h"
-#include "store/scene_bundle.h"
+#include "store/files/mapped_file.h"
+#include "store/files/scene_bundle.h"
 #include "support/daemon.h"
 #include "support/patience.h"
 

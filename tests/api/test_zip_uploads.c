@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 #include "support/daemon.h"
 #include "support/zip.h"

@@ -172,7 +172,7 @@ int main(void)
     setvbuf(stdout, NULL, _IOLBF, 0);
     annual_open(&bench);
     const double rate =
-        office_rate(&bench.office, bench.crew, (int)bench_number("ORIEL_ANNUAL_RUNS", 3));
+        office_rate(&bench.office, bench.pool, (int)bench_number("ORIEL_ANNUAL_RUNS", 3));
     snprintf(path, sizeof path, "%s/annual.json", bench_build());
     FILE *json = fopen(path, "w");
     if (!json)

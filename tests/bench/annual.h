@@ -7,8 +7,8 @@
 
 #include <stdio.h>
 
-#include <oriel/annual.h>
-#include <oriel/annual_glare.h>
+#include <oriel/annual/annual.h>
+#include <oriel/annual/annual_glare.h>
 
 #include "bench/office.h"
 
@@ -29,7 +29,7 @@ struct annual_bench {
     struct orl_files files; /* the office's files and the weather file */
     struct orl_file weather;
     struct orl_sensor *sensors;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     struct annual_truth truth;
 };
 
@@ -67,8 +67,8 @@ void annual_need_truth(struct annual_bench *bench, const struct orl_annual_resul
 /* Writes backward's results into the build folder for annual_radiance.py: those of the sensors
  * (after annual_need_truth), and those of a viewpoint's pictures. */
 void annual_tell_hours(const struct annual_bench *bench, double rate);
-void annual_tell_seat(const struct annual_bench *bench, const struct orl_seat *seat,
-                      const struct annual_truth *hours, const double *dgp);
+void annual_write_viewpoint(const struct annual_bench *bench, const struct orl_viewpoint *viewpoint,
+                            const struct annual_truth *hours, const double *dgp);
 
 /* Compares DGP over the year with pictures; prints a row for each viewpoint (annual_glare.c). json:
  * an open list; *first: true while it is empty. */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/checksum.h"
+#include "base/io/checksum.h"
 #include "run/stages.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
@@ -83,10 +83,10 @@ void annual_open(struct annual_bench *bench)
     const char *path = getenv("ORIEL_ANNUAL_WEATHER");
     struct orl_error err = {0};
     size_t size = 0, n = 0;
-    *bench = (struct annual_bench){.crew = orl_crew_start(1)};
+    *bench = (struct annual_bench){.pool = orl_thread_pool_start(1)};
     office_open(&bench->office, NULL);
     bench->files = (struct orl_files){
-        .ctx = bench, .open = open_file, .close = close_file, .passed = orl_files_let_go};
+        .ctx = bench, .open = open_file, .close = close_file, .passed = orl_files_release_pages};
     bench->weather.data = path ? read_year(path, &size) : make_year(&size);
     bench->weather.size = size;
     if (orl_sensors_load(&bench->files, office_sensors, NULL, &bench->sensors, &n, &err) < 0 ||
@@ -99,7 +99,7 @@ void annual_close(struct annual_bench *bench)
     free((char *)(uintptr_t)bench->weather.data);
     free(bench->sensors);
     annual_forget_truth(bench);
-    orl_crew_stop(bench->crew);
+    orl_thread_pool_stop(bench->pool);
     office_close(&bench->office);
 }
 
@@ -122,7 +122,7 @@ struct orl_annual_request annual_request(const struct annual_bench *bench, uint3
 struct orl_run_env annual_run_env(struct annual_bench *bench, const struct orl_map_store *store)
 {
     return (struct orl_run_env){
-        .crew = bench->crew, .files = &bench->files, .store = store, .now_s = bench_own_s};
+        .pool = bench->pool, .files = &bench->files, .store = store, .now_s = bench_own_s};
 }
 
 double annual_run(struct annual_bench *bench, uint32_t samples, struct orl_annual_result *ret_year)
@@ -164,7 +164,7 @@ void annual_run_job(struct annual_bench *bench, const struct orl_job *job,
                     struct orl_result *ret_result)
 {
     const struct bench_env env = {.files = &bench->files,
-                                  .crew = bench->crew,
+                                  .pool = bench->pool,
                                   .maps = bench->office.folder,
                                   .output = bench->office.folder,
                                   .now_s = bench_own_s};

@@ -57,12 +57,13 @@ void annual_tell_hours(const struct annual_bench *bench, double rate)
     fclose(file);
 }
 
-void annual_tell_seat(const struct annual_bench *bench, const struct orl_seat *seat,
-                      const struct annual_truth *hours, const double *dgp)
+void annual_write_viewpoint(const struct annual_bench *bench, const struct orl_viewpoint *viewpoint,
+                            const struct annual_truth *hours, const double *dgp)
 {
-    FILE *file = open_told(bench, seat->name);
-    fprintf(file, "{\"seat\": [%.9g, %.9g, %.9g, %.9g, %.9g, %.9g], \"rows\": [", seat->at.x,
-            seat->at.y, seat->at.z, seat->towards.x, seat->towards.y, seat->towards.z);
+    FILE *file = open_told(bench, viewpoint->name);
+    fprintf(file, "{\"seat\": [%.9g, %.9g, %.9g, %.9g, %.9g, %.9g], \"rows\": [", viewpoint->at.x,
+            viewpoint->at.y, viewpoint->at.z, viewpoint->towards.x, viewpoint->towards.y,
+            viewpoint->towards.z);
     for (size_t h = 0; h < hours->n_hours; h++)
         fprintf(file, "%s%zu", h ? ", " : "", hours->steps[h]);
     fprintf(file, "]");

@@ -192,10 +192,10 @@ void bench_run(const struct bench_env *env, const struct orl_job *job,
     atomic_bool cancel = false;
     snprintf(folder.folder, sizeof folder.folder, "%s", env->maps);
     const struct orl_map_store store = orl_map_store_in_folder(&folder);
-    const struct orl_run_env run = {.crew = env->crew,
+    const struct orl_run_env run = {.pool = env->pool,
                                     .files = env->files,
                                     .store = &store,
-                                    .shelf = env->shelf,
+                                    .memory_cache = env->memory_cache,
                                     .output_folder = env->output,
                                     .cancel = &cancel,
                                     .now_s = env->now_s,

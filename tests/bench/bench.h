@@ -7,7 +7,7 @@
 #ifndef ORL_TESTS_BENCH_BENCH_H
 #define ORL_TESTS_BENCH_BENCH_H
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "scene/geometry/geometry.h"
 
@@ -25,11 +25,11 @@ double bench_own_s(void *ctx);
 /*
  * Processor time that a crew's work takes on an idle machine: the lead's time outside the crew's
  * loops, plus an even share per member of all work in these loops. Excludes waits at the end of a
- * loop and for disks. The program must be linked with orl_crew_for and orl_crew_try wrapped
+ * loop and for disks. The program must be linked with orl_parallel_for and orl_parallel_try wrapped
  * (crew_clock.c).
  */
-double bench_crew_s(void *ctx);
-void bench_set_crew(uint32_t members);
+double bench_pool_s(void *ctx);
+void bench_set_pool(uint32_t members);
 
 /* Reorders values. */
 double bench_median(double *values, int n);
@@ -79,10 +79,10 @@ double bench_peak_bytes(void);
 /* Environment in which jobs run. */
 struct bench_env {
     const struct orl_files *files;
-    struct orl_crew *crew;
-    const char *maps;        /* folder of photon maps, created if it is missing */
-    const char *output;      /* folder of images */
-    struct orl_shelf *shelf; /* shared by successive jobs; or NULL */
+    struct orl_thread_pool *pool;
+    const char *maps;                      /* folder of photon maps, created if it is missing */
+    const char *output;                    /* folder of images */
+    struct orl_memory_cache *memory_cache; /* shared by successive jobs; or NULL */
     double (*now_s)(void *ctx);
     /* Callback of orl_run_env; NULL: none. ctx is passed to both callbacks. */
     void (*view_ready)(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
@@ -95,6 +95,7 @@ void bench_run(const struct bench_env *env, const struct orl_job *job,
 
 /* Returns single incoherent rays per second that Embree alone traces, distributed like light, on
  * all crew members at once. The sum over members of each one's median of runs, by bench_own_s. */
-double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs);
+double bench_embree_rate(const struct orl_geometry *geometry, struct orl_thread_pool *pool,
+                         int runs);
 
 #endif

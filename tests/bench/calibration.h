@@ -10,7 +10,7 @@
  *
  * The reference of a scene is a closed form, or the mean of several long runs of backward with
  * separate seeds, whose spread gives its standard error. Errors are relative, over max(r, 0.1 % of
- * the mean reference), as in oriel/study.h.
+ * the mean reference), as in oriel/job/study.h.
  */
 #ifndef ORL_TESTS_BENCH_CALIBRATION_H
 #define ORL_TESTS_BENCH_CALIBRATION_H
@@ -55,7 +55,7 @@ struct calibration {
     struct orl_files of_texts[2];
     struct calibration_scene scenes[CALIBRATION_SCENES];
     uint64_t wanted; /* bit i: scene i */
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     char output[BENCH_PATH], maps[BENCH_PATH + 8];
 };
 

@@ -96,14 +96,14 @@ void calibration_open(struct calibration *c)
     memcpy(c->scenes, scenes, sizeof scenes);
     bench_make_folder(c->output);
     snprintf(c->maps, sizeof c->maps, "%s/maps", c->output);
-    c->crew = orl_crew_start(c->knobs.threads);
-    if (!c->crew)
+    c->pool = orl_thread_pool_start(c->knobs.threads);
+    if (!c->pool)
         bench_fail("out of memory", NULL);
 }
 
 void calibration_close(struct calibration *c)
 {
-    orl_crew_stop(c->crew);
+    orl_thread_pool_stop(c->pool);
     bench_remove_folder(c->output);
     office_close(&c->office);
 }
@@ -161,7 +161,7 @@ void calibration_run(const struct calibration *c, const struct calibration_scene
 {
     const bool by_cpu = c->knobs.by_cpu && !(job->goal.deadline_s > 0);
     const struct bench_env env = {.files = scene->files,
-                                  .crew = c->crew,
+                                  .pool = c->pool,
                                   .maps = c->maps,
                                   .output = c->output,
                                   .now_s = by_cpu ? bench_cpu_s : bench_wall_s,

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <oriel/units.h>
-#include <oriel/vec.h>
+#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "bench/bench.h"
 #include "support/hdr.h"

@@ -14,32 +14,32 @@ static double read_clock(clockid_t clock)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void __real_orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
-int __real_orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
-void __wrap_orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
-int __wrap_orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg);
+void __real_orl_crew_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
+int __real_orl_crew_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
+void __wrap_orl_crew_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
+int __wrap_orl_crew_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
 
-void __wrap_orl_crew_for(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
+void __wrap_orl_crew_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg)
 {
     const double started = read_clock(CLOCK_THREAD_CPUTIME_ID);
-    __real_orl_crew_for(crew, count, body, arg);
+    __real_orl_crew_for(pool, count, body, arg);
     in_loops_s += read_clock(CLOCK_THREAD_CPUTIME_ID) - started;
 }
 
-int __wrap_orl_crew_try(struct orl_crew *crew, size_t count, orl_crew_body body, void *arg)
+int __wrap_orl_crew_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg)
 {
     const double started = read_clock(CLOCK_THREAD_CPUTIME_ID);
-    const int code = __real_orl_crew_try(crew, count, body, arg);
+    const int code = __real_orl_crew_try(pool, count, body, arg);
     in_loops_s += read_clock(CLOCK_THREAD_CPUTIME_ID) - started;
     return code;
 }
 
-void bench_set_crew(uint32_t members)
+void bench_set_pool(uint32_t members)
 {
     crew_members = members;
 }
 
-double bench_crew_s(void *ctx)
+double bench_pool_s(void *ctx)
 {
     const double alone = read_clock(CLOCK_THREAD_CPUTIME_ID) - in_loops_s;
     return alone + (bench_cpu_s(ctx) - alone) / crew_members;

@@ -11,11 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <oriel/eta.h>
-#include <oriel/skies.h>
+#include <oriel/base/eta.h>
+#include <oriel/job/skies.h>
 
 #include "bench/bench.h"
-#include "task_json.h"
+#include "job/job_request_json.h"
 
 struct course {
     double started_s, polled_s, fraction;
@@ -44,7 +44,7 @@ static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, 
     struct course *course = ctx;
     const double now = own_s(course);
     poll_until(course, now);
-    orl_eta_take(&course->eta, left_s, now);
+    orl_eta_update(&course->eta, left_s, now);
     course->fraction = job_fraction;
     printf("report %.4f %s %.5f %.6f %.5f\n", now - course->started_s, orl_stage_name(stage),
            stage_fraction, job_fraction, left_s);
@@ -57,21 +57,21 @@ static int on_sky_done(void *ctx, size_t index, const struct orl_result *result,
     return 0;
 }
 
-static struct orl_task read_task(const char *folder)
+static struct orl_job_request read_job_request(const char *folder)
 {
     char path[BENCH_PATH];
     struct orl_error err = {0};
-    struct orl_task task;
+    struct orl_job_request job_request;
     snprintf(path, sizeof path, "%s/job.json", folder);
     json_t *doc = json_load_file(path, 0, NULL);
-    if (!doc || orl_task_from_json(doc, ORL_JOB_LOCAL, &task, NULL, &err) < 0)
+    if (!doc || orl_job_request_from_json(doc, ORL_JOB_LOCAL, &job_request, NULL, &err) < 0)
         bench_fail(path, &err);
     json_decref(doc);
-    return task;
+    return job_request;
 }
 
 static int tell_curve(void *ctx, const char *sky, const struct orl_result *planned,
-                      const struct orl_curve *curve, struct orl_error *err)
+                      const struct orl_accuracy_curve *curve, struct orl_error *err)
 {
     struct course *course = ctx;
     (void)sky, (void)planned, (void)err;
@@ -87,7 +87,7 @@ int main(int argc, char **argv)
     const long threads = argc > 2 ? strtol(argv[2], NULL, 10) : 1;
     if (argc < 2 || threads < 1)
         return 2;
-    struct orl_task task = read_task(argv[1]);
+    struct orl_job_request job_request = read_job_request(argv[1]);
     struct course course = {.threads = (uint32_t)threads};
     course.started_s = course.polled_s = own_s(&course);
     struct orl_folder_store maps;
@@ -100,7 +100,7 @@ int main(int argc, char **argv)
     const struct orl_map_store store = orl_map_store_in_folder(&maps);
     const struct orl_files files = orl_files_from_folder(argv[1]);
     const struct orl_skies_env skies = {.done = on_sky_done};
-    const struct orl_run_env env = {.crew = orl_crew_start(course.threads),
+    const struct orl_run_env env = {.pool = orl_thread_pool_start(course.threads),
                                     .files = &files,
                                     .store = &store,
                                     .output_folder = output,
@@ -108,7 +108,7 @@ int main(int argc, char **argv)
                                     .now_s = own_s,
                                     .progress = on_progress,
                                     .ctx = &course};
-    const struct orl_job *job = &task.of.render;
+    const struct orl_job *job = &job_request.of.render;
     struct orl_run_env quiet = env;
     quiet.progress = NULL;
     if (argc > 3 && orl_plan_skies(job, &quiet, 1, tell_curve, &course, &err) < 0)
@@ -123,8 +123,8 @@ int main(int argc, char **argv)
     if (result.outcome.asked)
         fprintf(stderr, "%s\n", result.outcome.why);
     orl_result_done(&result);
-    orl_crew_stop(env.crew);
-    orl_task_done(&task);
+    orl_thread_pool_stop(env.pool);
+    orl_job_request_done(&job_request);
     bench_remove_folder(output);
     return 0;
 }

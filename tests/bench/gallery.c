@@ -17,7 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 #include "bench/canvas.h"
 #include "bench/compare.h"
@@ -62,7 +62,7 @@ struct picture {
 
 struct gallery {
     struct office office;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     char folder[BENCH_PATH];
     uint32_t samples; /* samples per pixel of each half of the reference */
     FILE *index;
@@ -88,7 +88,7 @@ static struct picture render(const struct gallery *g, const struct scene *s, cha
     struct orl_job job;
     snprintf(maps, sizeof maps, "%s/maps", g->office.folder);
     const struct bench_env env = {.files = s->file ? &folder : &g->office.files,
-                                  .crew = g->crew,
+                                  .pool = g->pool,
                                   .maps = maps,
                                   .output = g->folder,
                                   .now_s = bench_wall_s};
@@ -242,8 +242,8 @@ int main(void)
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     const char *only = getenv("ORIEL_GALLERY_SCENE");
     g.samples = (uint32_t)bench_number("ORIEL_GALLERY_SAMPLES", 24);
-    g.crew = orl_crew_start(cores > 1 ? (uint32_t)cores : 1);
-    if (!g.crew)
+    g.pool = orl_thread_pool_start(cores > 1 ? (uint32_t)cores : 1);
+    if (!g.pool)
         bench_fail("out of memory", NULL);
     setvbuf(stdout, NULL, _IOLBF, 0);
     snprintf(g.folder, sizeof g.folder, "%s/gallery", bench_build());
@@ -256,7 +256,7 @@ int main(void)
     if (fclose(g.index) != 0)
         bench_fail("cannot write the gallery's index", NULL);
     office_close(&g.office);
-    orl_crew_stop(g.crew);
+    orl_thread_pool_stop(g.pool);
     printf("%s/index.html\n", g.folder);
     return 0;
 }

@@ -55,15 +55,15 @@ enum { JOBS = sizeof jobs / sizeof *jobs };
 
 static void run_request(const struct office *office, void (*ask)(struct orl_job *job))
 {
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     char maps[BENCH_PATH + 8];
     struct orl_result result;
     struct orl_job job;
-    if (!crew)
+    if (!pool)
         bench_fail("out of memory", NULL);
     snprintf(maps, sizeof maps, "%s/maps", office->folder);
     const struct bench_env env = {.files = &office->files,
-                                  .crew = crew,
+                                  .pool = pool,
                                   .maps = maps,
                                   .output = office->folder,
                                   .now_s = bench_wall_s};
@@ -72,7 +72,7 @@ static void run_request(const struct office *office, void (*ask)(struct orl_job 
     bench_run(&env, &job, &result);
     orl_result_done(&result);
     bench_remove_folder(maps);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 int main(int argc, char **argv)

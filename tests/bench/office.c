@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "light/scene.h"
+#include "scene/built/scene.h"
 #include "scene/parse/parse.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
@@ -52,9 +52,10 @@ void office_make_panel(int resolution, char ret_path[BENCH_PATH])
 
 void office_open(struct office *office, const char *of_panel)
 {
-    *office = (struct office){
-        .files = {
-            .ctx = office, .open = open_file, .close = close_file, .passed = orl_files_let_go}};
+    *office = (struct office){.files = {.ctx = office,
+                                        .open = open_file,
+                                        .close = close_file,
+                                        .passed = orl_files_release_pages}};
     bench_make_folder(office->folder);
     if (of_panel)
         snprintf(office->panel, sizeof office->panel, "%s", of_panel);
@@ -107,17 +108,17 @@ void office_job(struct orl_job *ret_job)
 
 static void load_scene(struct office *office)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     if (orl_scene_parse((const char *const *)(uintptr_t)office_names, OFFICE_FILES, &office->files,
-                        &description, &err) < 0 ||
-        orl_scene_new(&description, &office->scene, &err) < 0)
+                        &parsed_scene, &err) < 0 ||
+        orl_scene_new(&parsed_scene, &office->scene, &err) < 0)
         bench_fail("loading the office", &err);
 }
 
-double office_rate(struct office *office, struct orl_crew *crew, int runs)
+double office_rate(struct office *office, struct orl_thread_pool *pool, int runs)
 {
     if (!office->scene)
         load_scene(office);
-    return bench_embree_rate(office->scene->geometry, crew, runs);
+    return bench_embree_rate(office->scene->geometry, pool, runs);
 }

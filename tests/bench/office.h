@@ -40,6 +40,6 @@ void office_close(struct office *office); /* removes its folder */
 void office_job(struct orl_job *ret_job);
 
 /* Returns bench_embree_rate in the office. */
-double office_rate(struct office *office, struct orl_crew *crew, int runs);
+double office_rate(struct office *office, struct orl_thread_pool *pool, int runs);
 
 #endif

@@ -21,7 +21,7 @@
 #include <sys/stat.h>
 
 #include <cmocka.h>
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "support/brute.h"
 #include "support/path_cells.h"
@@ -79,7 +79,7 @@ static void compare_result(const struct orl_result *result, const struct brute_v
 
 /* Reads the truths of a cell from the build folder, or computes and stores them, under the digest
  * of the scene's text and the number of paths. */
-static void find_truth(const struct cell *cell, uint64_t paths, struct orl_crew *crew,
+static void find_truth(const struct cell *cell, uint64_t paths, struct orl_thread_pool *pool,
                        struct brute_value truth[PATH_SENSORS])
 {
     const char *const build = getenv("ORIEL_BUILD");
@@ -103,9 +103,10 @@ static void find_truth(const struct cell *cell, uint64_t paths, struct orl_crew 
         fclose(file);
     if (found == PATH_SENSORS)
         return;
-    struct orl_world *const world = scene_world(cell->text, "pane.xml", path_pane(), NULL);
-    brute_sensors(world, cell->sensors, PATH_SENSORS, paths, crew, truth);
-    orl_world_free(world);
+    struct orl_lit_scene *const lit_scene =
+        build_lit_scene(cell->text, "pane.xml", path_pane(), NULL);
+    brute_sensors(lit_scene, cell->sensors, PATH_SENSORS, paths, pool, truth);
+    orl_lit_scene_free(lit_scene);
     file = fopen(path, "wb");
     if (!file)
         return;
@@ -151,11 +152,11 @@ static void run_cell(const struct cell *cell, const struct brute_value *truth, u
 /* Prints a cell's line: the truth of its first sensor, the largest error of truths, and each
  * technique's outcome. */
 static void print_cell(const struct cell *cell, uint64_t paths, uint64_t seeds,
-                       struct orl_crew *crew, struct tally tallies[TECHNIQUES])
+                       struct orl_thread_pool *pool, struct tally tallies[TECHNIQUES])
 {
     struct brute_value truth[PATH_SENSORS];
     double error = 0;
-    find_truth(cell, paths, crew, truth);
+    find_truth(cell, paths, pool, truth);
     if (getenv("ORIEL_PATHS_TEXT"))
         printf("%s", cell->text);
     for (size_t i = 0; i < PATH_SENSORS; i++)
@@ -189,7 +190,7 @@ int main(int argc, char **argv)
     const char *const only = argc > 4 ? argv[4] : "";
     const size_t count = rooms ? rare_room_count() : path_chain_count() * path_source_count();
     struct tally tallies[TECHNIQUES] = {{0}};
-    struct orl_crew *const crew = orl_crew_start(2);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(2);
     static struct cell cell;
     printf("%-40s %8s %6s", "", "truth lx", "%");
     for (int t = 0; t < TECHNIQUES; t++)
@@ -197,12 +198,12 @@ int main(int argc, char **argv)
     printf("\n");
     for (size_t i = 0; i < count; i++)
         if (find_cell(rooms, i, &cell) && strstr(cell.name, only))
-            print_cell(&cell, paths, seeds, crew, tallies);
+            print_cell(&cell, paths, seeds, pool, tallies);
     for (int t = 0; t < TECHNIQUES; t++)
         printf("%-12s intervals hold %.1f %% of %zu, rms z %.2f, worst %.1f, cells off %zu\n",
                techniques[t].name, 100 * (double)tallies[t].held / (double)tallies[t].values,
                tallies[t].values, sqrt(tallies[t].squares / (double)tallies[t].values),
                tallies[t].worst, tallies[t].off);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     return 0;
 }

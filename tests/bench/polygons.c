@@ -5,7 +5,7 @@
  * It prints polygons parsed per second, by processor time and by wall time; resident bytes per
  * polygon once loaded, and at peak; and the stages of three jobs by orl_run. The first stores the
  * parsed scene, the second finds it in the memory cache, the third, in another process, reads the
- * stored scene (scene/keep/scene_bytes.h).
+ * stored scene (scene/cache/scene_cache_file.h).
  *
  * ORIEL_POLYGONS: number of polygons, 5000000. ORIEL_POLYGONS_KINDS: "shared", "apart".
  */
@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "bench/bench.h"
-#include "light/scene.h"
+#include "scene/built/scene.h"
 #include "scene/parse/parse.h"
 #include "support/polygons.h"
 
@@ -64,19 +64,19 @@ static void load(const struct files *files)
 {
     const struct orl_files from = orl_files_from_folder(files->folder);
     const double n = (double)files->polygons;
-    struct orl_description description;
+    struct orl_parsed_scene parsed_scene;
     struct orl_scene *scene = NULL;
     struct orl_error err = {0};
-    struct orl_crew *const crew = orl_crew_start(2);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(2);
     const double empty = (double)polygons_resident_bytes();
     const double wall = bench_wall_s(NULL), cpu = bench_cpu_s(NULL);
-    if (orl_scene_parse(files->list, files->n, &from, &description, &err) < 0)
+    if (orl_scene_parse(files->list, files->n, &from, &parsed_scene, &err) < 0)
         bench_fail("parsing", &err);
     const double parsed_wall = bench_wall_s(NULL), parsed_cpu = bench_cpu_s(NULL);
     const double described = (double)polygons_resident_bytes();
-    if (orl_scene_new(&description, &scene, &err) < 0)
+    if (orl_scene_new(&parsed_scene, &scene, &err) < 0)
         bench_fail("building", &err);
-    if (orl_scene_find_ports(scene, crew, &err) < 0)
+    if (orl_scene_find_ports(scene, pool, &err) < 0)
         bench_fail("finding windows", &err);
     const double built_wall = bench_wall_s(NULL), built_cpu = bench_cpu_s(NULL);
     printf("  parse         %6.2f M polygons/s by the clock, %.2f by processor time\n",
@@ -88,7 +88,7 @@ static void load(const struct files *files)
            bytes / n, (described - empty) / n, (bench_peak_bytes() - empty) / n);
     printf("  thought       %6.1f bytes a polygon\n", (double)orl_scene_bytes(scene) / n);
     orl_scene_release(scene);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* ---- In jobs --------------------------------------------------------------------------------- */
@@ -121,15 +121,15 @@ static void run_job(const struct files *files, const struct orl_run_env *env, co
 static void run_some(const struct files *files, const char *const *which, size_t n)
 {
     const struct orl_files from = orl_files_from_folder(files->folder);
-    struct orl_crew *const crew = orl_crew_start(2);
-    struct orl_shelf *const shelf = orl_shelf_new(UINT64_MAX);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(2);
+    struct orl_memory_cache *const memory_cache = orl_memory_cache_new(UINT64_MAX);
     struct orl_folder_store kept;
     const struct orl_map_store store = orl_map_store_in_folder(&kept);
     atomic_bool cancel = false;
-    const struct orl_run_env env = {.crew = crew,
+    const struct orl_run_env env = {.pool = pool,
                                     .files = &from,
                                     .store = &store,
-                                    .shelf = shelf,
+                                    .memory_cache = memory_cache,
                                     .files_id = "polygons",
                                     .output_folder = files->folder,
                                     .cancel = &cancel,
@@ -137,8 +137,8 @@ static void run_some(const struct files *files, const char *const *which, size_t
     snprintf(kept.folder, sizeof kept.folder, "%s/kept", files->folder);
     for (size_t i = 0; i < n; i++)
         run_job(files, &env, which[i]);
-    orl_shelf_free(shelf);
-    orl_crew_stop(crew);
+    orl_memory_cache_free(memory_cache);
+    orl_thread_pool_stop(pool);
 }
 
 static void run_jobs(const struct files *files)

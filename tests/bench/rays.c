@@ -25,14 +25,16 @@ static void measure_member(void *arg, size_t index, uint32_t member)
     m->rates[index] = orl_ray_rate(m->geometry, 1 << 19, m->runs, NULL, bench_own_s, NULL);
 }
 
-double bench_embree_rate(const struct orl_geometry *geometry, struct orl_crew *crew, int runs)
+double bench_embree_rate(const struct orl_geometry *geometry, struct orl_thread_pool *pool,
+                         int runs)
 {
-    struct measurement m = {.geometry = geometry, .runs = runs, .members = orl_crew_size(crew)};
-    const uint32_t members = orl_crew_size(crew);
+    struct measurement m = {
+        .geometry = geometry, .runs = runs, .members = orl_thread_pool_size(pool)};
+    const uint32_t members = orl_thread_pool_size(pool);
     double rate = 0;
     if (members > BENCH_MOST_THREADS)
         bench_fail("too many threads", NULL);
-    orl_crew_for(crew, members, measure_member, &m);
+    orl_parallel_for(pool, members, measure_member, &m);
     for (uint32_t i = 0; i < members; i++)
         rate += m.rates[i];
     if (!isfinite(rate))

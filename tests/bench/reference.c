@@ -28,16 +28,16 @@ static void render_half(const void *ctx, uint64_t seed, double *ret_values)
                                     .width = reference->width,
                                     .height = reference->height};
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    struct orl_crew *crew = orl_crew_start(cores > 1 ? (uint32_t)cores : 1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(cores > 1 ? (uint32_t)cores : 1);
     char maps[BENCH_PATH + 16], image[BENCH_PATH + 32];
     struct orl_result r;
     struct orl_job job;
-    if (!crew)
+    if (!pool)
         bench_fail("out of memory", NULL);
     snprintf(maps, sizeof maps, "%s/maps", office->folder);
     snprintf(image, sizeof image, "%s/%s.hdr", office->folder, view_name);
     const struct bench_env env = {.files = &office->files,
-                                  .crew = crew,
+                                  .pool = pool,
                                   .maps = maps,
                                   .output = office->folder,
                                   .now_s = bench_wall_s};
@@ -58,7 +58,7 @@ static void render_half(const void *ctx, uint64_t seed, double *ret_values)
     }
     orl_result_done(&r);
     bench_remove_folder(maps);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* The digest of the scene also depends on the panel. */

@@ -11,7 +11,7 @@ static char view_text[] = OFFICE_VIEW, view_name[] = "scale";
 
 struct child {
     struct office office;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     uint64_t photons;
     const char *maps;
 };
@@ -19,12 +19,13 @@ struct child {
 static void run_job(struct child *c, struct orl_job *job, struct orl_result *ret_result)
 {
     const struct bench_env env = {.files = &c->office.files,
-                                  .crew = c->crew,
+                                  .pool = c->pool,
                                   .maps = c->maps,
                                   .output = c->office.folder,
-                                  .now_s = bench_crew_s};
+                                  .now_s = bench_pool_s};
     job->photons_global = c->photons;
-    job->wishes[ORL_EFFECT_CAUSTICS_MIRROR] = job->wishes[ORL_EFFECT_CAUSTICS_BSDF] = ORL_WISH_SKIP;
+    job->overrides[ORL_EFFECT_CAUSTICS_MIRROR] = job->overrides[ORL_EFFECT_CAUSTICS_BSDF] =
+        ORL_OVERRIDE_SKIP;
     bench_run(&env, job, ret_result);
 }
 
@@ -33,7 +34,7 @@ static void build(struct child *c)
     struct orl_sensor sensor = {{1, 3, 1}, {0, 0, 1}};
     struct orl_result r;
     struct orl_job job;
-    const double rate = office_rate(&c->office, c->crew, 3);
+    const double rate = office_rate(&c->office, c->pool, 3);
     office_job(&job);
     job.sensors = &sensor;
     job.n_sensors = 1;
@@ -79,15 +80,15 @@ int scale_child(int argc, char **argv)
     office_open(&c.office, argv[1]);
     c.maps = argv[2];
     c.photons = strtoull(argv[3], NULL, 10);
-    c.crew = orl_crew_start(renders ? 1 : (uint32_t)strtoul(argv[4], NULL, 10));
-    if (!c.crew)
+    c.pool = orl_thread_pool_start(renders ? 1 : (uint32_t)strtoul(argv[4], NULL, 10));
+    if (!c.pool)
         bench_fail("out of memory", NULL);
-    bench_set_crew(orl_crew_size(c.crew));
+    bench_set_pool(orl_thread_pool_size(c.pool));
     if (renders)
         render(&c, strtod(argv[4], NULL), argv[5], argv[6]);
     else
         build(&c);
-    orl_crew_stop(c.crew);
+    orl_thread_pool_stop(c.pool);
     office_close(&c.office);
     return 0;
 }
@@ -119,11 +120,11 @@ static double run_child(const struct office *office, const char *const *argv, do
 void scale_build(const struct office *office, const char *maps, uint64_t photons, uint32_t threads,
                  struct scale_build *ret_build)
 {
-    char count[32], crew[16];
+    char count[32], pool[16];
     double numbers[4];
     snprintf(count, sizeof count, "%llu", (unsigned long long)photons);
-    snprintf(crew, sizeof crew, "%u", threads);
-    const char *const argv[] = {"/proc/self/exe", "build", office->panel, maps, count, crew, NULL};
+    snprintf(pool, sizeof pool, "%u", threads);
+    const char *const argv[] = {"/proc/self/exe", "build", office->panel, maps, count, pool, NULL};
     const double peak = run_child(office, argv, numbers, 4, "");
     *ret_build = (struct scale_build){numbers[0], numbers[1], numbers[2], numbers[3], peak};
 }

@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "bench/scale.h"
-#include "photon/density/search.h"
-#include "photon/map/facing.h"
+#include "photon/density/density_search.h"
+#include "photon/map/normal_code.h"
 
 enum { NEIGHBOURS = 50, QUERIES = 40000 };
 

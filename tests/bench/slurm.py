@@ -19,7 +19,7 @@ NODES = (1, 4, 16, 64, 256, 1000)
 LEAD_THREADS = 4      # of the run that puts all together
 SHARED_MB_S = 200     # that a shared folder gives one reader
 WAVE_S = 2            # that a wave takes beside its parts at the least, where slurmctld is busy
-BLOCKS, LEAST_BLOCK = 2000, 8  # core/annual/rows/shared_blocks.c
+BLOCKS, LEAST_BLOCK = 2000, 8  # core/annual/coefficients/chunk_tasks.c
 LENGTH, WIDTH, HEIGHT = 80.0, 25.0, 3.2
 
 

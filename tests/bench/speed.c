@@ -76,18 +76,18 @@ struct speed_fact *speed_add_fact(struct speed *speed, const char *key, const ch
 static void set_threads(struct speed *speed, int at)
 {
     const uint32_t threads = (uint32_t)speed->threads.values[at];
-    speed->crew = speed->crews[at];
-    speed->now_s = bench_crew_s;
-    bench_set_crew(threads);
+    speed->pool = speed->pools[at];
+    speed->now_s = bench_pool_s;
+    bench_set_pool(threads);
 }
 
 /* Runs a row's work once; measures the ray rate before and after it. */
 static struct speed_figure run_once(struct speed *speed, enum speed_row_id id, int run, int at)
 {
     set_threads(speed, at);
-    const double before = office_rate(&speed->office, speed->crew, 3);
+    const double before = office_rate(&speed->office, speed->pool, 3);
     const double seconds = speed_work(speed, id, (uint64_t)run + 1, at == 0 ? run : -1);
-    const double rate = 0.5 * (before + office_rate(&speed->office, speed->crew, 3));
+    const double rate = 0.5 * (before + office_rate(&speed->office, speed->pool, 3));
     return (struct speed_figure){seconds, rate, seconds * rate};
 }
 
@@ -125,8 +125,8 @@ static void measure_row(struct speed *speed, enum speed_row_id id)
 static void measure_all(struct speed *speed)
 {
     for (int at = 0; at < speed->threads.n; at++) {
-        speed->crews[at] = orl_crew_start((uint32_t)speed->threads.values[at]);
-        if (!speed->crews[at])
+        speed->pools[at] = orl_thread_pool_start((uint32_t)speed->threads.values[at]);
+        if (!speed->pools[at])
             bench_fail("out of memory", NULL);
     }
     for (int id = 0; id < SPEED_ROWS; id++) {
@@ -150,8 +150,8 @@ static void measure_all(struct speed *speed)
     if (speed_wants("glare"))
         speed_measure_glare(speed);
     for (int at = 0; at < speed->threads.n; at++)
-        orl_crew_stop(speed->crews[at]);
-    speed->crew = NULL;
+        orl_thread_pool_stop(speed->pools[at]);
+    speed->pool = NULL;
 }
 
 static void read_knobs(struct speed *speed)

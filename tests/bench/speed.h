@@ -4,7 +4,7 @@
  * run, so that a busy or throttled machine distorts both alike, and figures are portable. Each is a
  * median of several runs.
  *
- * Times are those of an idle machine, by processor time (bench_crew_s). Radiance's rows use
+ * Times are those of an idle machine, by processor time (bench_pool_s). Radiance's rows use
  * processor time, and run once each.
  */
 #ifndef ORL_TESTS_BENCH_SPEED_H
@@ -92,9 +92,9 @@ struct speed {
     int n_facts;
     struct speed_trial trials[SPEED_TRIALS];
     int n_trials;
-    struct orl_crew *crews[SPEED_MOST_THREADS],
-        *crew;               /* crew: the one of the current number of threads */
-    struct orl_shelf *shelf; /* shared by successive jobs; or NULL */
+    struct orl_thread_pool *pools[SPEED_MOST_THREADS],
+        *pool;                             /* crew: the one of the current number of threads */
+    struct orl_memory_cache *memory_cache; /* shared by successive jobs; or NULL */
     double (*now_s)(void *ctx);
 };
 

@@ -16,13 +16,13 @@ int speed_load_bsdf(const char *panel, const char *store_folder, bool known)
     struct orl_job job;
     struct office office;
     atomic_bool cancel = false;
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     office_open(&office, panel);
     if (known)
         office_learn_digest(&office);
     snprintf(folder.folder, sizeof folder.folder, "%s", store_folder);
     const struct orl_map_store store = orl_map_store_in_folder(&folder);
-    const struct orl_run_env env = {.crew = crew,
+    const struct orl_run_env env = {.pool = pool,
                                     .files = &office.files,
                                     .store = &store,
                                     .output_folder = office.folder,
@@ -30,12 +30,12 @@ int speed_load_bsdf(const char *panel, const char *store_folder, bool known)
                                     .now_s = bench_own_s};
     office_job(&job);
     job.sensors_file = office_sensors;
-    if (!crew || orl_plan_job(&job, &env, &r, &err) < 0)
+    if (!pool || orl_plan_job(&job, &env, &r, &err) < 0)
         bench_fail("planning a job", &err);
     printf("%.6f %.0f\n", r.timings_s[ORL_STAGE_LOAD], bench_peak_bytes());
     orl_result_done(&r);
     office_close(&office);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     return 0;
 }
 

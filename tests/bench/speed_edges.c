@@ -62,7 +62,7 @@ static double render(const struct sitting *sitting, uint64_t seed, uint32_t pixe
     job.views = &view;
     job.n_views = 1;
     const struct bench_env env = {.files = sitting->files,
-                                  .crew = s->crew,
+                                  .pool = s->pool,
                                   .maps = maps,
                                   .output = s->office.folder,
                                   .now_s = s->now_s};

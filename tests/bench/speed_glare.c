@@ -44,9 +44,9 @@ static void render_glare(struct speed *s, int run, struct sightings *found)
     job.views = &view;
     job.n_views = 1;
     snprintf(maps, sizeof maps, "%s/glare", s->office.folder);
-    const double before = office_rate(&s->office, s->crew, 3);
+    const double before = office_rate(&s->office, s->pool, 3);
     speed_run(s, maps, &job, &r);
-    const double rate = 0.5 * (before + office_rate(&s->office, s->crew, 3));
+    const double rate = 0.5 * (before + office_rate(&s->office, s->pool, 3));
     const struct orl_glare_value *dgp = &r.views[0].glare->values[ORL_GLARE_DGP];
     found->seconds[run] = r.total_s;
     found->ray_times[run] = r.total_s * rate;
@@ -91,7 +91,7 @@ static void add_radiance(struct speed *s, struct speed_fact *fact, double ours)
     struct radiance radiance;
     fprintf(stderr, "  Radiance: glare\n");
     radiance_open(&radiance, &s->office, "radiance-glare");
-    const double rate = office_rate(&s->office, s->crew, 3);
+    const double rate = office_rate(&s->office, s->pool, 3);
     const struct bench_use taken =
         radiance_run(&radiance, NULL, "eye.hdr", "rpict %s -x %d -y %d -pa 0 %s office.oct", EYE,
                      SIDE, SIDE, rpict_options);

@@ -43,7 +43,7 @@ static void book(struct speed *s, enum speed_row_id row, double rate, double sec
 static double rate_now(struct speed *s, enum speed_row_id row)
 {
     fprintf(stderr, "  Radiance: %s\n", s->rows[row].name);
-    return office_rate(&s->office, s->crew, 1);
+    return office_rate(&s->office, s->pool, 1);
 }
 
 static void make_maps(struct speed *s, const struct radiance *radiance)
@@ -86,8 +86,8 @@ void speed_add_radiance(struct speed *s)
         printf("  (no %s on PATH: Radiance's figures are left out)\n", missing);
         return;
     }
-    s->crew = orl_crew_start(1);
-    if (!s->crew)
+    s->pool = orl_thread_pool_start(1);
+    if (!s->pool)
         bench_fail("out of memory", NULL);
     radiance_open(&radiance, &s->office, "radiance");
     make_maps(s, &radiance);
@@ -99,6 +99,6 @@ void speed_add_radiance(struct speed *s)
         book(s, SPEED_SENSORS_5, rate, taken.cpu_s,
              bench_compare(&s->reference.sensors, lx, 0).rms);
     }
-    orl_crew_stop(s->crew);
-    s->crew = NULL;
+    orl_thread_pool_stop(s->pool);
+    s->pool = NULL;
 }

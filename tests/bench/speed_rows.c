@@ -14,9 +14,9 @@ void speed_run(const struct speed *s, const char *maps, const struct orl_job *jo
                struct orl_result *ret_result)
 {
     const struct bench_env env = {.files = &s->office.files,
-                                  .crew = s->crew,
+                                  .pool = s->pool,
                                   .maps = maps,
-                                  .shelf = s->shelf,
+                                  .memory_cache = s->memory_cache,
                                   .output = s->office.folder,
                                   .now_s = s->now_s};
     bench_run(&env, job, ret_result);
@@ -24,7 +24,8 @@ void speed_run(const struct speed *s, const char *maps, const struct orl_job *jo
 
 static void leave_caustics(struct orl_job *job)
 {
-    job->wishes[ORL_EFFECT_CAUSTICS_MIRROR] = job->wishes[ORL_EFFECT_CAUSTICS_BSDF] = ORL_WISH_SKIP;
+    job->overrides[ORL_EFFECT_CAUSTICS_MIRROR] = job->overrides[ORL_EFFECT_CAUSTICS_BSDF] =
+        ORL_OVERRIDE_SKIP;
 }
 
 static double map_seconds(const struct orl_result *r)
@@ -162,7 +163,7 @@ void speed_measure_maps(struct speed *s)
     double with[BENCH_MOST_RUNS], without[BENCH_MOST_RUNS];
     char maps[BENCH_PATH + 16], text[] = OFFICE_VIEW, name[] = "second";
     struct orl_view_request view = {.name = name, .view = text, .width = 16, .height = 12};
-    struct orl_shelf *shelf = orl_shelf_new(256UL << 20);
+    struct orl_memory_cache *memory_cache = orl_memory_cache_new(256UL << 20);
     struct orl_result r;
     struct orl_job job;
     fprintf(stderr, "  a second view of a cached scene\n");
@@ -173,7 +174,7 @@ void speed_measure_maps(struct speed *s)
     job.n_views = 1;
     for (int run = -1; run < s->runs; run++) {
         for (int kept = 0; kept < 2; kept++) {
-            s->shelf = kept ? shelf : NULL;
+            s->memory_cache = kept ? memory_cache : NULL;
             speed_run(s, maps, &job, &r);
             if (run >= 0)
                 (kept ? with : without)[run] = 1e3 * map_seconds(&r);
@@ -183,7 +184,7 @@ void speed_measure_maps(struct speed *s)
                 orl_result_done(&r);
         }
     }
-    s->shelf = NULL;
+    s->memory_cache = NULL;
     speed_add_fact(s, "second_view_ms", "ms", bench_median(with, s->runs), 10,
                    "a second view: its map of %.2f M photons opened, all ready",
                    (double)r.maps[0].stored / 1e6);
@@ -191,6 +192,6 @@ void speed_measure_maps(struct speed *s)
                    "the same in a new process: leaves and texels made");
     measure_bytes(s, maps, &r.maps[0]);
     orl_result_done(&r);
-    orl_shelf_free(shelf);
+    orl_memory_cache_free(memory_cache);
     bench_remove_folder(maps);
 }

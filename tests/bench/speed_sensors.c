@@ -121,7 +121,7 @@ void speed_measure_goal(struct speed *s, const struct speed_row *row)
         job.sensors_file = office_sensors;
         job.seed = (uint64_t)seed + 1;
         job.goal = goal;
-        const double rate = office_rate(&s->office, s->crew, 1);
+        const double rate = office_rate(&s->office, s->pool, 1);
         speed_run(s, maps, &job, &r);
         ray_times[seed] = r.total_s * rate;
         const struct bench_deviation error =

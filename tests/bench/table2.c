@@ -28,7 +28,7 @@ static char view_text[] = OFFICE_VIEW;
 static char view_name[] = "view";
 
 /* Runs a job of the sensors and the view; the caller owns the luminances. */
-static void run_job(const struct table *table, struct orl_job *job, struct orl_crew *crew,
+static void run_job(const struct table *table, struct orl_job *job, struct orl_thread_pool *pool,
                     struct orl_result *ret_result, double **ret_luminances)
 {
     struct orl_view_request view = {.name = view_name,
@@ -39,7 +39,7 @@ static void run_job(const struct table *table, struct orl_job *job, struct orl_c
     snprintf(maps, sizeof maps, "%s/maps", table->office.folder);
     snprintf(image, sizeof image, "%s/%s.hdr", table->office.folder, view_name);
     const struct bench_env env = {.files = &table->office.files,
-                                  .crew = crew,
+                                  .pool = pool,
                                   .maps = maps,
                                   .output = table->office.folder,
                                   .now_s = bench_cpu_s};
@@ -80,7 +80,8 @@ static void say_what_differs(const struct technique *t, const struct orl_result 
         printf("  (%s: %s)\n", t->name, r->warnings[i]);
 }
 
-static void measure_technique(struct table *table, const struct technique *t, struct orl_crew *crew)
+static void measure_technique(struct table *table, const struct technique *t,
+                              struct orl_thread_pool *pool)
 {
     struct table_row *row = &table->rows[table->n_rows++];
     *row = (struct table_row){.name = t->name, .paper = t->paper};
@@ -96,9 +97,9 @@ static void measure_technique(struct table *table, const struct technique *t, st
         job.gather_samples = table->sensor_samples;
         job.pixel_samples = table->pixel_samples;
         if (!t->caustics)
-            job.wishes[ORL_EFFECT_CAUSTICS_MIRROR] = job.wishes[ORL_EFFECT_CAUSTICS_BSDF] =
-                ORL_WISH_SKIP;
-        run_job(table, &job, crew, &r, &luminances);
+            job.overrides[ORL_EFFECT_CAUSTICS_MIRROR] = job.overrides[ORL_EFFECT_CAUSTICS_BSDF] =
+                ORL_OVERRIDE_SKIP;
+        run_job(table, &job, pool, &r, &luminances);
         book_times(&r, &of_run);
         table_judge(table, r.illuminance_lx, luminances, &of_run);
         table_merge(row, &of_run, run);
@@ -131,22 +132,22 @@ int main(void)
 {
     static struct table table;
     char path[BENCH_PATH];
-    struct orl_crew *crew = orl_crew_start(1);
-    if (!crew)
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    if (!pool)
         bench_fail("out of memory", NULL);
     setvbuf(stdout, NULL, _IOLBF, 0);
     read_knobs(&table);
     office_open(&table.office, NULL);
-    table.rate = office_rate(&table.office, crew, 3);
+    table.rate = office_rate(&table.office, pool, 3);
     office_reference_make(&table.office, &table.reference);
     for (int i = 0; i < TECHNIQUES; i++)
-        measure_technique(&table, &techniques[i], crew);
+        measure_technique(&table, &techniques[i], pool);
     table_add_radiance(&table);
     table_print(&table);
     snprintf(path, sizeof path, "%s/table2.json", bench_build());
     table_write_json(&table, path);
     office_reference_done(&table.reference);
     office_close(&table.office);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     return 0;
 }

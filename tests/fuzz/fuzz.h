@@ -16,8 +16,8 @@
 
 #include <jansson.h>
 
-#include <oriel/error.h>
-#include <oriel/vec.h>
+#include <oriel/base/error.h>
+#include <oriel/base/vec.h>
 
 /* Return true if the bytes were accepted: a scene was parsed, a map opened, ... */
 bool fuzz_scene(const uint8_t *data, size_t size);
@@ -49,7 +49,7 @@ bool fuzz_framing(const uint8_t *data, size_t size);
 bool fuzz_multipart(const uint8_t *data, size_t size);
 bool fuzz_range(const uint8_t *data, size_t size);
 bool fuzz_route(const uint8_t *data, size_t size);
-bool fuzz_guard(const uint8_t *data, size_t size);
+bool fuzz_origin_policy(const uint8_t *data, size_t size);
 bool fuzz_token(const uint8_t *data, size_t size);
 
 /* ---- Helpers for the targets (promise.c) ----------------------------------------------------- */
@@ -69,12 +69,12 @@ void fuzz_check_error(int code, const struct orl_error *err);
 /* For fuzz_check_daylight, which checks that a sky can be computed with: finite, nowhere negative.
  */
 struct orl_daylight;
-struct orl_description;
+struct orl_parsed_scene;
 void fuzz_check_daylight(const struct orl_daylight *daylight);
 
 void fuzz_check_finite(struct orl_vec3 v);
 void fuzz_check_unit(struct orl_vec3 v);
 /* Checks that material indices exist, normals are unit vectors and corners are finite. */
-void fuzz_check_surfaces(const struct orl_description *description);
+void fuzz_check_surfaces(const struct orl_parsed_scene *parsed_scene);
 
 #endif

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual_json.h"
-#include "decode.h"
+#include "annual_job/annual_json.h"
 #include "fuzz/fuzz.h"
+#include "json/decode.h"
 
 static void check_metric(const struct orl_annual_metric *metric)
 {
@@ -78,19 +78,19 @@ static void check_request(const struct orl_annual_job *job, bool local)
         fuzz_check_error(code, &err);
 }
 
-static void check_wishes(const struct orl_annual_wishes *wishes, size_t n_grids)
+static void check_report_request(const struct orl_report_request *report_request, size_t n_grids)
 {
-    for (size_t i = 0; i < wishes->n_metrics; i++)
-        check_metric(&wishes->metrics[i]);
-    for (size_t i = 0; i < wishes->n_targets; i++)
-        check_target(&wishes->targets[i]);
-    if (wishes->until)
-        check_target(wishes->until);
-    for (size_t i = 0; wishes->grid_area && i < n_grids; i++)
-        FUZZ_PROMISE(wishes->grid_area[i] > 0);
-    for (size_t i = 0; i < wishes->n_rules; i++)
-        for (size_t k = 0; k < ORL_RULE_TARGETS && wishes->rules[i].targets[k]; k++)
-            FUZZ_PROMISE(check_words(wishes->rules[i].targets[k]));
+    for (size_t i = 0; i < report_request->n_metrics; i++)
+        check_metric(&report_request->metrics[i]);
+    for (size_t i = 0; i < report_request->n_targets; i++)
+        check_target(&report_request->targets[i]);
+    if (report_request->until)
+        check_target(report_request->until);
+    for (size_t i = 0; report_request->grid_area && i < n_grids; i++)
+        FUZZ_PROMISE(report_request->grid_area[i] > 0);
+    for (size_t i = 0; i < report_request->n_rules; i++)
+        for (size_t k = 0; k < ORL_RULE_TARGETS && report_request->rules[i].targets[k]; k++)
+            FUZZ_PROMISE(check_words(report_request->rules[i].targets[k]));
 }
 
 static bool check_document(const json_t *doc, enum orl_job_origin origin)
@@ -106,7 +106,7 @@ static bool check_document(const json_t *doc, enum orl_job_origin origin)
     }
     FUZZ_PROMISE((origin == ORL_JOB_REMOTE) == (id != NULL));
     check_request(&job, origin == ORL_JOB_LOCAL);
-    check_wishes(&job.wishes, job.request.n_grids);
+    check_report_request(&job.report_request, job.request.n_grids);
     orl_annual_job_done(&job);
     free(id);
     return true;

@@ -1,7 +1,7 @@
 /* BSDF files: each file that loads must evaluate, sample and describe itself soundly. */
 #include <string.h>
 
-#include "bsdf_json.h"
+#include "bsdf_json/bsdf_json.h"
 #include "fuzz/fuzz.h"
 
 static void check_color(struct orl_rgb c)
@@ -37,7 +37,7 @@ static void check_straight(const struct orl_bsdf *bsdf, struct orl_vec3 given, c
 {
     check_color(orl_bsdf_straight(bsdf, given));
     for (int adjoint = 0; adjoint < 2; adjoint++) {
-        struct orl_bsdf_draw draw;
+        struct orl_bsdf_sample_result draw;
         if (!orl_bsdf_sample_split(bsdf, given, adjoint, ORL_BSDF_BOTH, u, &draw))
             continue;
         fuzz_check_unit(draw.direction);

@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf_make_json.h"
-#include "decode.h"
+#include "bsdf_json/bsdf_make_json.h"
 #include "fuzz/fuzz.h"
+#include "json/decode.h"
 
 /* Checks that every accepted request is within bounds. */
 static void check_request(const struct orl_bsdf_make_request *r, bool local)

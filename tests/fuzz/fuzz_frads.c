@@ -4,8 +4,8 @@
 
 #include <jansson.h>
 
-#include "frads.h"
 #include "fuzz/fuzz.h"
+#include "project/frads.h"
 
 bool fuzz_frads(const uint8_t *data, size_t size)
 {

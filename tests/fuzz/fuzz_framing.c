@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/framing.h"
+#include "http/request/framing.h"
 #include "support/wire.h"
 
 struct seen {

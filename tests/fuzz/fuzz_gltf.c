@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "scene/parse/gltf.h"
+#include "scene/parse/gltf/gltf.h"
 #include "scene/parse/parse.h"
 
 #define MATERIALS "void plastic white 0 0 5 .5 .5 .5 0 0\n"
@@ -22,17 +22,17 @@ bool fuzz_gltf(const uint8_t *data, size_t size)
     const struct orl_file contents[] = {{scene, strlen(scene), NULL}, whole, whole, whole};
     struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
-    if (!orl_gltf_is((const char *)data, size))
+    if (!orl_gltf_detect((const char *)data, size))
         return false;
-    const int code = orl_scene_parse(main_file, 1, &files, &description, &err);
+    const int code = orl_scene_parse(main_file, 1, &files, &parsed_scene, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
         FUZZ_PROMISE(err.file[0] != '\0');
         return false;
     }
-    fuzz_check_surfaces(&description);
-    orl_description_done(&description);
+    fuzz_check_surfaces(&parsed_scene);
+    orl_parsed_scene_done(&parsed_scene);
     return true;
 }

@@ -2,7 +2,7 @@
  * luminaire tables. */
 #include "fuzz/fuzz.h"
 #include "scene/grid/grid.h"
-#include "scene/parse/lamps.h"
+#include "scene/parse/luminaire/lamp_table.h"
 
 static bool try_grid(int code, struct orl_grid *grid, const struct orl_error *err)
 {
@@ -27,7 +27,7 @@ static bool try_lamps(const char *text, size_t size)
 {
     static const char words[] = "2 x 35 W warm-white fluorescent";
     struct orl_lamp_table table = {"lamp.tab", text, size, ORL_LAMP_STEPS};
-    struct orl_lamp lamp;
+    struct orl_lamp_entry lamp;
     struct orl_error err = {0};
     const int code = orl_lamp_find(&table, words, sizeof words - 1, &lamp, &err);
     if (code < 0)

@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
-#include <oriel/run.h>
+#include <oriel/base/limits.h>
+#include <oriel/job/run.h>
 
-#include "decode.h"
 #include "fuzz/fuzz.h"
 #include "honeybee/hbjson.h"
-#include "honeybee/project.h"
+#include "project/project.h"
 #include "run/stages.h"
+#include "json/decode.h"
 
 enum { MOST_FILES = 64 };
 

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include <oriel/glare.h>
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
+#include <oriel/job/glare.h>
 
 #include "fuzz/fuzz.h"
 #include "render/film/read_hdr.h"

@@ -5,15 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "decode.h"
 #include "fuzz/fuzz.h"
-#include "job_json.h"
+#include "job/job_json.h"
+#include "job/study_json.h"
 #include "light/daylight.h"
 #include "render/film/view.h"
 #include "study/study_request.h"
-#include "study_json.h"
+#include "json/decode.h"
 
 static void check_rays(const struct orl_view *view)
 {
@@ -56,7 +56,7 @@ static void check_sky(const struct orl_sky_request *sky)
     struct orl_error err = {0};
     if (sky->model == ORL_SKY_OF_SCENE || sky->model == ORL_SKY_BY_WEATHER)
         return;
-    const int code = orl_daylight_find(sky, NULL, &daylight, &err);
+    const int code = orl_daylight_from_request(sky, NULL, &daylight, &err);
     if (code < 0)
         fuzz_check_error(code, &err);
     else

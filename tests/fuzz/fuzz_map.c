@@ -13,9 +13,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "base/checksum.h"
+#include "base/io/checksum.h"
 #include "fuzz/fuzz.h"
-#include "photon/density/leaves.h"
+#include "photon/density/leaf_irradiance.h"
 #include "photon/map/map_layout.h"
 
 enum { MEND_SIGN = 1, MEND_FIT = 2, VERIFY = 4, COUNT_MASK = 1023 };
@@ -79,8 +79,8 @@ static void search_map(const struct orl_photon_map *map)
     static const struct orl_vec3 normals[] = {{0, 0, 1}, {0.6, 0, -0.8}, {-1, 0, 0}};
     const struct orl_map_header *h = orl_photon_map_header(map);
     struct orl_search *search = calloc(1, sizeof *search);
-    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 8, 0.5, NULL);
-    FUZZ_PROMISE(search != NULL && leaves != NULL);
+    struct orl_leaf_irradiance *leaf_irradiance = orl_leaf_irradiance_new(map, NULL, 8, 0.5, NULL);
+    FUZZ_PROMISE(search != NULL && leaf_irradiance != NULL);
     FUZZ_PROMISE(memchr(h->kind, '\0', sizeof h->kind) != NULL);
     for (size_t i = 0; i < 12; i++) {
         struct orl_photon photon = {.normal = 0};
@@ -97,9 +97,10 @@ static void search_map(const struct orl_photon_map *map)
             .skip = (uint32_t)i};
         const struct orl_density density = orl_density_estimate(map, &query, search);
         FUZZ_PROMISE(density.found <= h->count && density.found <= 2 * ORL_SEARCH_MOST);
-        orl_leaves_irradiance(leaves, query.point, query.normal, NULL, search, NULL, NULL);
+        orl_leaf_irradiance_estimate(leaf_irradiance, query.point, query.normal, NULL, search, NULL,
+                                     NULL);
     }
-    orl_leaves_free(leaves);
+    orl_leaf_irradiance_free(leaf_irradiance);
     free(search);
 }
 

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/bsdf.h>
-#include <oriel/bsdf_fit.h>
+#include <oriel/bsdf/bsdf.h>
+#include <oriel/bsdf/bsdf_fit.h>
 
-#include "fit/rows.h"
+#include "bsdf/fit/measurements/rows.h"
 #include "fuzz/fuzz.h"
 
 static void check_rows(const struct orl_fit_data *data)
@@ -36,19 +36,19 @@ static void fit(const uint8_t *bytes, size_t size)
     const struct orl_file content = {.data = (const char *)bytes, .size = size};
     struct orl_memory_files memory = {names, &content, 1};
     const struct orl_files provider = orl_files_from_memory(&memory);
-    struct orl_crew *crew = orl_crew_new(1);
-    const struct orl_bsdf_make_env env = {.files = &provider, .crew = crew};
+    struct orl_thread_pool *pool = orl_thread_pool_new(1);
+    const struct orl_bsdf_make_env env = {.files = &provider, .pool = pool};
     struct orl_bsdf_fit_request request;
-    struct orl_bsdf_fitted fitted;
+    struct orl_bsdf_fit_result fitted;
     struct orl_bsdf *bsdf = NULL;
     struct orl_error err = {0};
-    FUZZ_PROMISE(crew != NULL);
+    FUZZ_PROMISE(pool != NULL);
     orl_bsdf_fit_request_init(&request);
     request.files = files;
     request.n_files = 1;
     request.resolution = 4;
     const int code = orl_bsdf_fit(&request, &env, &fitted, &err);
-    orl_crew_free(crew);
+    orl_thread_pool_free(pool);
     if (code < 0) {
         fuzz_check_error(code, &err);
         return;
@@ -58,13 +58,13 @@ static void fit(const uint8_t *bytes, size_t size)
     for (size_t i = 0; i < fitted.n_scans; i++)
         FUZZ_PROMISE(isfinite(fitted.scans[i].total) && fitted.scans[i].total >= 0);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_fitted_done(&fitted);
+    orl_bsdf_fit_result_done(&fitted);
 }
 
 bool fuzz_measured(const uint8_t *data, size_t size)
 {
-    const struct orl_fit_reading reading = {.grazing_deg = size % 3 ? 0 : 5,
-                                            .reversed = size % 2 != 0};
+    const struct orl_fit_read_options reading = {.grazing_deg = size % 3 ? 0 : 5,
+                                                 .reversed = size % 2 != 0};
     struct orl_fit_data rows = {0};
     struct orl_error err = {0};
     const int code = orl_fit_read("data.txt", 0, (const char *)data, size, &reading, &rows, &err);

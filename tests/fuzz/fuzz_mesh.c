@@ -37,15 +37,15 @@ bool fuzz_mesh(const uint8_t *data, size_t size)
         whole};
     struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
-    const int code = orl_scene_parse(main_file, 1, &files, &description, &err);
+    const int code = orl_scene_parse(main_file, 1, &files, &parsed_scene, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
         FUZZ_PROMISE(err.file[0] != '\0');
         return false;
     }
-    fuzz_check_surfaces(&description);
-    orl_description_done(&description);
+    fuzz_check_surfaces(&parsed_scene);
+    orl_parsed_scene_done(&parsed_scene);
     return true;
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "scene/generate/mgf.h"
+#include "scene/generate/mgf/mgf.h"
 
 /* Serves each include with the whole input again, under another name. */
 static int open_again(void *ctx, const char *folder, const char *name,

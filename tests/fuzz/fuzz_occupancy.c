@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include "fuzz/fuzz.h"
 #include "metrics/annual/calendar.h"

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/range.h"
+#include "http/response/range.h"
 
 bool fuzz_range(const uint8_t *data, size_t size)
 {

@@ -8,11 +8,11 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/framing.h"
-#include "http/query.h"
+#include "http/request/framing.h"
+#include "http/request/query.h"
 #include "http/router.h"
 #include "process/limits.h"
-#include "store/scene_bundle.h"
+#include "store/files/scene_bundle.h"
 #include "support/wire.h"
 
 /* Routes of every shape that the daemon has. */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
 
 #include "fuzz/fuzz.h"
 

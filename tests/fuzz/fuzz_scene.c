@@ -2,13 +2,13 @@
  * Radiance scene text, commands included. A byte 0x1c (file separator) splits the input: the first
  * part is main.rad, the second part.rad, which main.rad may read by !xform, as scene text or as an
  * argument file. A BSDF, panel.xml, is always available. Accepted text is checked against
- * description.h and built into a world, as an upload is (core/light/world.h).
+ * parsed_scene.h and built into a world, as an upload is (core/light/lit_scene.h).
  */
 #include <stdlib.h>
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "light/world.h"
+#include "light/lit_scene.h"
 #include "scene/parse/parse.h"
 
 static const char panel[] =
@@ -36,7 +36,7 @@ static void check_scatter(const struct orl_material *m)
         return; /* the up vector may be perpendicular to this surface */
     for (size_t i = 0; i < sizeof from / sizeof *from; i++) {
         for (size_t k = 0; k < sizeof u / sizeof *u; k++) {
-            const struct orl_scatter s = orl_scatter_sample_at(
+            const struct orl_surface_sample s = orl_material_sample_at(
                 m, &hit, from[i], k & 1 ? ORL_TRANSPORT_EYE : ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL,
                 u[k]);
             if (s.event == ORL_EVENT_ABSORBED)
@@ -44,14 +44,14 @@ static void check_scatter(const struct orl_material *m)
             check_color(s.weight);
             FUZZ_PROMISE(s.weight.r >= 0 && s.weight.g >= 0 && s.weight.b >= 0);
             fuzz_check_unit(s.direction);
-            check_color(orl_scatter_eval_lobes(m, &hit, from[i], s.direction));
+            check_color(orl_material_eval_lobes(m, &hit, from[i], s.direction));
         }
         check_color(orl_material_albedo(m, &hit, from[i], ORL_LOBE_ALL));
         check_color(orl_material_emission(m, &hit, from[i]));
     }
 }
 
-static void check_material(const struct orl_description *d, const struct orl_material *m)
+static void check_material(const struct orl_parsed_scene *d, const struct orl_material *m)
 {
     FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_ANTIMATTER);
     FUZZ_PROMISE(m->name != NULL);
@@ -68,10 +68,10 @@ static void check_material(const struct orl_description *d, const struct orl_mat
                  m->roughness[0] <= 1 && m->roughness[1] >= 0 && m->roughness[1] <= 1);
     FUZZ_PROMISE(m->transmitted >= 0 && m->transmitted <= 1 && m->transmitted_specular >= 0 &&
                  m->transmitted_specular <= 1);
-    fuzz_check_finite(m->grain);
-    fuzz_check_finite(m->aim);
+    fuzz_check_finite(m->anisotropy_axis);
+    fuzz_check_finite(m->beam_axis);
     if (m->roughness[0] != m->roughness[1])
-        fuzz_check_unit(m->grain);
+        fuzz_check_unit(m->anisotropy_axis);
     for (int side = 0; m->kind == ORL_MATERIAL_DIELECTRIC && side < 2; side++) {
         const struct orl_rgb t = m->media[side].transmissivity;
         check_color(t);
@@ -79,7 +79,7 @@ static void check_material(const struct orl_description *d, const struct orl_mat
         FUZZ_PROMISE(m->media[side].ior >= 1 && m->media[side].ior <= 10);
     }
     if (m->kind == ORL_MATERIAL_SPOTLIGHT)
-        fuzz_check_unit(m->aim);
+        fuzz_check_unit(m->beam_axis);
     FUZZ_PROMISE(m->cos_cone >= -1 && m->cos_cone <= 1 && m->focus >= 0 && isfinite(m->focus));
     FUZZ_PROMISE(m->seen_as >= ORL_SEEN_AS_NOTHING &&
                  (m->seen_as < 0 || ((size_t)m->seen_as < d->n_materials &&
@@ -95,18 +95,18 @@ static void check_material(const struct orl_description *d, const struct orl_mat
 static void check_round(const struct orl_surface *s)
 {
     for (int k = 0; k < 2; k++) {
-        fuzz_check_finite(s->round->center[k]);
-        FUZZ_PROMISE(isfinite(s->round->radius[k]) && s->round->radius[k] >= 0);
+        fuzz_check_finite(s->quadric->center[k]);
+        FUZZ_PROMISE(isfinite(s->quadric->radius[k]) && s->quadric->radius[k] >= 0);
     }
     if (s->kind == ORL_SURFACE_RING) {
         fuzz_check_unit(s->normal);
-        FUZZ_PROMISE(s->round->radius[0] < s->round->radius[1]);
+        FUZZ_PROMISE(s->quadric->radius[0] < s->quadric->radius[1]);
     } else {
-        FUZZ_PROMISE(s->round->radius[0] > 0 || s->round->radius[1] > 0);
+        FUZZ_PROMISE(s->quadric->radius[0] > 0 || s->quadric->radius[1] > 0);
     }
 }
 
-static void check_surface(const struct orl_description *d, const struct orl_surface *s)
+static void check_surface(const struct orl_parsed_scene *d, const struct orl_surface *s)
 {
     bool known = false;
     FUZZ_PROMISE(s->material < d->n_materials && s->name != NULL && s->line > 0);
@@ -123,14 +123,14 @@ static void check_surface(const struct orl_description *d, const struct orl_surf
         fuzz_check_finite(s->vertices[i]);
 }
 
-static void check_description(const struct orl_description *d)
+static void check_description(const struct orl_parsed_scene *d)
 {
     for (size_t i = 0; i < d->n_materials; i++)
         check_material(d, &d->materials[i]);
     for (size_t i = 0; i < d->n_surfaces; i++)
         check_surface(d, &d->surfaces[i]);
-    for (size_t i = 0; i < d->n_distants; i++) {
-        const struct orl_distant *distant = &d->distants[i];
+    for (size_t i = 0; i < d->n_distant_sources; i++) {
+        const struct orl_distant_source *distant = &d->distant_sources[i];
         FUZZ_PROMISE(distant->material < d->n_materials && distant->name != NULL);
         fuzz_check_unit(distant->direction);
         FUZZ_PROMISE(distant->angle_deg > 0 && distant->angle_deg <= 360);
@@ -149,7 +149,7 @@ static void check_geometry(const struct orl_geometry *g)
     fuzz_check_finite(g->high);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet room;
-        const struct orl_facet *f = orl_facet_own(g, i, &room);
+        const struct orl_facet *f = orl_facet_get_own(g, i, &room);
         FUZZ_PROMISE(isfinite(f->area) && f->area >= 0 && isfinite(f->offset));
         FUZZ_PROMISE(f->n_triangles == 0 ||
                      orl_facet_triangle(f, f->n_triangles - 1) < orl_geometry_triangles_end(g));
@@ -160,37 +160,37 @@ static void check_geometry(const struct orl_geometry *g)
 
 /* Builds a world from the description, as an upload does, and consumes it. The build may refuse
  * some descriptions. */
-static bool check_world(struct orl_description *d)
+static bool check_lit_scene(struct orl_parsed_scene *d)
 {
     static const struct orl_vec3 directions[] = {
         {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -0.96, 0.28}, {-0.6, 0.64, 0.48}};
     struct orl_scene *scene = NULL;
     struct orl_lights *lights = NULL;
-    struct orl_world *world = NULL;
+    struct orl_lit_scene *lit_scene = NULL;
     struct orl_error err = {0};
     int code = orl_scene_new(d, &scene, &err);
     if (code == 0)
         code = orl_lights_new(scene, NULL, &lights, &err);
     if (code == 0)
-        code = orl_world_new(lights, NULL, &world, &err);
+        code = orl_lit_scene_new(lights, NULL, &lit_scene, &err);
     orl_lights_release(lights);
     if (code < 0) {
         orl_scene_release(scene);
         fuzz_check_error(code, &err);
         return false;
     }
-    FUZZ_PROMISE(world->geometry->n_facets == scene->description.n_surfaces);
+    FUZZ_PROMISE(lit_scene->geometry->n_facets == scene->parsed_scene.n_surfaces);
     orl_scene_release(scene);
-    check_geometry(world->geometry);
+    check_geometry(lit_scene->geometry);
     for (size_t i = 0; i < sizeof directions / sizeof *directions; i++) {
-        const struct orl_rgb dome = orl_world_dome_radiance(world, directions[i]);
+        const struct orl_rgb dome = orl_lit_scene_dome_radiance(lit_scene, directions[i]);
         check_color(dome);
         FUZZ_PROMISE(dome.r >= 0 && dome.g >= 0 && dome.b >= 0);
-        check_color(orl_world_sun_radiance(world, directions[i]));
+        check_color(orl_lit_scene_sun_radiance(lit_scene, directions[i]));
     }
-    for (size_t i = 0; i < world->n_suns; i++)
-        check_color(world->suns[i].irradiance);
-    orl_world_free(world);
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        check_color(lit_scene->suns[i].irradiance);
+    orl_lit_scene_free(lit_scene);
     return true;
 }
 
@@ -205,14 +205,14 @@ bool fuzz_scene(const uint8_t *data, size_t size)
         {panel, sizeof panel - 1, NULL}};
     struct orl_memory_files memory = {names, contents, 3};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
-    const int code = orl_scene_parse(names, 1, &files, &description, &err);
+    const int code = orl_scene_parse(names, 1, &files, &parsed_scene, &err);
     if (code < 0) {
         fuzz_check_error(code, &err);
         FUZZ_PROMISE(err.file[0] != '\0');
         return false;
     }
-    check_description(&description);
-    return check_world(&description);
+    check_description(&parsed_scene);
+    return check_lit_scene(&parsed_scene);
 }

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include "fuzz/fuzz.h"
 

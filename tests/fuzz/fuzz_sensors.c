@@ -1,7 +1,7 @@
 /* Sensor files: lines of "x y z dx dy dz". */
 #include <stdlib.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 #include "fuzz/fuzz.h"
 #include "run/stages.h"

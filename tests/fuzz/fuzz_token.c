@@ -6,28 +6,28 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/tokens.h"
-#include "store/db.h"
-#include "store/migrate.h"
+#include "http/access/tokens.h"
+#include "store/database/db.h"
+#include "store/database/migrate.h"
 
 enum { MOST = 256 };
 
 /* These are set up once, by need_token(). */
 static struct orl_db db;
-static sqlite3_stmt *finder;
+static sqlite3_stmt *statement;
 static char good[ORL_TOKEN_TEXT];
 
 static void need_token(void)
 {
     struct orl_token_row row;
-    if (finder)
+    if (statement)
         return;
     FUZZ_PROMISE(orl_db_open(&db, ":memory:", NULL) == 0);
     FUZZ_PROMISE(orl_db_migrate_embedded(&db, NULL) == 0);
     FUZZ_PROMISE(orl_token_make("someone", ORL_SCOPE_READ, &row, good, NULL) == 0);
     FUZZ_PROMISE(orl_token_row_insert(&db, &row, NULL) == 0);
-    finder = orl_token_finder(&db, NULL);
-    FUZZ_PROMISE(finder != NULL);
+    statement = orl_token_find_statement(&db, NULL);
+    FUZZ_PROMISE(statement != NULL);
 }
 
 static void edit(char text[MOST + 1], const uint8_t *data, size_t size)
@@ -54,7 +54,7 @@ bool fuzz_token(const uint8_t *data, size_t size)
         memcpy(text, good, sizeof good);
         edit(text, data + (size > 0), size - (size > 0));
     }
-    const int code = orl_token_recognise(&db, finder, text, &row, &known, &err);
+    const int code = orl_token_verify(&db, statement, text, &row, &known, &err);
     if (code < 0)
         fuzz_check_error(code, &err);
     FUZZ_PROMISE(code == 0 && known == (strcmp(text, good) == 0));

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "fuzz/fuzz.h"
 #include "render/film/view.h"

@@ -1,5 +1,5 @@
 /* Weather files, EPW and WEA, and the skies of their rows. */
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #include "fuzz/fuzz.h"
 #include "light/daylight.h"
@@ -28,7 +28,7 @@ static void check_sky(const struct orl_weather *weather, const struct orl_weathe
     struct orl_error err = {0};
     int code = orl_daylight_check(&request, &err);
     if (code == 0)
-        code = orl_daylight_find(&request, weather, &daylight, &err);
+        code = orl_daylight_from_request(&request, weather, &daylight, &err);
     if (code < 0)
         fuzz_check_error(code, &err);
     else

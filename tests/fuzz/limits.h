@@ -5,7 +5,7 @@
 #ifndef ORL_TESTS_FUZZ_LIMITS_H
 #define ORL_TESTS_FUZZ_LIMITS_H
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 #include "../../server/process/limits.h"
 

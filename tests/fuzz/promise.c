@@ -6,8 +6,8 @@
 
 #include "light/daylight.h"
 #include "light/sky.h"
-#include "problem.h"
-#include "scene/description.h"
+#include "scene/parsed_scene.h"
+#include "json/problem.h"
 
 void fuzz_promise(bool holds, const char *what, const char *file, int line)
 {
@@ -55,11 +55,11 @@ void fuzz_check_unit(struct orl_vec3 v)
     FUZZ_PROMISE(fabs(orl_length(v) - 1) < 1e-6);
 }
 
-void fuzz_check_surfaces(const struct orl_description *description)
+void fuzz_check_surfaces(const struct orl_parsed_scene *parsed_scene)
 {
-    for (size_t i = 0; i < description->n_surfaces; i++) {
-        const struct orl_surface *surface = &description->surfaces[i];
-        FUZZ_PROMISE(surface->material < description->n_materials);
+    for (size_t i = 0; i < parsed_scene->n_surfaces; i++) {
+        const struct orl_surface *surface = &parsed_scene->surfaces[i];
+        FUZZ_PROMISE(surface->material < parsed_scene->n_materials);
         fuzz_check_unit(surface->normal);
         for (uint32_t k = 0; k < surface->n_vertices; k++)
             fuzz_check_finite(surface->vertices[k]);

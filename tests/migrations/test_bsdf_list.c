@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "process/carried.h"
-#include "store/migrate.h"
-#include "store/scene_lists.h"
+#include "process/embedded_files.h"
+#include "store/database/migrate.h"
+#include "store/rows/scene_lists.h"
 
 struct fixture {
     struct orl_db db;
@@ -102,8 +102,8 @@ static void test_older_databases(void **state)
     struct fixture *f = *state;
     struct orl_migration list[12];
     size_t n = 0;
-    for (size_t i = 0; i < orl_carried_count() && n < 12; i++) {
-        const struct orl_carried_file file = orl_carried_at(i);
+    for (size_t i = 0; i < orl_embedded_file_count() && n < 12; i++) {
+        const struct orl_embedded_file file = orl_embedded_file_at(i);
         if (strncmp(file.name, "migrations/", 11) == 0)
             list[n++] = (struct orl_migration){file.name + 11, file.text};
     }
@@ -176,7 +176,7 @@ struct steps {
  * BSDF. */
 static struct steps count_steps(struct fixture *f)
 {
-    struct orl_stored_place place = {.created_ms = INT64_MAX};
+    struct orl_list_position place = {.created_ms = INT64_MAX};
     struct orl_scene_bsdf bsdf;
     struct steps steps = {0};
     size_t seen = 0;

@@ -11,11 +11,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "process/carried.h"
-#include "store/db.h"
-#include "store/migrate.h"
-#include "store/stored_jobs.h"
-#include "store/stored_maps.h"
+#include "process/embedded_files.h"
+#include "store/database/db.h"
+#include "store/database/migrate.h"
+#include "store/rows/stored_jobs.h"
+#include "store/rows/stored_maps.h"
 
 static const struct orl_migration two[] = {
     {"0001_first.sql", "CREATE TABLE a (x INTEGER) STRICT; INSERT INTO a VALUES (1);"},
@@ -250,7 +250,7 @@ static void test_families_come_to_old_maps(void **state)
 {
     struct fixture *f = *state;
     struct orl_stored_map only = {.hits = 0};
-    const char *sql = orl_carried_find("migrations/0001_initial.sql");
+    const char *sql = orl_embedded_file_find("migrations/0001_initial.sql");
     assert_non_null(sql);
     const struct orl_migration first = {"0001_initial.sql", sql};
     assert_int_equal(orl_db_migrate(&f->db, &first, 1, &f->err), 0);
@@ -280,8 +280,8 @@ static void migrate_up_to(struct fixture *f, size_t count)
 {
     struct orl_migration list[16];
     size_t n = 0;
-    for (size_t i = 0; i < orl_carried_count(); i++) {
-        const struct orl_carried_file file = orl_carried_at(i);
+    for (size_t i = 0; i < orl_embedded_file_count(); i++) {
+        const struct orl_embedded_file file = orl_embedded_file_at(i);
         if (strncmp(file.name, "migrations/", 11) == 0 && n < count && n < 16)
             list[n++] = (struct orl_migration){file.name + 11, file.text};
     }
@@ -359,7 +359,7 @@ static void test_last_use_of_scenes(void **state)
     for (size_t i = 0; i < 9; i++) {
         char path[80];
         snprintf(path, sizeof path, "migrations/%s", names[i]);
-        first[i] = (struct orl_migration){names[i], orl_carried_find(path)};
+        first[i] = (struct orl_migration){names[i], orl_embedded_file_find(path)};
         assert_non_null(first[i].sql);
     }
     assert_int_equal(orl_db_migrate(&f->db, first, 9, &f->err), 0);

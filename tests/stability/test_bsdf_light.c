@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "bsdf/basis.h"
-#include "bsdf/shirley.h"
+#include "base/sampling/random.h"
+#include "bsdf/matrix/basis.h"
+#include "bsdf/tree/shirley.h"
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"
 #include "support/scene_text.h"

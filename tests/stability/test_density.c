@@ -15,9 +15,9 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/random.h"
-#include "photon/density/leaves.h"
-#include "photon/map/facing.h"
+#include "base/sampling/random.h"
+#include "photon/density/leaf_irradiance.h"
+#include "photon/map/normal_code.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/stability.h"
@@ -25,12 +25,12 @@
 #define GREY "void plastic w 0 0 5 .5 .5 .5 0 0\n"
 
 struct bed {
-    struct orl_world *world;
+    struct orl_lit_scene *lit_scene;
     struct orl_photon *photons;
     size_t count;
     struct orl_random random;
     struct orl_photon_map *map;
-    struct orl_leaves *leaves;
+    struct orl_leaf_irradiance *leaf_irradiance;
     struct orl_search *search;
 };
 
@@ -40,7 +40,7 @@ static struct bed bed_new(const char *scene, size_t most, uint64_t seed)
                       .random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0),
                       .search = calloc(1, sizeof *bed.search)};
     assert_true(bed.photons && bed.search);
-    bed.world = scene_world(scene, NULL, NULL, NULL);
+    bed.lit_scene = build_lit_scene(scene, NULL, NULL, NULL);
     return bed;
 }
 
@@ -48,7 +48,7 @@ static struct bed bed_new(const char *scene, size_t most, uint64_t seed)
 static void strew(struct bed *bed, size_t count, struct orl_vec3 corner, struct orl_vec3 a,
                   struct orl_vec3 b, struct orl_vec3 normal)
 {
-    const struct orl_vec3 low = orl_sub(corner, bed->world->geometry->center);
+    const struct orl_vec3 low = orl_sub(corner, bed->lit_scene->geometry->center);
     for (size_t i = 0; i < count; i++) {
         const double u = orl_random_uniform(&bed->random), v = orl_random_uniform(&bed->random);
         const struct orl_vec3 p = orl_madd(orl_madd(low, a, u), b, v);
@@ -62,24 +62,24 @@ static void strew(struct bed *bed, size_t count, struct orl_vec3 corner, struct 
 static void open_bed_map(struct bed *bed, double max_radius)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
-    struct orl_crew *crew = orl_crew_start(2);
+    struct orl_thread_pool *pool = orl_thread_pool_start(2);
     struct orl_error err;
     char folder[64], path[128];
     cli_make_folder(folder);
     snprintf(path, sizeof path, "%s/map", folder);
-    assert_int_equal(orl_photon_map_write(path, bed->photons, bed->count, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_write(path, bed->photons, bed->count, &build, pool, &err), 0);
     assert_int_equal(orl_photon_map_open(path, false, &bed->map, &err), 0);
-    bed->leaves = orl_leaves_new(bed->map, bed->world, 64, max_radius, crew);
-    assert_non_null(bed->leaves);
-    orl_crew_stop(crew);
+    bed->leaf_irradiance = orl_leaf_irradiance_new(bed->map, bed->lit_scene, 64, max_radius, pool);
+    assert_non_null(bed->leaf_irradiance);
+    orl_thread_pool_stop(pool);
     cli_remove_folder(folder);
 }
 
 static void bed_done(struct bed *bed)
 {
-    orl_leaves_free(bed->leaves);
+    orl_leaf_irradiance_free(bed->leaf_irradiance);
     orl_photon_map_free(bed->map);
-    orl_world_free(bed->world);
+    orl_lit_scene_free(bed->lit_scene);
     free(bed->photons);
     free(bed->search);
 }
@@ -88,14 +88,18 @@ static void bed_done(struct bed *bed)
 static double estimate_irradiance(struct bed *bed, struct orl_vec3 place, struct orl_vec3 normal,
                                   uint32_t k, double max_radius)
 {
-    struct orl_footing footing;
-    const struct orl_vec3 point = orl_sub(place, bed->world->geometry->center);
-    assert_true(orl_footing_find(bed->world, point, normal, 1e-5, &footing));
+    struct orl_surface_point surface_point;
+    const struct orl_vec3 point = orl_sub(place, bed->lit_scene->geometry->center);
+    assert_true(orl_surface_point_find(bed->lit_scene, point, normal, 1e-5, &surface_point));
     if (k == 0)
-        return orl_leaves_irradiance(bed->leaves, point, normal, &footing, bed->search, NULL, NULL)
+        return orl_leaf_irradiance_estimate(bed->leaf_irradiance, point, normal, &surface_point,
+                                            bed->search, NULL, NULL)
             .g;
-    const struct orl_density_query query = {
-        .point = point, .normal = normal, .k = k, .max_radius = max_radius, .footing = &footing};
+    const struct orl_density_query query = {.point = point,
+                                            .normal = normal,
+                                            .k = k,
+                                            .max_radius = max_radius,
+                                            .surface_point = &surface_point};
     return orl_density_estimate(bed->map, &query, bed->search).irradiance.g;
 }
 

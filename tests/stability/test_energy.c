@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "base/sum.h"
-#include "photon/map/facing.h"
+#include "base/sampling/random.h"
+#include "base/statistics/sum.h"
 #include "photon/map/map.h"
+#include "photon/map/normal_code.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 #include "support/room.h"
@@ -214,9 +214,9 @@ static void test_map_mean(void **state)
     }
     cli_make_folder(folder);
     snprintf(path, sizeof path, "%s/map", folder);
-    struct orl_crew *crew = orl_crew_start(1);
-    assert_int_equal(orl_photon_map_write(path, photons, count, &build, crew, NULL), 0);
-    orl_crew_stop(crew);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    assert_int_equal(orl_photon_map_write(path, photons, count, &build, pool, NULL), 0);
+    orl_thread_pool_stop(pool);
     assert_int_equal(orl_photon_map_open(path, true, &map, NULL), 0);
     uint64_t held = 0;
     for (size_t i = 0; i < count; i++)
@@ -253,7 +253,7 @@ static void test_mirror_box(void **state)
                                       .n_sensors = 1,
                                       .samples = 64,
                                       .global = 1000000,
-                                      .wishes = scene_wish_maps});
+                                      .overrides = scene_wish_maps});
     stability_row(44, "mirror box", "rays until it ends", (double)result.health.rays, 3e7);
     stability_row(44, "mirror box", "light lost: relative to rho^1000",
                   fabs(result.health.flux_capped_w / result.health.flux_w / expected - 1), 0.02);

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "metrics/dgp.h"
 #include "photon/map/map.h"
 #include "scene/material/kinds.h"
@@ -75,11 +75,11 @@ static bool has_warning(const char *material, const char *words)
     scene_uniform_bsdf(0.1, xml);
     snprintf(scene, sizeof scene, "# one material\nvoid %s\nm polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
              material);
-    struct orl_description d = scene_parse_text(scene, "pane.xml", xml);
+    struct orl_parsed_scene d = scene_parse_text(scene, "pane.xml", xml);
     for (size_t i = 0; i < d.n_warnings; i++)
         told |= strstr(d.warnings[i], " m at ") && strstr(d.warnings[i], ":2") &&
                 strstr(d.warnings[i], words);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     return told;
 }
 
@@ -290,7 +290,7 @@ static void test_43_at_grazing(void **state)
     for (int k = 0; k < 5; k++) {
         char text[128];
         snprintf(text, sizeof text, "void glass p 0 0 %d %s\n", k < 3 ? 3 : 4, panes[k]);
-        struct orl_description d = scene_parse_text(text, NULL, NULL);
+        struct orl_parsed_scene d = scene_parse_text(text, NULL, NULL);
         for (int i = 0; i <= 3300; i++) {
             const double cosine = i == 3300 ? 0 : pow(10, -0.1 * i);
             const struct orl_rgb t = orl_glass_transmittance(&d.materials[0], &anywhere, cosine);
@@ -302,7 +302,7 @@ static void test_43_at_grazing(void **state)
             if (cosine == 0 && k != 3)
                 odd += orl_rgb_max(t) > 1e-100 || r.r != 1 || r.g != 1 || r.b != 1;
         }
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
     stability_row(43, "glass at 90 deg", "T, R not finite or below 0; T not 0, R not 1 at 90 deg",
                   odd, 0);

@@ -1,7 +1,7 @@
 /*
  * Hard cases of skies and weather: polar day and night, borders of the Perez model, no diffuse
- * light, gaps in a year's file, the horizon. Skies that jobs request go through orl_daylight_find
- * or whole jobs; skies in scenes go through the parser.
+ * light, gaps in a year's file, the horizon. Skies that jobs request go through
+ * orl_daylight_from_request or whole jobs; skies in scenes go through the parser.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 
 #include "light/daylight.h"
 #include "light/sky.h"
-#include "scene/generate/perez.h"
+#include "scene/generate/sky/perez.h"
 #include "support/scene_text.h"
 #include "support/stability.h"
 
@@ -83,7 +83,7 @@ static void test_06_polar(void **state)
                     r.model = kind ? ORL_SKY_BY_CIE : ORL_SKY_BY_PEREZ;
                     r.cie_type = kind == 1 ? ORL_SKY_CLEAR : ORL_SKY_INTERMEDIATE;
                     r.input = kind ? ORL_SKY_TYPICAL : ORL_SKY_NORMAL_W;
-                    odd += orl_daylight_find(&r, NULL, &d, NULL) < 0 || !is_finite(&d);
+                    odd += orl_daylight_from_request(&r, NULL, &d, NULL) < 0 || !is_finite(&d);
                     bright_nights += d.sun.z < 0 && !(d.black && d.warnings[0]);
                 }
                 low = fmin(low, asin(d.sun.z) / ORL_DEG_TO_RAD);
@@ -127,7 +127,7 @@ static void test_07_bin_borders(void **state)
                 struct orl_daylight d = {0};
                 r.input = ORL_SKY_INDICES;
                 odd += orl_daylight_check(&r, NULL) < 0 ||
-                       orl_daylight_find(&r, NULL, &d, NULL) < 0 || !is_finite(&d) ||
+                       orl_daylight_from_request(&r, NULL, &d, NULL) < 0 || !is_finite(&d) ||
                        (d.black && !strstr(d.warnings, "exceeds the solar constant"));
             }
         }
@@ -164,7 +164,7 @@ static void test_08_sun_alone(void **state)
         for (int kind = ORL_SKY_NORMAL_W; kind <= ORL_SKY_HORIZONTAL_W; kind++) {
             r = request_at(altitudes[i], kind == ORL_SKY_HORIZONTAL_W ? 1 : 500, 0);
             r.input = (enum orl_sky_input)kind;
-            odd += orl_daylight_find(&r, NULL, &d, NULL) < 0 || !is_finite(&d);
+            odd += orl_daylight_from_request(&r, NULL, &d, NULL) < 0 || !is_finite(&d);
         }
     }
     stability_row(8, "diffuse = 0, DNI > 0", "|E / (DNI sin altitude) - 1|", off, 0.002);
@@ -248,7 +248,7 @@ static bool is_reported(const struct orl_weather *weather, const struct orl_sky_
 {
     struct orl_daylight d = {0};
     struct orl_error err = {0};
-    const int code = orl_daylight_find(request, weather, &d, &err);
+    const int code = orl_daylight_from_request(request, weather, &d, &err);
     *ret_lit = false;
     if (code < 0) {
         *ret_fate = FATE_REFUSED;
@@ -371,7 +371,7 @@ static void test_10_at_the_horizon(void **state)
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         char scene[128];
         snprintf(scene, sizeof scene, "!%s\n", commands[i]);
-        struct orl_description d = scene_parse_text(scene, NULL, NULL);
+        struct orl_parsed_scene d = scene_parse_text(scene, NULL, NULL);
         assert_int_equal(d.n_skies, 1);
         for (int azimuth = 0; azimuth < 12; azimuth++) {
             double before = -1;
@@ -386,7 +386,7 @@ static void test_10_at_the_horizon(void **state)
                 before = value;
             }
         }
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
     stability_row(10, "sky at zenith angle 90 deg", "values that are not finite or negative",
                   (double)odd, 0);

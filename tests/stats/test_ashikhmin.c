@@ -13,7 +13,7 @@
 #include "scene/material/kinds.h"
 #include "support/subject.h"
 
-/* The last number is the quadrature's error in a bin: see test_scatter.c. */
+/* The last number is the quadrature's error in a bin: see test_material_sample.c. */
 static const struct kind {
     const char *text;
     double slack;
@@ -91,7 +91,8 @@ static void test_values(void **state)
         for (int k = 0; k < 3; k++) {
             const double t = angles_deg[i] * ORL_DEG_TO_RAD, p = azimuths_deg[k] * ORL_DEG_TO_RAD;
             const struct orl_vec3 sun = orl_v3(sin(t) * cos(p), sin(t) * sin(p), cos(t));
-            const struct orl_rgb f = orl_scatter_eval_lobes(s.material, &hit, sun, orl_v3(0, 0, 1));
+            const struct orl_rgb f =
+                orl_material_eval_lobes(s.material, &hit, sun, orl_v3(0, 0, 1));
             if (!(fabs(f.r / expected[i][k] - 1) < 1e-4))
                 fail_msg("%g %g: %g, not %g", angles_deg[i], azimuths_deg[k], f.r, expected[i][k]);
         }

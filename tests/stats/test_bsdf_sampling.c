@@ -14,9 +14,9 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "bsdf/incident.h"
-#include "bsdf/placed.h"
+#include "base/sampling/random.h"
+#include "bsdf/cone_table.h"
+#include "bsdf/located_direction.h"
 #include "fixtures/bsdf_make.h"
 
 enum {
@@ -152,7 +152,7 @@ static double p_value(const double *expected, const double *counted)
 struct way {
     bool adjoint;
     enum orl_bsdf_side sides;
-    const struct orl_incident *incident;
+    const struct orl_cone_table *cone_table;
 };
 
 static double pdf_of(const struct orl_bsdf *bsdf, const struct way *way, struct orl_vec3 given,
@@ -166,9 +166,9 @@ static bool sample_direction(const struct orl_bsdf *bsdf, const struct way *way,
                              struct orl_vec3 given, const double u[3], struct orl_vec3 *other,
                              struct orl_rgb *weight, double *pdf)
 {
-    if (way->incident) {
+    if (way->cone_table) {
         *pdf = 0; /* sampling by tables returns no pdf */
-        return orl_incident_sample(way->incident, given, u, other, weight);
+        return orl_cone_table_sample(way->cone_table, given, u, other, weight);
     }
     return way->adjoint ? orl_bsdf_sample_adjoint(bsdf, given, way->sides, u, other, weight, pdf)
                         : orl_bsdf_sample(bsdf, given, way->sides, u, other, weight, pdf);
@@ -234,7 +234,7 @@ static void check_draws(const struct orl_bsdf *bsdf, const struct way *way, stru
     p = p_value(expected, counted);
     if (p < significance)
         fail_msg("BSDF %d, adjoint %d, sides %d, tables %d: p = %g", label, way->adjoint,
-                 way->sides, way->incident != NULL, p);
+                 way->sides, way->cone_table != NULL, p);
 }
 
 static void draws_follow_the_pdf(void **state)
@@ -264,10 +264,10 @@ static void tables_of_a_cone_follow_the_pdf(void **state)
         const struct orl_vec3 middle =
             orl_normalize(orl_v3(0.31 * side, -0.22 * side, trees[i / 2] == 3 ? 0.8 : 0.8 * side));
         struct way way = {false, ORL_BSDF_TRANSMIT, NULL};
-        struct orl_incident *incident;
-        assert_int_equal(orl_incident_new(bsdf, middle, 0.0047, &incident), 0);
-        assert_non_null(incident);
-        way.incident = incident;
+        struct orl_cone_table *cone_table;
+        assert_int_equal(orl_cone_table_new(bsdf, middle, 0.0047, &cone_table), 0);
+        assert_non_null(cone_table);
+        way.cone_table = cone_table;
         check_draws(bsdf, &way, middle, &random, trees[i / 2]);
         for (int k = 0; k < 1000; k++) {
             const double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
@@ -277,7 +277,7 @@ static void tables_of_a_cone_follow_the_pdf(void **state)
             struct orl_vec3 out, other;
             struct orl_rgb weight, expected;
             double pdf;
-            const bool drawn = orl_incident_sample(incident, in, u, &out, &weight);
+            const bool drawn = orl_cone_table_sample(cone_table, in, u, &out, &weight);
             assert_int_equal(
                 drawn, orl_bsdf_sample(bsdf, in, ORL_BSDF_TRANSMIT, u, &other, &expected, &pdf));
             if (!drawn)
@@ -286,7 +286,7 @@ static void tables_of_a_cone_follow_the_pdf(void **state)
             assert_true(orl_luma(orl_bsdf_eval(bsdf, in, out)) > 0);
             assert_true(weight.r == expected.r && weight.b == expected.b);
         }
-        orl_incident_free(incident);
+        orl_cone_table_free(cone_table);
     }
 }
 
@@ -296,10 +296,11 @@ static void other_data_have_no_tables(void **state)
     static const int others[] = {1, 4, 5, 9};
     const struct fixture *fixture = *state;
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
-        struct orl_incident *incident;
+        struct orl_cone_table *cone_table;
         assert_int_equal(
-            orl_incident_new(fixture->bsdf[others[i]], orl_v3(0.6, 0, -0.8), 0.0047, &incident), 0);
-        assert_null(incident);
+            orl_cone_table_new(fixture->bsdf[others[i]], orl_v3(0.6, 0, -0.8), 0.0047, &cone_table),
+            0);
+        assert_null(cone_table);
     }
 }
 
@@ -353,9 +354,9 @@ static void placed_directions_have_the_same_values(void **state)
                 square_to_direction(uniform(&random), uniform(&random), !front);
             const struct orl_vec3 near =
                 square_to_direction(fmin(u + 0.01 * uniform(&random), 1), v, front);
-            const struct orl_bsdf_incidence a = orl_bsdf_place_incident(bsdf, in);
-            const struct orl_bsdf_incidence b = orl_bsdf_place_incident(bsdf, near);
-            const struct orl_bsdf_direction to = orl_bsdf_place(bsdf, out);
+            const struct orl_bsdf_incidence a = orl_bsdf_locate_incident(bsdf, in);
+            const struct orl_bsdf_incidence b = orl_bsdf_locate_incident(bsdf, near);
+            const struct orl_bsdf_direction to = orl_bsdf_locate(bsdf, out);
             double pdf, near_pdf;
             const struct orl_rgb f = orl_bsdf_transmit(bsdf, &a, &to, &pdf);
             const struct orl_rgb near_f = orl_bsdf_transmit(bsdf, &b, &to, &near_pdf);

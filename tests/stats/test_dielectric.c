@@ -43,7 +43,7 @@ static void test_fresnel(void **state)
     /* Total reflection begins at Snell's critical angle, from inside only. */
     assert_true(mirrored(&s, towards(&s, ORL_PI - critical - 1e-6)) == 1);
     assert_true(mirrored(&s, towards(&s, ORL_PI - critical + 1e-6)) < 1);
-    struct orl_scatter beyond;
+    struct orl_surface_sample beyond;
     assert_false(orl_material_refract(s.material, &s.hit, towards(&s, ORL_PI - critical - 1e-6),
                                       ORL_TRANSPORT_LIGHT, &beyond));
     /* At all angles up to grazing, reflectance and transmittance sum to one. */
@@ -64,7 +64,7 @@ static void test_snell(void **state)
     (void)state;
     for (int i = 0; i < 100; i++) {
         const struct orl_vec3 from = towards(&s, i * 0.0049 * ORL_PI), n = s.hit.normal;
-        struct orl_scatter in, back;
+        struct orl_surface_sample in, back;
         assert_true(orl_material_refract(s.material, &s.hit, from, ORL_TRANSPORT_LIGHT, &in));
         assert_true(fabs(orl_length(in.direction) - 1) < 1e-12);
         assert_true(orl_dot(in.direction, n) < 0);
@@ -76,7 +76,7 @@ static void test_snell(void **state)
         assert_true(orl_length(orl_sub(back.direction, from)) < 1e-7);
         /* Shares are equal in both directions; light and eye transport differ by n^2. */
         assert_true(fabs(in.weight.g - back.weight.g) < 1e-12);
-        struct orl_scatter eye;
+        struct orl_surface_sample eye;
         assert_true(orl_material_refract(s.material, &s.hit, from, ORL_TRANSPORT_EYE, &eye));
         assert_true(fabs(eye.weight.g / in.weight.g - pow(1.33 / 1.7, 2)) < 1e-12);
     }
@@ -102,8 +102,8 @@ static void test_draws(void **state)
         const struct tally one =
             subject_draw(&s, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_TRANSMITTED, (uint64_t)i);
         assert_true(fabs(one.refracted.g - t) < 1e-9 && orl_rgb_max(one.mirror) == 0);
-        assert_true(orl_scatter_pdf(s.material, &s.hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL,
-                                    orl_neg(from)) == 0);
+        assert_true(orl_material_pdf(s.material, &s.hit, from, ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL,
+                                     orl_neg(from)) == 0);
     }
     subject_done(&s);
 }
@@ -128,17 +128,20 @@ static void test_slab_is_glass(void **state)
             struct orl_random random =
                 orl_random_stream(40 + (uint64_t)k, ORL_PURPOSE_BENCH, (uint64_t)i);
             struct orl_vec3 way = orl_neg(from);
-            struct orl_rgb flux = orl_gray(1.0 / subject_draws()), clarity = orl_gray(1);
+            struct orl_rgb flux = orl_gray(1.0 / subject_draws()),
+                           medium_transmissivity = orl_gray(1);
             /* The upper face's normal is up, the lower's is down: both point out of the slab. */
             bool upper = true, inside = false;
             for (;;) {
                 struct orl_hit hit = {.normal = {0, 0, upper ? 1 : -1}, .front = !inside};
                 hit.distance = inside ? 1 / fabs(way.z) : 3;
-                flux = orl_rgb_mul(flux, orl_material_dimming(slab.material, &hit, clarity));
-                const struct orl_scatter s = orl_scatter_sample(
+                flux = orl_rgb_mul(
+                    flux, orl_hit_transmittance(slab.material, &hit, medium_transmissivity));
+                const struct orl_surface_sample s = orl_material_sample(
                     slab.material, &hit, orl_neg(way), ORL_TRANSPORT_LIGHT, ORL_LOBE_ALL, &random);
                 flux = orl_rgb_mul(flux, s.weight);
-                clarity = orl_scatter_clarity(slab.material, &s, clarity);
+                medium_transmissivity =
+                    orl_medium_after_sample(slab.material, &s, medium_transmissivity);
                 way = s.direction;
                 if (s.event == ORL_EVENT_REFRACTED)
                     inside = !inside;
@@ -184,20 +187,22 @@ static void test_beer(void **state)
     (void)state;
     hit.distance = 2.5;
     hit.front = false; /* the ray came from behind, through the first medium */
-    assert_true(fabs(orl_material_dimming(s.material, &hit, orl_gray(1)).g - pow(.6, 2.5)) < 1e-12);
+    assert_true(fabs(orl_hit_transmittance(s.material, &hit, orl_gray(1)).g - pow(.6, 2.5)) <
+                1e-12);
     hit.front = true;
-    assert_true(fabs(orl_material_dimming(s.material, &hit, orl_gray(1)).r - pow(.9, 2.5)) < 1e-12);
+    assert_true(fabs(orl_hit_transmittance(s.material, &hit, orl_gray(1)).r - pow(.9, 2.5)) <
+                1e-12);
     /* A wall uses the medium that the path remembers. */
-    assert_true(orl_is_clear(orl_material_dimming(wall.material, &hit, orl_gray(1))));
-    assert_true(fabs(orl_material_dimming(wall.material, &hit, orl_gray(.3)).b - pow(.3, 2.5)) <
+    assert_true(orl_medium_is_clear(orl_hit_transmittance(wall.material, &hit, orl_gray(1))));
+    assert_true(fabs(orl_hit_transmittance(wall.material, &hit, orl_gray(.3)).b - pow(.3, 2.5)) <
                 1e-12);
     const struct orl_vec3 above = subject_direction(&s, 20, 0);
-    struct orl_scatter in;
+    struct orl_surface_sample in;
     assert_true(orl_material_refract(s.material, &s.hit, above, ORL_TRANSPORT_LIGHT, &in));
-    assert_true(in.clarity.r == .5 && in.clarity.b == .7);
+    assert_true(in.medium_transmissivity.r == .5 && in.medium_transmissivity.b == .7);
     /* An infinite distance transmits nothing; in air it transmits all. */
-    assert_true(orl_rgb_max(orl_clarity_after(orl_gray(.999), INFINITY)) == 0);
-    assert_true(orl_is_clear(orl_clarity_after(orl_gray(1), INFINITY)));
+    assert_true(orl_rgb_max(orl_medium_transmittance(orl_gray(.999), INFINITY)) == 0);
+    assert_true(orl_medium_is_clear(orl_medium_transmittance(orl_gray(1), INFINITY)));
     subject_done(&s);
     subject_done(&wall);
 }

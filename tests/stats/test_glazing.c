@@ -138,7 +138,7 @@ static void test_refused(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         static const char *const names[] = {"a.rad", "g.cal"};
-        struct orl_description description = {0};
+        struct orl_parsed_scene parsed_scene = {0};
         struct orl_error err = {0};
         char text[512];
         snprintf(text, sizeof text, "%sm polygon q 0 0 9 0 0 0 1 0 0 0 1 0\n", cases[i].text);
@@ -146,10 +146,10 @@ static void test_refused(void **state)
                                             {functions, sizeof functions - 1, NULL}};
         struct orl_memory_files memory = {names, contents, 2};
         const struct orl_files files = orl_files_from_memory(&memory);
-        const int code = orl_scene_parse(names, 1, &files, &description, &err);
+        const int code = orl_scene_parse(names, 1, &files, &parsed_scene, &err);
         if (code == 0 || !strstr(err.message, cases[i].message))
             fail_msg("case %zu: %d %s", i, code, err.message);
-        orl_description_done(&description);
+        orl_parsed_scene_done(&parsed_scene);
     }
 }
 

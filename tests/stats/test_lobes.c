@@ -19,7 +19,7 @@
 static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
 
 /* The last number is the quadrature's error in a bin: the sharper the lobe, the larger; see
- * test_scatter.c. */
+ * test_material_sample.c. */
 struct kind {
     const char *text;
     double slack;
@@ -158,8 +158,8 @@ static void test_round_grain(void **state)
                 subject_direction(&plain, a, 360 * orl_random_uniform(&random));
             const struct orl_vec3 e =
                 subject_direction(&plain, b, 360 * orl_random_uniform(&random));
-            const double f = orl_scatter_eval_lobes(plain.material, &plain.hit, l, e).g;
-            const double g = orl_scatter_eval_lobes(grained.material, &plain.hit, l, e).g;
+            const double f = orl_material_eval_lobes(plain.material, &plain.hit, l, e).g;
+            const double g = orl_material_eval_lobes(grained.material, &plain.hit, l, e).g;
             assert_true(f == g);
         }
         subject_done(&plain);
@@ -183,14 +183,14 @@ static void test_peaks(void **state)
         const struct orl_vec3 l = subject_direction(&s, 11 * i, 30 * i);
         const double c = orl_dot(l, s.hit.normal);
         const double back =
-            orl_scatter_eval_lobes(s.material, &s.hit, l, orl_mirrored(l, s.hit.normal)).g;
-        const double on = orl_scatter_eval_lobes(s.material, &s.hit, l, orl_neg(l)).g;
+            orl_material_eval_lobes(s.material, &s.hit, l, orl_mirrored(l, s.hit.normal)).g;
+        const double on = orl_material_eval_lobes(s.material, &s.hit, l, orl_neg(l)).g;
         assert_true(fabs(back * 4 * ORL_PI * .02 * c * c / .4 - 1) < 1e-9);
         assert_true(fabs(on * ORL_PI * .02 * c / .6 - 1) < 1e-9);
         for (int k = 0; k < 12; k++) {
             const struct orl_vec3 e = subject_direction(&s, 15 * k + 3, 77 * k);
-            const double f = orl_scatter_eval_lobes(a.material, &s.hit, l, e).g;
-            const double g = orl_scatter_eval_lobes(b.material, &s.hit, l, e).g;
+            const double f = orl_material_eval_lobes(a.material, &s.hit, l, e).g;
+            const double g = orl_material_eval_lobes(b.material, &s.hit, l, e).g;
             assert_true(fabs(f - g) <= 1e-4 * f + 1e-12);
         }
     }
@@ -204,13 +204,13 @@ static void test_grain_direction(void **state)
 {
     struct subject s = subject_of("void metal2 m 4 1 0 0 . 0 6 .9 .9 .9 1 .4 .05\n", NULL, NULL);
     const struct orl_ward ward = orl_ward_at(s.material, &s.hit, s.hit.normal);
-    const struct orl_vec3 across = orl_cross(s.hit.normal, ward.grain), n = s.hit.normal;
-    const struct orl_vec3 lean_along = orl_normalize(orl_madd(n, ward.grain, .4));
+    const struct orl_vec3 across = orl_cross(s.hit.normal, ward.anisotropy_axis), n = s.hit.normal;
+    const struct orl_vec3 lean_along = orl_normalize(orl_madd(n, ward.anisotropy_axis, .4));
     const struct orl_vec3 lean_across = orl_normalize(orl_madd(n, across, .4));
     (void)state;
-    assert_true(fabs(orl_dot(ward.grain, n)) < 1e-12 && ward.grain.x > 0.9);
-    assert_true(orl_scatter_eval_lobes(s.material, &s.hit, n, lean_along).g >
-                1000 * orl_scatter_eval_lobes(s.material, &s.hit, n, lean_across).g);
+    assert_true(fabs(orl_dot(ward.anisotropy_axis, n)) < 1e-12 && ward.anisotropy_axis.x > 0.9);
+    assert_true(orl_material_eval_lobes(s.material, &s.hit, n, lean_along).g >
+                1000 * orl_material_eval_lobes(s.material, &s.hit, n, lean_across).g);
     subject_done(&s);
 }
 
@@ -220,7 +220,7 @@ static void test_standing_grain(void **state)
     struct subject s = subject_of("void metal2 m 4 .2 -.7 .5 . 0 6 .9 .9 .9 1 .3 .1\n", NULL, NULL);
     const struct orl_ward ward = orl_ward_at(s.material, &s.hit, s.hit.normal);
     (void)state;
-    assert_true(ward.round && fabs(ward.along - sqrt(.05)) < 1e-12);
+    assert_true(ward.isotropic && fabs(ward.along - sqrt(.05)) < 1e-12);
     subject_done(&s);
 }
 
@@ -257,7 +257,7 @@ static void test_as_radiance_has_it(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         struct subject s = subject_of(rows[i].text, NULL, NULL);
-        struct orl_rgb f = orl_scatter_eval_lobes(s.material, &hit, rows[i].sun, rows[i].eye);
+        struct orl_rgb f = orl_material_eval_lobes(s.material, &hit, rows[i].sun, rows[i].eye);
         if (rows[i].eye.z > 0)
             f = orl_rgb_add(f,
                             orl_rgb_scale(orl_material_diffuse(s.material, &anywhere), 1 / ORL_PI));

@@ -19,7 +19,7 @@
     "void metal b 0 0 5 .9 .8 .7 .9 .15\nvoid trans t 0 0 7 .8 .8 .8 .05 .15 .6 .4\n"              \
     "void mirror r 0 0 3 .8 .8 .8\n"
 
-/* The last number is the quadrature's error in a bin: see test_scatter.c. */
+/* The last number is the quadrature's error in a bin: see test_material_sample.c. */
 static const struct kind {
     const char *text;
     double slack;
@@ -86,7 +86,7 @@ static void test_shares(void **state)
     assert_true(fabs(t.diffuse.g - .3 * .9 * .5) < noise);
     const struct orl_rgb all = orl_material_albedo(s.material, &s.hit, from, ORL_LOBE_ALL);
     assert_true(orl_rgb_max(all) < 1);
-    assert_true(orl_material_albedo_most(s.material, true, cos(.872664626), ORL_LOBE_ALL) >=
+    assert_true(orl_material_max_albedo(s.material, true, cos(.872664626), ORL_LOBE_ALL) >=
                 orl_rgb_max(all) - 1e-12);
     assert_true(orl_material_is_window(s.material) && orl_material_has_lobes(s.material));
     assert_false(orl_material_transmits_lobes(s.material) || orl_material_is_matt(s.material));
@@ -103,15 +103,15 @@ static void test_directed(void **state)
     const struct orl_vec3 light = subject_direction(&s, 20, 200);
     const struct orl_material *m = s.material->mixed;
     const double sum =
-        .5 * (orl_scatter_eval_lobes(&m[0], &s.hit, light, eye).g +
-              orl_scatter_eval_lobes(&m[1], &s.hit, light, eye).g) +
+        .5 * (orl_material_eval_lobes(&m[0], &s.hit, light, eye).g +
+              orl_material_eval_lobes(&m[1], &s.hit, light, eye).g) +
         .5 * (orl_material_diffuse(&m[0], &s.hit).g + orl_material_diffuse(&m[1], &s.hit).g) /
             ORL_PI;
     (void)state;
-    assert_true(fabs(orl_scatter_eval_lobes(s.material, &s.hit, light, eye).g - sum) < 1e-12);
+    assert_true(fabs(orl_material_eval_lobes(s.material, &s.hit, light, eye).g - sum) < 1e-12);
     assert_true(orl_rgb_max(orl_material_diffuse(s.material, &s.hit)) == 0);
-    assert_true(orl_material_diffuse_most(s.material) == 0 && orl_material_has_lobes(s.material));
-    assert_true(orl_material_lobes_most(s.material, true, .5) >=
+    assert_true(orl_material_max_diffuse(s.material) == 0 && orl_material_has_lobes(s.material));
+    assert_true(orl_material_max_lobes(s.material, true, .5) >=
                 orl_rgb_max(orl_material_albedo(s.material, &s.hit, eye, ORL_LOBE_ALL)) - 1e-12);
     subject_done(&s);
 }
@@ -135,7 +135,7 @@ static void test_sum(void **state)
     assert_true(fabs(orl_material_straight(s.material, &s.hit, from).r - .3) < 1e-12);
     const struct orl_rgb all = orl_material_albedo(s.material, front, from, ORL_LOBE_ALL);
     assert_true(fabs(all.b - (.1 + .2 + .3 + .2)) < 1e-12);
-    assert_true(orl_material_albedo_most(s.material, true, .5, ORL_LOBE_ALL) >= orl_rgb_max(all));
+    assert_true(orl_material_max_albedo(s.material, true, .5, ORL_LOBE_ALL) >= orl_rgb_max(all));
     assert_true(orl_material_transmits_lobes(s.material) && orl_material_is_window(s.material));
     assert_false(orl_material_is_matt(s.material));
     subject_done(&s);

@@ -13,9 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
+#include "scene/material/function_brdf/function_brdf_check.h"
 #include "scene/material/kinds.h"
-#include "scene/material/own_settle.h"
 #include "support/scene_text.h"
 #include "support/subject.h"
 
@@ -42,7 +42,7 @@ static const char wedge[] =
 
 #define WEDGE "void prism1 m 5 c px py pz w.cal 0 3 1.5 .2 .8\n"
 
-static struct orl_vec3 world(const struct subject *s, struct orl_vec3 v)
+static struct orl_vec3 lit_scene(const struct subject *s, struct orl_vec3 v)
 {
     return orl_to_world(&s->frame, v);
 }
@@ -88,15 +88,16 @@ static void test_snell(void **state)
         const double phi = 2 * ORL_PI * orl_random_uniform(&random);
         const struct orl_vec3 ray = orl_v3(r * cos(phi), r * sin(phi), z);
         struct orl_vec3 out;
-        struct orl_scatter ways[ORL_PRISM_WAYS];
+        struct orl_surface_sample prism_rays[ORL_PRISM_RAYS];
         const bool expected = by_snell(ray, &out);
-        const int n = orl_prism_ways(s.material, &s.hit, orl_neg(ray), ORL_TRANSPORT_EYE, ways);
+        const int n = orl_prism_deviated_rays(s.material, &s.hit, orl_neg(ray), ORL_TRANSPORT_EYE,
+                                              prism_rays);
         assert_int_equal(n, expected ? 1 : 0);
         if (!expected)
             continue;
         through++;
-        assert_true(orl_length(orl_sub(out, ways[0].direction)) < 1e-9);
-        assert_true(fabs(ways[0].weight.g - .8) < 1e-12 && ways[0].transmitted);
+        assert_true(orl_length(orl_sub(out, prism_rays[0].direction)) < 1e-9);
+        assert_true(fabs(prism_rays[0].weight.g - .8) < 1e-12 && prism_rays[0].transmitted);
     }
     assert_true(through > 1000);
     subject_done(&s);
@@ -128,13 +129,14 @@ static void test_both_ways(void **state)
                 /* Light is in front when side is 0, and so the eye is behind. */
                 const bool front = (side == 0) == (transport == ORL_TRANSPORT_LIGHT);
                 const struct orl_vec3 from = orl_v3(r * cos(phi), r * sin(phi), front ? z : -z);
-                struct orl_scatter ways[ORL_PRISM_WAYS];
-                const int n =
-                    orl_prism_ways(s.material, &s.hit, from, (enum orl_transport)transport, ways);
+                struct orl_surface_sample prism_rays[ORL_PRISM_RAYS];
+                const int n = orl_prism_deviated_rays(s.material, &s.hit, from,
+                                                      (enum orl_transport)transport, prism_rays);
                 if (n == 1)
-                    sums[transport] += ways[0].weight.r * (transport == ORL_TRANSPORT_LIGHT
-                                                               ? seen_by(from, ways[0].direction)
-                                                               : seen_by(ways[0].direction, from));
+                    sums[transport] +=
+                        prism_rays[0].weight.r * (transport == ORL_TRANSPORT_LIGHT
+                                                      ? seen_by(from, prism_rays[0].direction)
+                                                      : seen_by(prism_rays[0].direction, from));
             }
         if (!(fabs(sums[0] / sums[1] - 1) < 2e-3))
             fail_msg("side %d: %g by light, %g by eyes", side, sums[0], sums[1]);
@@ -146,18 +148,19 @@ static void test_both_ways(void **state)
 static void test_two_ways(void **state)
 {
     struct subject s = prism_of("void prism2 m 9 c2 px py pz .5 Dx Dy Dz w.cal 0 3 1.5 .2 .8\n");
-    const struct orl_vec3 from = world(&s, orl_normalize(orl_v3(.1, -.2, 1)));
-    struct orl_scatter ways[ORL_PRISM_WAYS];
+    const struct orl_vec3 from = lit_scene(&s, orl_normalize(orl_v3(.1, -.2, 1)));
+    struct orl_surface_sample prism_rays[ORL_PRISM_RAYS];
     int first = 0;
     (void)state;
-    assert_int_equal(orl_prism_ways(s.material, &s.hit, from, ORL_TRANSPORT_EYE, ways), 2);
+    assert_int_equal(
+        orl_prism_deviated_rays(s.material, &s.hit, from, ORL_TRANSPORT_EYE, prism_rays), 2);
     for (int i = 0; i < 10000; i++) {
         const double u[3] = {.5, .5, (i + .5) / 10000};
-        const struct orl_scatter d =
-            orl_scatter_sample_at(s.material, &s.hit, from, ORL_TRANSPORT_EYE, ORL_LOBE_ALL, u);
+        const struct orl_surface_sample d =
+            orl_material_sample_at(s.material, &s.hit, from, ORL_TRANSPORT_EYE, ORL_LOBE_ALL, u);
         assert_int_equal(d.event, ORL_EVENT_REFRACTED);
         assert_true(fabs(d.weight.b - .7) < 1e-12);
-        first += orl_length(orl_sub(d.direction, ways[0].direction)) < 1e-12;
+        first += orl_length(orl_sub(d.direction, prism_rays[0].direction)) < 1e-12;
     }
     assert_true(abs(first - 2857) <= 1); /* .2 of .7 */
     subject_done(&s);

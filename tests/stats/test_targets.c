@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "render/gather/targets.h"
 #include "support/scene_text.h"
 
@@ -42,22 +42,23 @@ static const struct {
 
 static void test_which_surfaces(void **state)
 {
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     (void)state;
-    assert_non_null(crew);
+    assert_non_null(pool);
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
-        struct orl_world *world = scene_world(scenes[i].scene, NULL, NULL, crew);
+        struct orl_lit_scene *lit_scene = build_lit_scene(scenes[i].scene, NULL, NULL, pool);
         struct orl_targets targets;
-        assert_int_equal(orl_targets_init(&targets, world), 0);
+        assert_int_equal(orl_targets_init(&targets, lit_scene), 0);
         if (targets.n != scenes[i].targets)
             fail_msg("scene %zu: %u targets", i, targets.n);
-        assert_int_equal(orl_targets_of(&targets, world->geometry, 0), ORL_NO_TARGET); /* floor */
-        for (size_t facet = 1; facet < world->geometry->n_facets && targets.n == 1; facet++)
-            assert_int_equal(orl_targets_of(&targets, world->geometry, (uint32_t)facet), 0);
+        assert_int_equal(orl_targets_of(&targets, lit_scene->geometry, 0),
+                         ORL_NO_TARGET); /* floor */
+        for (size_t facet = 1; facet < lit_scene->geometry->n_facets && targets.n == 1; facet++)
+            assert_int_equal(orl_targets_of(&targets, lit_scene->geometry, (uint32_t)facet), 0);
         orl_targets_done(&targets);
-        orl_world_free(world);
+        orl_lit_scene_free(lit_scene);
     }
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* From beside the sphere, from its edge almost, from far away, from within and from its centre. */
@@ -79,8 +80,8 @@ static void test_directions_lie_in_the_cone(void **state)
         for (int i = 0; i < DRAWS; i++) {
             const double u0 = orl_random_uniform(&random);
             const double u[2] = {u0, orl_random_uniform(&random)};
-            const struct orl_vec3 towards = orl_target_draw(&sphere, points[p], u);
-            const double density = orl_target_density(&sphere, points[p], towards);
+            const struct orl_vec3 towards = orl_target_sample(&sphere, points[p], u);
+            const double density = orl_target_pdf(&sphere, points[p], towards);
             assert_true(fabs(orl_length(towards) - 1) < 1e-9);
             if (!(fabs(density * solid - 1) < 1e-6))
                 fail_msg("point %d: density %g times %g sr", p, density, solid);
@@ -104,7 +105,7 @@ static void test_density_integrates_to_one(void **state)
             const double z = 2 * orl_random_uniform(&random) - 1,
                          phi = 2 * ORL_PI * orl_random_uniform(&random), r = sqrt(1 - z * z);
             const double density =
-                orl_target_density(&sphere, points[p], orl_v3(r * cos(phi), r * sin(phi), z));
+                orl_target_pdf(&sphere, points[p], orl_v3(r * cos(phi), r * sin(phi), z));
             sum += density * 4 * ORL_PI;
             inside += density > 0;
         }

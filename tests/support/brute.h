@@ -8,10 +8,10 @@
 #ifndef ORL_TESTS_SUPPORT_BRUTE_H
 #define ORL_TESTS_SUPPORT_BRUTE_H
 
-#include <oriel/crew.h>
-#include <oriel/run.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/job/run.h>
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 
 struct brute_value {
     double mean, standard_error; /* lx; cd/m2 for a ray */
@@ -19,7 +19,8 @@ struct brute_value {
 
 /* Computes the illuminance of n sensors with `paths` paths each, a multiple of BRUTE_BLOCKS. */
 enum { BRUTE_BLOCKS = 64 };
-void brute_sensors(const struct orl_world *world, const struct orl_sensor *sensors, size_t n,
-                   uint64_t paths, struct orl_crew *crew, struct brute_value *ret_values);
+void brute_sensors(const struct orl_lit_scene *lit_scene, const struct orl_sensor *sensors,
+                   size_t n, uint64_t paths, struct orl_thread_pool *pool,
+                   struct brute_value *ret_values);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 enum { CIE_FLOOR, CIE_NORTH, CIE_WEST, CIE_EAST, CIE_SOUTH, CIE_CEILING, CIE_FACES };
 

@@ -5,8 +5,8 @@
 #ifndef ORL_TESTS_SUPPORT_DATA_FOLDER_H
 #define ORL_TESTS_SUPPORT_DATA_FOLDER_H
 
-#include "store/db.h"
-#include "store/folders.h"
+#include "store/database/db.h"
+#include "store/files/folders.h"
 
 struct data_folder {
     char root[64];

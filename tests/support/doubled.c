@@ -4,27 +4,27 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include <oriel/bsdf.h>
-#include <oriel/files.h>
-#include <oriel/run.h>
-#include <oriel/study.h>
+#include <oriel/base/files.h>
+#include <oriel/bsdf/bsdf.h>
+#include <oriel/job/run.h>
+#include <oriel/job/study.h>
 
-#include "annual/phases/matrix_file.h"
-#include "annual_json.h"
-#include "bsdf_json.h"
-#include "bsdf_make_json.h"
-#include "decode.h"
-#include "fit/rows.h"
+#include "annual/matrices/matrix_file.h"
+#include "annual_job/annual_json.h"
+#include "bsdf/fit/measurements/rows.h"
+#include "bsdf_json/bsdf_json.h"
+#include "bsdf_json/bsdf_make_json.h"
 #include "function/function.h"
 #include "honeybee/hbjson.h"
-#include "job_json.h"
+#include "job/job_json.h"
+#include "job/study_json.h"
 #include "light/weather.h"
 #include "run/stages.h"
 #include "scene/parse/parse.h"
-#include "study_json.h"
 #include "support/scene_text.h"
 #include "support/zip.h"
 #include "uploads/unzip.h"
+#include "json/decode.h"
 
 /* ---- Readers --------------------------------------------------------------------------------- */
 
@@ -47,9 +47,9 @@ static int read_scene(const struct doubled_input *input, struct orl_error *err)
         orl_scene_summary_done(&summary);
         return code;
     }
-    struct orl_description description = {0};
-    const int code = orl_scene_parse(names, 1, &files, &description, err);
-    orl_description_done(&description);
+    struct orl_parsed_scene parsed_scene = {0};
+    const int code = orl_scene_parse(names, 1, &files, &parsed_scene, err);
+    orl_parsed_scene_done(&parsed_scene);
     return code;
 }
 
@@ -67,7 +67,7 @@ static int read_mesh(const struct doubled_input *input, struct orl_error *err)
     const enum doubled_kind kind = input->of->kind;
     const struct orl_file whole = {input->data, input->size, NULL};
     const struct orl_file small = {object, sizeof object - 1, NULL};
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     char text[sizeof scene + 32];
     snprintf(text, sizeof text, "%s%s", scene, commands[kind - DOUBLED_OBJ]);
     const struct orl_file contents[] = {{text, strlen(text), NULL},
@@ -79,8 +79,8 @@ static int read_mesh(const struct doubled_input *input, struct orl_error *err)
                                         {luminaire, sizeof luminaire - 1, NULL}};
     struct orl_memory_files memory = {names, contents, sizeof names / sizeof *names};
     const struct orl_files files = orl_files_from_memory(&memory);
-    const int code = orl_scene_parse(names, 1, &files, &description, err);
-    orl_description_done(&description);
+    const int code = orl_scene_parse(names, 1, &files, &parsed_scene, err);
+    orl_parsed_scene_done(&parsed_scene);
     return code;
 }
 
@@ -294,7 +294,7 @@ void doubled_done(struct doubled_input *input)
 
 static int read_measured(const struct doubled_input *input, struct orl_error *err)
 {
-    const struct orl_fit_reading reading = {0};
+    const struct orl_fit_read_options reading = {0};
     struct orl_fit_data data = {0};
     const int code = orl_fit_read("data.txt", 0, input->data, input->size, &reading, &data, err);
     orl_fit_data_done(&data);

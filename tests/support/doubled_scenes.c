@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #include "support/doubled.h"
 

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "scene/parse/parse.h"
 
 static const char once[] = "void instance tree 1 tree.oct 0 0\n"; /* once.rad */
@@ -182,7 +182,7 @@ void grove_done(struct grove *grove)
     free(grove->expanded);
 }
 
-struct orl_description grove_read(const struct grove *grove, const char *scene)
+struct orl_parsed_scene grove_read(const struct grove *grove, const char *scene)
 {
     static const char *const names[] = {"scene.rad", "tree.rad", "tree.oct",
                                         "once.rad",  "pair.rad", "pair.oct"};
@@ -194,7 +194,7 @@ struct orl_description grove_read(const struct grove *grove, const char *scene)
                                         {grove->pair.data, grove->pair.size, NULL}};
     struct orl_memory_files memory = {names, contents, 6};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err = {0};
     if (orl_scene_parse(names, 1, &files, &d, &err) < 0)
         fail_msg("%s:%d: %s (%s)", err.file, err.line, err.message, err.hint);

@@ -8,9 +8,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
-#include "scene/description.h"
+#include "scene/parsed_scene.h"
 
 enum { GROVE_PLACES = 20, GROVE_TRIANGLES = 200, GROVE_ROUND = 12 };
 
@@ -41,7 +41,7 @@ void grove_done(struct grove *grove);
 
 /* Reads one of the scenes, or a text that names tree.rad, tree.oct, pair.oct, or once.rad, which
  * has an instance of tree.oct. Fails the test on error. */
-struct orl_description grove_read(const struct grove *grove, const char *scene);
+struct orl_parsed_scene grove_read(const struct grove *grove, const char *scene);
 
 /* Writes shared.rad and expanded.rad, tree.rad and tree.oct into a folder. */
 void grove_write(const struct grove *grove, const char *folder);

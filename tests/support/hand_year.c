@@ -67,28 +67,29 @@ struct orl_annual_request hand_year_request(struct orl_annual_grid grids[2])
         .grids = grids, .n_grids = 2, .n_sensors = HAND_YEAR_SENSORS};
 }
 
-void hand_year_ask(struct orl_annual_wishes *wishes, const char *target, const char *rules)
+void hand_year_ask(struct orl_report_request *report_request, const char *target, const char *rules)
 {
     const struct orl_annual_rule *first;
-    assert_int_equal(orl_annual_wishes_init(wishes), 0);
-    wishes->targets = calloc(1, sizeof *wishes->targets);
-    assert_non_null(wishes->targets);
-    assert_int_equal(orl_annual_target_parse(target, wishes->targets, NULL), 0);
-    wishes->n_targets = 1;
-    assert_int_equal(orl_annual_rules_find(rules, &first, &wishes->n_rules, NULL), 0);
-    wishes->rules = calloc(wishes->n_rules, sizeof *wishes->rules);
-    assert_non_null(wishes->rules);
-    for (size_t i = 0; i < wishes->n_rules; i++)
-        wishes->rules[i] = first[i];
+    assert_int_equal(orl_report_request_init(report_request), 0);
+    report_request->targets = calloc(1, sizeof *report_request->targets);
+    assert_non_null(report_request->targets);
+    assert_int_equal(orl_annual_target_parse(target, report_request->targets, NULL), 0);
+    report_request->n_targets = 1;
+    assert_int_equal(orl_annual_rules_find(rules, &first, &report_request->n_rules, NULL), 0);
+    report_request->rules = calloc(report_request->n_rules, sizeof *report_request->rules);
+    assert_non_null(report_request->rules);
+    for (size_t i = 0; i < report_request->n_rules; i++)
+        report_request->rules[i] = first[i];
 }
 
 struct orl_annual_report hand_year_report(const struct orl_annual_request *request,
                                           const struct orl_annual_result *result,
-                                          const struct orl_annual_wishes *wishes)
+                                          const struct orl_report_request *report_request)
 {
     struct orl_annual_report report;
     struct orl_error err = {0};
-    if (orl_annual_report_make(request, result, wishes, NULL, NULL, NULL, &report, &err) < 0)
+    if (orl_annual_report_make(request, result, report_request, NULL, NULL, NULL, &report, &err) <
+        0)
         fail_msg("%s", err.message);
     return report;
 }

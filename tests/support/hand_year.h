@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 enum { HAND_YEAR_SENSORS = 6, HAND_YEAR_FIRST_LIT = 6, HAND_YEAR_LIT = 12 };
 
@@ -20,12 +20,13 @@ void hand_year_free(struct orl_annual_result *result);
  */
 struct orl_annual_request hand_year_request(struct orl_annual_grid grids[2]);
 
-/* Requests one target, and rules by name; freed by orl_annual_wishes_done. */
-void hand_year_ask(struct orl_annual_wishes *wishes, const char *target, const char *rules);
+/* Requests one target, and rules by name; freed by orl_report_request_done. */
+void hand_year_ask(struct orl_report_request *report_request, const char *target,
+                   const char *rules);
 
 /* Returns the report, freed by orl_annual_report_done; an error fails the running test. */
 struct orl_annual_report hand_year_report(const struct orl_annual_request *request,
                                           const struct orl_annual_result *result,
-                                          const struct orl_annual_wishes *wishes);
+                                          const struct orl_report_request *report_request);
 
 #endif

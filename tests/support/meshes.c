@@ -62,7 +62,7 @@ struct orl_vec3 mesh_direction(struct orl_random *random)
 static struct orl_vec3 edge_point(const struct orl_geometry *g, struct orl_random *random)
 {
     const size_t i = (size_t)(orl_random_uniform(random) * (double)orl_geometry_triangles_end(g));
-    const struct orl_triangle triangle = orl_triangle_of(g, i);
+    const struct orl_triangle triangle = orl_triangle_get(g, i);
     const struct orl_vec3 c[3] = {triangle.a, triangle.b, triangle.c};
     const int k = (int)(3 * orl_random_uniform(random));
     const double t = orl_random_uniform(random);
@@ -104,7 +104,7 @@ uint64_t mesh_leaks_on_bounce(const struct orl_geometry *geometry, uint64_t boun
         const struct orl_vec3 in = hit.front ? hit.normal : orl_neg(hit.normal);
         if (orl_dot(d, in) < 0)
             d = orl_neg(d);
-        from = orl_hit_leave(geometry, &hit, d);
+        from = orl_hit_ray_origin(geometry, &hit, d);
     }
     return leaks;
 }

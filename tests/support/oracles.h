@@ -1,6 +1,6 @@
 /*
  * Closed forms and integrals for comparison with results, written for the tests only: nothing here
- * calls the core, except the inline arithmetic of oriel/vec.h.
+ * calls the core, except the inline arithmetic of oriel/base/vec.h.
  *
  * Conventions: directions are unit vectors toward the light; angles in radians. References: Lambert
  * 1760 (contour integral); Fresnel; ISO 15469:2004 / CIE S 011 (general sky).
@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 /*
  * Returns the configuration factor: the irradiance at a point with that normal from a polygon of

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "scene/geometry/triangulate.h"
+#include "scene/geometry/triangulation/triangulate.h"
 #include "support/scene_text.h"
 
 enum { MOST = OUTLINE_MOST };

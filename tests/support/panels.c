@@ -29,13 +29,13 @@ static struct orl_bsdf_make_request request_of(const struct panel *panel, char *
     r.cull = panel->cull > 0 ? panel->cull : r.cull;
     r.accuracy = panel->accuracy;
     r.paths_most = panel->paths_most ? panel->paths_most : r.paths_most;
-    r.tell_errors = panel->tell_errors;
+    r.want_errors = panel->want_errors;
     r.seed = panel->seed ? panel->seed : 1;
     return r;
 }
 
-int panel_try(const struct panel *panel, const atomic_bool *cancel, struct orl_bsdf_made *ret_made,
-              struct orl_error *ret_err)
+int panel_try(const struct panel *panel, const atomic_bool *cancel,
+              struct orl_bsdf_make_result *ret_made, struct orl_error *ret_err)
 {
     char *files[] = {name};
     const char *const names[] = {name};
@@ -43,26 +43,26 @@ int panel_try(const struct panel *panel, const atomic_bool *cancel, struct orl_b
     struct orl_memory_files memory = {names, &content, 1};
     const struct orl_files provider = orl_files_from_memory(&memory);
     const struct orl_bsdf_make_request request = request_of(panel, files);
-    const struct orl_bsdf_make_env env = {.files = &provider,
-                                          .crew =
-                                              orl_crew_start(panel->threads ? panel->threads : 1),
-                                          .cancel = cancel};
-    assert_non_null(env.crew);
+    const struct orl_bsdf_make_env env = {
+        .files = &provider,
+        .pool = orl_thread_pool_start(panel->threads ? panel->threads : 1),
+        .cancel = cancel};
+    assert_non_null(env.pool);
     const int code = orl_bsdf_make(&request, &env, ret_made, ret_err);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     return code;
 }
 
-struct orl_bsdf_made panel_make(const struct panel *panel)
+struct orl_bsdf_make_result panel_make(const struct panel *panel)
 {
-    struct orl_bsdf_made made = {0};
+    struct orl_bsdf_make_result made = {0};
     struct orl_error err = {0};
     if (panel_try(panel, NULL, &made, &err) < 0)
         fail_msg("%s", err.message);
     return made;
 }
 
-struct orl_bsdf *panel_read(const struct orl_bsdf_made *made)
+struct orl_bsdf *panel_read(const struct orl_bsdf_make_result *made)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_error err = {0};

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "support/brute.h"
 

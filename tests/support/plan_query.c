@@ -27,40 +27,42 @@ struct orl_plan plan_of(const struct plan_query *q, struct plan_left *ret_left)
     static char name[] = "v", view[] = "-vtv -vp 2 4 1.5 -vd 0 -1 0";
     struct orl_view_request views[1] = {{.name = name, .view = view, .width = 64, .height = 48}};
     static const struct orl_sensor inside = {{2, 2.5, .8}, {0, 0, 1}};
-    struct orl_crew *crew = orl_crew_start(q->threads ? q->threads : 1);
-    struct orl_world *all = scene_world(q->text, q->bsdf ? "pane.xml" : NULL, q->bsdf, crew);
-    struct orl_world *world = NULL;
+    struct orl_thread_pool *pool = orl_thread_pool_start(q->threads ? q->threads : 1);
+    struct orl_lit_scene *all =
+        build_lit_scene(q->text, q->bsdf ? "pane.xml" : NULL, q->bsdf, pool);
+    struct orl_lit_scene *lit_scene = NULL;
     struct orl_plan plan;
     struct orl_job job;
     double now = 0;
     orl_job_init(&job);
     job.technique = q->technique;
-    job.wishes[q->effect] = q->wish;
+    job.overrides[q->effect] = q->override;
     job.photons_caustic = q->caustic ? q->caustic : ORL_PHOTONS_BY_PLAN;
     job.views = q->view ? views : NULL;
     job.n_views = q->view;
     const struct orl_plan_request request = {.job = &job,
                                              .sensors = q->sensor ? q->sensor : &inside,
                                              .n_sensors = !q->view || q->sensor,
-                                             .crew = crew,
+                                             .pool = pool,
                                              .now_s = tick,
                                              .ctx = &now};
-    assert_int_equal(orl_plan_make(&request, all->lights, &plan, &world, NULL), 0);
+    assert_int_equal(orl_plan_make(&request, all->lights, &plan, &lit_scene, NULL), 0);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         if (!plan_holds_number(plan.effects[i].why) || plan.effects[i].bound < 0)
             fail_msg("%s: '%s', bound %g", orl_effect_name((enum orl_effect)i), plan.effects[i].why,
                      plan.effects[i].bound);
     if (ret_left)
-        *ret_left = (struct plan_left){.suns = world->n_suns,
-                                       .domes = world->n_domes,
-                                       .emitters = world->n_emitters,
-                                       .omit = world->omit,
-                                       .caustics_lit = world->caustics_lit,
-                                       .clear = world->n_ports > 0 && world->ports[0].clear,
-                                       .silent = world->n_ports > 0 && world->ports[0].silent};
-    orl_world_free(world);
-    orl_world_free(all);
-    orl_crew_stop(crew);
+        *ret_left =
+            (struct plan_left){.suns = lit_scene->n_suns,
+                               .domes = lit_scene->n_domes,
+                               .emitters = lit_scene->n_emitters,
+                               .omit = lit_scene->omit,
+                               .caustics_lit = lit_scene->caustics_lit,
+                               .clear = lit_scene->n_ports > 0 && lit_scene->ports[0].clear,
+                               .silent = lit_scene->n_ports > 0 && lit_scene->ports[0].silent};
+    orl_lit_scene_free(lit_scene);
+    orl_lit_scene_free(all);
+    orl_thread_pool_stop(pool);
     return plan;
 }
 

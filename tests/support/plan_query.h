@@ -21,7 +21,7 @@ struct plan_query {
     const char *bsdf; /* text of pane.xml */
     enum orl_technique technique;
     enum orl_effect effect; /* effect with the override `wish` */
-    enum orl_wish wish;
+    enum orl_effect_override override;
     bool view;
     uint32_t threads;
     uint64_t caustic;

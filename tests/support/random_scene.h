@@ -7,7 +7,7 @@
 #ifndef ORL_TESTS_SUPPORT_RANDOM_SCENE_H
 #define ORL_TESTS_SUPPORT_RANDOM_SCENE_H
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 enum { RANDOM_SENSORS = 4 };
 

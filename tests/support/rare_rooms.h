@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "support/path_cells.h"
 

@@ -41,7 +41,7 @@ static struct orl_vec3 moved(const struct room_change *c, struct orl_vec3 p)
 /* Writes the room's polygons with every vertex transformed. */
 static void write_room(const struct room_change *c, char *ret_text, size_t size)
 {
-    struct orl_description room =
+    struct orl_parsed_scene room =
         scene_parse_text(ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE, NULL, NULL);
     const struct orl_vec3 sun = turned(c, orl_v3(0, -1, 1));
     size_t at = (size_t)snprintf(ret_text, size,
@@ -61,7 +61,7 @@ static void write_room(const struct room_change *c, char *ret_text, size_t size)
         at += (size_t)snprintf(ret_text + at, size - at, "\n");
     }
     assert_true(at < size);
-    orl_description_done(&room);
+    orl_parsed_scene_done(&room);
 }
 
 void room_changed_lx(const struct room_change *change, uint64_t global, uint64_t seed,

@@ -2,7 +2,8 @@
  * Samples whose scattering is known in closed form, and simulated goniophotometer measurements:
  * some thousands of directions, dense around peaks, with noise and gaps, in pab-opto's text format.
  *
- * Directions are in the hemisphere above the surface, on either side (core/fit/rows.h).
+ * Directions are in the hemisphere above the surface, on either side
+ * (core/bsdf/fit/measurements/rows.h).
  */
 #ifndef ORL_TESTS_SUPPORT_SCATTERERS_H
 #define ORL_TESTS_SUPPORT_SCATTERERS_H
@@ -11,7 +12,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 enum scatterer {
     SCATTERER_LAMBERT,

@@ -75,8 +75,8 @@ static void fill_job(const struct scene_run *run, char **names, struct orl_view_
         job->goal = run->goal;
         job->photons_global = job->photons_caustic = ORL_PHOTONS_BY_PLAN;
     }
-    if (run->wishes)
-        memcpy(job->wishes, run->wishes, sizeof job->wishes);
+    if (run->overrides)
+        memcpy(job->overrides, run->overrides, sizeof job->overrides);
     if (run->sky)
         job->sky = *run->sky;
     job->sensors = (struct orl_sensor *)(uintptr_t)run->sensors;
@@ -113,28 +113,28 @@ static int run_job(const struct scene_run *run, struct orl_result *ret_result,
     snprintf(state.folder, sizeof state.folder, "%s", output);
     const struct orl_map_store store = orl_map_store_in_folder(&state);
     atomic_init(&cancel, false);
-    const struct orl_run_env env = {.crew = orl_crew_start(run->threads ? run->threads : 1),
+    const struct orl_run_env env = {.pool = orl_thread_pool_start(run->threads ? run->threads : 1),
                                     .files = run->source ? &folder_files : &text.files,
                                     .store = &store,
-                                    .shelf = run->shelf,
+                                    .memory_cache = run->memory_cache,
                                     .output_folder = output,
                                     .cancel = run->cancel ? run->cancel : &cancel,
                                     .now_s = run->now_s ? run->now_s : now_s,
                                     .progress = run->progress,
                                     .round_ready = run->round_ready,
                                     .ctx = run->ctx};
-    assert_non_null(env.crew);
+    assert_non_null(env.pool);
     const int code = orl_run(&job, &env, ret_result, err);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     if (!run->folder)
         cli_remove_folder(folder);
     return code;
 }
 
-const enum orl_wish scene_wish_maps[ORL_EFFECT_COUNT] = {
-    [ORL_EFFECT_INTERREFLECTION] = ORL_WISH_FORCE,
-    [ORL_EFFECT_CAUSTICS_MIRROR] = ORL_WISH_FORCE,
-    [ORL_EFFECT_CAUSTICS_BSDF] = ORL_WISH_FORCE,
+const enum orl_effect_override scene_wish_maps[ORL_EFFECT_COUNT] = {
+    [ORL_EFFECT_INTERREFLECTION] = ORL_OVERRIDE_FORCE,
+    [ORL_EFFECT_CAUSTICS_MIRROR] = ORL_OVERRIDE_FORCE,
+    [ORL_EFFECT_CAUSTICS_BSDF] = ORL_OVERRIDE_FORCE,
 };
 
 struct orl_result scene_run(const struct scene_run *run)
@@ -170,17 +170,17 @@ int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err)
     return code;
 }
 
-struct orl_description scene_parse_text(const char *text, const char *resource_name,
-                                        const char *resource_text)
+struct orl_parsed_scene scene_parse_text(const char *text, const char *resource_name,
+                                         const char *resource_text)
 {
     const char *const names[1] = {scene_name};
     struct text_files files;
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     text_files_init(&files, text, resource_name, resource_text);
-    if (orl_scene_parse(names, 1, &files.files, &description, &err) < 0)
+    if (orl_scene_parse(names, 1, &files.files, &parsed_scene, &err) < 0)
         fail_with(&err);
-    return description;
+    return parsed_scene;
 }
 
 int scene_parse_bytes(const char *text, size_t size, struct orl_error *ret_err)
@@ -192,45 +192,45 @@ int scene_parse_bytes(const char *text, size_t size, struct orl_error *ret_err)
     const struct orl_file file = {copy, size, NULL};
     struct orl_memory_files memory = {names, &file, 1};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
-    const int code = orl_scene_parse(names, 1, &files, &description, ret_err);
+    struct orl_parsed_scene parsed_scene = {0};
+    const int code = orl_scene_parse(names, 1, &files, &parsed_scene, ret_err);
     if (code < 0)
-        assert_null(description.arena);
-    orl_description_done(&description);
+        assert_null(parsed_scene.arena);
+    orl_parsed_scene_done(&parsed_scene);
     free(copy);
     return code;
 }
 
-struct orl_world *scene_world(const char *text, const char *resource_name,
-                              const char *resource_text, struct orl_crew *crew)
+struct orl_lit_scene *build_lit_scene(const char *text, const char *resource_name,
+                                      const char *resource_text, struct orl_thread_pool *pool)
 {
-    struct orl_description description = scene_parse_text(text, resource_name, resource_text);
+    struct orl_parsed_scene parsed_scene = scene_parse_text(text, resource_name, resource_text);
     struct orl_scene *scene = NULL;
     struct orl_lights *lights = NULL;
-    struct orl_world *world = NULL;
+    struct orl_lit_scene *lit_scene = NULL;
     struct orl_error err = {0};
-    int code = orl_scene_new(&description, &scene, &err);
-    if (code == 0 && crew)
-        code = orl_scene_find_ports(scene, crew, &err);
+    int code = orl_scene_new(&parsed_scene, &scene, &err);
+    if (code == 0 && pool)
+        code = orl_scene_find_ports(scene, pool, &err);
     if (code == 0)
         code = orl_lights_new(scene, NULL, &lights, &err);
     if (code == 0)
-        code = orl_world_new(lights, NULL, &world, &err);
+        code = orl_lit_scene_new(lights, NULL, &lit_scene, &err);
     if (code < 0)
         fail_with(&err);
     orl_lights_release(lights);
     orl_scene_release(scene);
-    return world;
+    return lit_scene;
 }
 
 struct orl_geometry *scene_geometry(const char *text)
 {
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
+    struct orl_parsed_scene parsed_scene = scene_parse_text(text, NULL, NULL);
     struct orl_geometry *geometry = NULL;
     struct orl_error err = {0};
-    if (orl_geometry_new(&description, &geometry, &err) < 0)
+    if (orl_geometry_new(&parsed_scene, &geometry, &err) < 0)
         fail_with(&err);
-    orl_description_done(&description);
+    orl_parsed_scene_done(&parsed_scene);
     return geometry;
 }
 

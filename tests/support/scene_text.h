@@ -5,9 +5,9 @@
 #ifndef ORL_TESTS_SUPPORT_SCENE_TEXT_H
 #define ORL_TESTS_SUPPORT_SCENE_TEXT_H
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 
 /* One job: a scene of one text, and at most one file that it mentions. Zero means a default. */
 struct scene_run {
@@ -28,14 +28,14 @@ struct scene_run {
     uint64_t seed;                /* 0: 1 */
     enum orl_technique technique; /* auto means gather, unless by_plan */
     bool by_plan;
-    const enum orl_wish *wishes; /* array of ORL_EFFECT_COUNT, or NULL: all auto */
-    uint64_t global, caustic;    /* 0: 20000 and none */
-    bool bounded;                /* true: caustic photons are limited by their yield */
-    uint32_t samples, threads;   /* 0: Oriel's default; 1 */
-    uint32_t pixel_samples;      /* 0: Oriel's default */
-    const char *folder;          /* folder that keeps maps and images; NULL: none */
-    struct orl_shelf *shelf;     /* shared by runs; NULL: no memory cache */
-    struct orl_goal goal;        /* if set, used instead of photons and samples */
+    const enum orl_effect_override *overrides; /* array of ORL_EFFECT_COUNT, or NULL: all auto */
+    uint64_t global, caustic;                  /* 0: 20000 and none */
+    bool bounded;                          /* true: caustic photons are limited by their yield */
+    uint32_t samples, threads;             /* 0: Oriel's default; 1 */
+    uint32_t pixel_samples;                /* 0: Oriel's default */
+    const char *folder;                    /* folder that keeps maps and images; NULL: none */
+    struct orl_memory_cache *memory_cache; /* shared by runs; NULL: no memory cache */
+    struct orl_goal goal;                  /* if set, used instead of photons and samples */
     bool dark_is_error;  /* dark results are errors, as for users; false by default, since tests
                             judge the numbers */
     atomic_bool *cancel; /* NULL: no cancellation */
@@ -49,7 +49,7 @@ struct scene_run {
 
 /* For runs that read photon maps, even if the plan would build none: forces the effects that
  * photons compute, interreflection and caustics. */
-extern const enum orl_wish scene_wish_maps[ORL_EFFECT_COUNT];
+extern const enum orl_effect_override scene_wish_maps[ORL_EFFECT_COUNT];
 
 /* Runs it; release the result with orl_result_done. */
 struct orl_result scene_run(const struct scene_run *run);
@@ -63,18 +63,18 @@ int scene_run_try(const struct scene_run *run, struct orl_error *ret_err);
 /* Runs it and expects failure: returns the error code. */
 int scene_run_fails(const struct scene_run *run, struct orl_error *ret_err);
 
-/* Parses text, with one resource or NULL; release with orl_description_done. */
-struct orl_description scene_parse_text(const char *text, const char *resource_name,
-                                        const char *resource_text);
+/* Parses text, with one resource or NULL; release with orl_parsed_scene_done. */
+struct orl_parsed_scene scene_parse_text(const char *text, const char *resource_name,
+                                         const char *resource_text);
 
 /* Parses bytes as a.rad, from a copy of exactly their size, so that a read past the end is
  * detected; drops the result. Returns 0, or the error's code with the output left empty. */
 int scene_parse_bytes(const char *text, size_t size, struct orl_error *ret_err);
 
-/* Builds a world of everything in the text; release with orl_world_free. The crew finds the ports;
- * NULL: no ports. */
-struct orl_world *scene_world(const char *text, const char *resource_name,
-                              const char *resource_text, struct orl_crew *crew);
+/* Builds a world of everything in the text; release with orl_lit_scene_free. The crew finds the
+ * ports; NULL: no ports. */
+struct orl_lit_scene *build_lit_scene(const char *text, const char *resource_name,
+                                      const char *resource_text, struct orl_thread_pool *pool);
 
 /* Builds geometry from text; release with orl_geometry_free. Facets are in the text's order if all
  * are polygons. */

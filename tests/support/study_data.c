@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "study/error_model.h"
 
 static double draw_normal(struct orl_random *random)
@@ -34,13 +34,13 @@ void study_grid_points(const struct study_grid *grid, struct orl_study_point *re
     }
 }
 
-struct orl_study study_of_chance(uint64_t index, size_t points, size_t given)
+struct orl_study study_of_chance(uint64_t index, size_t points, size_t external)
 {
     struct orl_random random = orl_random_stream(11, ORL_PURPOSE_REFIT, index);
     struct orl_study study = {.threads = 1, .reference = {.standard_error = 0.004}};
     const size_t techniques = ORL_TECHNIQUE_COUNT - 1;
     study.points = calloc(techniques * points + 1, sizeof *study.points);
-    study.given = calloc(given + 1, sizeof *study.given);
+    study.external = calloc(external + 1, sizeof *study.external);
     for (size_t i = 0; study.points && i < techniques * points; i++) {
         struct orl_study_point *p = &study.points[study.n_points++];
         const double t = pow(10, 3 * orl_random_uniform(&random) - 1);
@@ -53,13 +53,13 @@ struct orl_study study_of_chance(uint64_t index, size_t points, size_t given)
                                      .rms = 0.05 * pow(t, -0.4) * exp(orl_random_uniform(&random))};
         p->rms_error = 0.3 * p->rms * orl_random_uniform(&random);
     }
-    for (size_t i = 0; study.given && i < given; i++) {
+    for (size_t i = 0; study.external && i < external; i++) {
         char name[64];
         snprintf(name, sizeof name, "another program's %s %zu", i % 2 ? "way" : "longer way", i);
-        study.given[study.n_given++] =
-            (struct orl_study_given){.name = strdup(name),
-                                     .here_s = 20 + 8 * orl_random_uniform(&random),
-                                     .rms = 0.25 + 0.1 * orl_random_uniform(&random)};
+        study.external[study.n_external++] =
+            (struct orl_study_external){.name = strdup(name),
+                                        .here_s = 20 + 8 * orl_random_uniform(&random),
+                                        .rms = 0.25 + 0.1 * orl_random_uniform(&random)};
     }
     orl_study_mark_front(study.points, study.n_points);
     return study;

@@ -29,8 +29,8 @@ struct subject subject_of(const char *text, const char *resource, const char *re
     struct subject s;
     char scene[1024];
     snprintf(scene, sizeof scene, "%s" POLYGON, text);
-    s.description = scene_parse_text(scene, resource, resource_text);
-    s.material = &s.description.materials[s.description.surfaces[0].material];
+    s.parsed_scene = scene_parse_text(scene, resource, resource_text);
+    s.material = &s.parsed_scene.materials[s.parsed_scene.surfaces[0].material];
     s.hit = (struct orl_hit){
         .distance = 1, .normal = orl_normalize(orl_v3(0.2, -0.7, 0.5)), .front = true};
     /* A BSDF uses its own frame, so that a direction means the same to both. */
@@ -47,7 +47,7 @@ struct orl_vec3 subject_direction(const struct subject *s, double theta_deg, dou
 
 void subject_done(struct subject *s)
 {
-    orl_description_done(&s->description);
+    orl_parsed_scene_done(&s->parsed_scene);
 }
 
 /* z = 3.72: exceeded with probability 1e-4. */
@@ -64,8 +64,8 @@ struct tally subject_draw(const struct subject *s, struct orl_vec3 from,
     struct tally t = {.squares = 0};
     for (int i = 0; i < draws; i++) {
         struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
-        const struct orl_scatter d =
-            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        const struct orl_surface_sample d =
+            orl_material_sample(s->material, &s->hit, from, transport, lobes, &random);
         struct orl_rgb *sum = d.event == ORL_EVENT_STRAIGHT    ? &t.straight
                               : d.event == ORL_EVENT_MIRROR    ? &t.mirror
                               : d.event == ORL_EVENT_DIFFUSE   ? &t.diffuse
@@ -110,10 +110,10 @@ static double density_at(const struct density *d, struct orl_vec3 to, double cos
 {
     const struct subject *s = d->s;
     if (d->is_pdf)
-        return orl_scatter_pdf(s->material, &s->hit, d->from, d->transport, d->lobes, to);
+        return orl_material_pdf(s->material, &s->hit, d->from, d->transport, d->lobes, to);
     return cosine * (d->transport == ORL_TRANSPORT_LIGHT
-                         ? orl_scatter_eval_lobes(s->material, &s->hit, d->from, to).g
-                         : orl_scatter_eval_lobes(s->material, &s->hit, to, d->from).g);
+                         ? orl_material_eval_lobes(s->material, &s->hit, d->from, to).g
+                         : orl_material_eval_lobes(s->material, &s->hit, to, d->from).g);
 }
 
 /* Midpoint rule with n by n points. Equal steps of the cosine are fine enough at grazing angles,
@@ -178,8 +178,8 @@ double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
     memset(squares, 0, sizeof squares);
     for (int i = 0; i < draws; i++) {
         struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
-        const struct orl_scatter d =
-            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        const struct orl_surface_sample d =
+            orl_material_sample(s->material, &s->hit, from, transport, lobes, &random);
         if (d.event != ORL_EVENT_GLOSSY) /* other samples are specular or absorbed */
             continue;
         assert_true(fabs(orl_length(d.direction) - 1) < 1e-9);
@@ -222,8 +222,8 @@ void subject_check_pdf(const struct subject *s, struct orl_vec3 from, enum orl_t
     memset(count, 0, sizeof count);
     for (int i = 0; i < draws; i++) {
         struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, (uint64_t)i);
-        const struct orl_scatter d =
-            orl_scatter_sample(s->material, &s->hit, from, transport, lobes, &random);
+        const struct orl_surface_sample d =
+            orl_material_sample(s->material, &s->hit, from, transport, lobes, &random);
         if (d.event != ORL_EVENT_DIFFUSE && d.event != ORL_EVENT_GLOSSY)
             continue;
         drawn++;
@@ -254,8 +254,8 @@ void subject_check_reciprocity(const struct subject *s, uint64_t seed)
         const double a = 180 * orl_random_uniform(&random), b = 180 * orl_random_uniform(&random);
         const struct orl_vec3 l = subject_direction(s, a, 360 * orl_random_uniform(&random));
         const struct orl_vec3 e = subject_direction(s, b, 360 * orl_random_uniform(&random));
-        const struct orl_rgb f = orl_scatter_eval_lobes(s->material, &s->hit, l, e);
-        const struct orl_rgb r = orl_scatter_eval_lobes(s->material, &s->hit, e, l);
+        const struct orl_rgb f = orl_material_eval_lobes(s->material, &s->hit, l, e);
+        const struct orl_rgb r = orl_material_eval_lobes(s->material, &s->hit, e, l);
         assert_true(orl_rgb_is_finite(f) && f.r >= 0 && f.g >= 0 && f.b >= 0);
         assert_true(fabs(f.r - r.r) <= 1e-9 * f.r + 1e-300);
         assert_true(fabs(f.b - r.b) <= 1e-9 * f.b + 1e-300);

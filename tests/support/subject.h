@@ -18,7 +18,7 @@ int subject_draws(void);
 
 /* A material hit from its front, in a tilted frame, so that nothing depends on axes. */
 struct subject {
-    struct orl_description description;
+    struct orl_parsed_scene parsed_scene;
     const struct orl_material *material; /* m */
     struct orl_hit hit;
     struct orl_frame frame;
@@ -42,15 +42,15 @@ struct tally subject_draw(const struct subject *s, struct orl_vec3 from,
                           enum orl_transport transport, enum orl_lobes lobes, uint64_t seed);
 
 /*
- * Compares samples of lobes with orl_scatter_eval_lobes, in weight and in sum. The midpoint rule
+ * Compares samples of lobes with orl_material_eval_lobes, in weight and in sum. The midpoint rule
  * may be off by `slack` of a bin where the lobe is sharp or has steps; that is added to the allowed
  * deviation. Returns the quadrature's sum: the albedo.
  */
 double subject_check_lobe(const struct subject *s, struct orl_vec3 from,
                           enum orl_transport transport, double slack, uint64_t seed);
 
-/* Compares the distribution of samples with orl_scatter_pdf; lobes and slack as above. The check is
- * two-sided if slack is 0. */
+/* Compares the distribution of samples with orl_material_pdf; lobes and slack as above. The check
+ * is two-sided if slack is 0. */
 void subject_check_pdf(const struct subject *s, struct orl_vec3 from, enum orl_transport transport,
                        enum orl_lobes lobes, double slack, uint64_t seed);
 

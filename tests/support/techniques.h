@@ -2,7 +2,7 @@
 #ifndef ORL_TESTS_SUPPORT_TECHNIQUES_H
 #define ORL_TESTS_SUPPORT_TECHNIQUES_H
 
-#include <oriel/plan.h>
+#include <oriel/job/plan.h>
 #include <stdint.h>
 
 /* An entry of the list of tests, named after the test and the technique. */

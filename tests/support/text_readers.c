@@ -10,24 +10,24 @@
 
 #include <cmocka.h>
 
-#include <oriel/annual_metrics.h>
-#include <oriel/annual_report.h>
-#include <oriel/bsdf.h>
-#include <oriel/run.h>
+#include <oriel/annual/annual_metrics.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/bsdf/bsdf.h>
+#include <oriel/job/run.h>
 
-#include "annual/phases/matrix_file.h"
-#include "fit/rows.h"
-#include "frads.h"
+#include "annual/matrices/matrix_file.h"
+#include "bsdf/fit/measurements/rows.h"
 #include "light/weather.h"
-#include "rif.h"
+#include "project/frads.h"
+#include "project/rif.h"
 #include "run/stages.h"
-#include "scene/generate/mgf.h"
+#include "scene/generate/mgf/mgf.h"
 #include "scene/grid/ies.h"
-#include "scene/parse/lamps.h"
-#include "scene/parse/material_rules.h"
+#include "scene/parse/luminaire/lamp_table.h"
+#include "scene/parse/mesh/material_rules.h"
+#include "scene/parse/mesh/stl.h"
+#include "scene/parse/mesh/wavefront.h"
 #include "scene/parse/parse.h"
-#include "scene/parse/stl.h"
-#include "scene/parse/wavefront.h"
 
 static void note_value(struct text_values *values, double value)
 {
@@ -163,7 +163,7 @@ static int read_obj(const char *text, size_t size, struct text_values *values,
                     struct orl_error *err)
 {
     const struct orl_wavefront_sink sink = {note_face, values};
-    struct orl_wavefront_rest rest;
+    struct orl_wavefront_ignored rest;
     return orl_wavefront_read("a.obj", text, size, &sink, &rest, err);
 }
 
@@ -186,7 +186,7 @@ static int read_stl(const char *text, size_t size, struct text_values *values,
 static int read_measured(const char *text, size_t size, struct text_values *values,
                          struct orl_error *err)
 {
-    const struct orl_fit_reading reading = {.reversed = false};
+    const struct orl_fit_read_options reading = {.reversed = false};
     struct orl_fit_data data = {0};
     const int code = orl_fit_read("a.txt", 0, text, size, &reading, &data, err);
     for (size_t i = 0; i < data.n_scans; i++)
@@ -245,15 +245,15 @@ static int read_scene(const char *text, size_t size, struct text_values *values,
     const struct orl_file contents[] = {{text, size, NULL}};
     struct orl_memory_files memory = {names, contents, 1};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
-    const int code = orl_scene_parse(names, 1, &files, &description, err);
-    for (uint32_t i = 0; code == 0 && i < description.n_surfaces; i++) {
-        const struct orl_vec3 *v = description.surfaces[i].vertices;
-        for (uint32_t k = 0; v && k < description.surfaces[i].n_vertices; k++)
+    struct orl_parsed_scene parsed_scene = {0};
+    const int code = orl_scene_parse(names, 1, &files, &parsed_scene, err);
+    for (uint32_t i = 0; code == 0 && i < parsed_scene.n_surfaces; i++) {
+        const struct orl_vec3 *v = parsed_scene.surfaces[i].vertices;
+        for (uint32_t k = 0; v && k < parsed_scene.surfaces[i].n_vertices; k++)
             note_all(values, (const double[]){v[k].x, v[k].y, v[k].z}, 3);
-        note_value(values, description.surfaces[i].line);
+        note_value(values, parsed_scene.surfaces[i].line);
     }
-    orl_description_done(&description);
+    orl_parsed_scene_done(&parsed_scene);
     return code;
 }
 
@@ -283,7 +283,7 @@ static int read_lamps(const char *text, size_t size, struct text_values *values,
                       struct orl_error *err)
 {
     struct orl_lamp_table table = {.name = "a.tab", .text = text, .size = size, .steps = 1 << 20};
-    struct orl_lamp lamp = {.x = 0};
+    struct orl_lamp_entry lamp = {.x = 0};
     const int code = orl_lamp_find(&table, "halogen", 7, &lamp, err);
     note_all(values, (const double[]){lamp.x, lamp.y, lamp.share}, 3);
     return code < 0 ? code : 0;

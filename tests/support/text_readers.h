@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 struct text_values {
     char text[4096];

@@ -76,7 +76,7 @@ struct place {
     struct orl_files files;
     struct orl_folder_store state;
     struct orl_map_store store;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     atomic_bool cancel;
     struct orl_run_env env;
 };
@@ -102,7 +102,7 @@ static void note_progress(void *ctx, enum orl_stage stage, double stage_fraction
 static void open_place(struct place *p, const struct year_run *run)
 {
     *p = (struct place){.weather = weather_of(run),
-                        .crew = orl_crew_start(run->threads > 0 ? run->threads : 1)};
+                        .pool = orl_thread_pool_start(run->threads > 0 ? run->threads : 1)};
     p->names[0] = scene_name;
     p->names[1] = weather_name;
     p->names[2] = run->resource_name;
@@ -115,7 +115,7 @@ static void open_place(struct place *p, const struct year_run *run)
     cli_make_folder(p->folder);
     snprintf(p->state.folder, sizeof p->state.folder, "%s", p->folder);
     p->store = orl_map_store_in_folder(&p->state);
-    p->env = (struct orl_run_env){.crew = p->crew,
+    p->env = (struct orl_run_env){.pool = p->pool,
                                   .files = &p->files,
                                   .store = &p->store,
                                   .output_folder = p->folder,
@@ -129,7 +129,7 @@ static void open_place(struct place *p, const struct year_run *run)
 
 static void close_place(struct place *p)
 {
-    orl_crew_stop(p->crew);
+    orl_thread_pool_stop(p->pool);
     cli_remove_folder(p->folder);
     free(p->weather);
 }
@@ -165,12 +165,13 @@ static int run_it(const struct year_run *run, struct orl_annual_result *ret_year
     const struct orl_annual_request request = request_of(run);
     annual.run = &place.env;
     annual.reuse = run->kept_in != NULL;
-    place.env.pieces = run->pieces;
+    place.env.tasks = run->tasks;
     if (run->kept_in)
         snprintf(place.state.folder, sizeof place.state.folder, "%s", run->kept_in);
-    const int code = run->wishes ? orl_annual_run_until(&request, run->wishes, &annual, NULL, NULL,
-                                                        ret_year, run->ret_refinement, ret_err)
-                                 : orl_annual_run(&request, &annual, ret_year, ret_err);
+    const int code = run->report_request
+                         ? orl_annual_run_until(&request, run->report_request, &annual, NULL, NULL,
+                                                ret_year, run->ret_refinement, ret_err)
+                         : orl_annual_run(&request, &annual, ret_year, ret_err);
     close_place(&place);
     return code;
 }
@@ -193,18 +194,18 @@ struct orl_annual_result year_run(const struct year_run *run)
 
 struct orl_annual_refinement year_refine(const struct year_run *asked, const char *target)
 {
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_refinement found;
     struct year_run run = *asked;
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    wishes.until = calloc(1, sizeof *wishes.until);
-    assert_non_null(wishes.until);
-    assert_int_equal(orl_annual_target_parse(target, wishes.until, NULL), 0);
-    run.wishes = &wishes;
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    report_request.until = calloc(1, sizeof *report_request.until);
+    assert_non_null(report_request.until);
+    assert_int_equal(orl_annual_target_parse(target, report_request.until, NULL), 0);
+    run.report_request = &report_request;
     run.ret_refinement = &found;
     struct orl_annual_result year = year_run(&run);
     orl_annual_done(&year);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     return found;
 }
 
@@ -216,15 +217,18 @@ int year_run_fails(const struct year_run *run, struct orl_error *ret_err)
     return code;
 }
 
-struct orl_seat_hours *year_glare(const struct year_run *run, const struct orl_annual_result *year,
-                                  const struct orl_seats_wish *wish, const unsigned char *wanted)
+struct orl_viewpoint_hours *year_glare(const struct year_run *run,
+                                       const struct orl_annual_result *year,
+                                       const struct orl_viewpoint_request *viewpoint_request,
+                                       const unsigned char *wanted)
 {
     const struct orl_annual_request request = request_of(run);
-    struct orl_seat_hours *hours = NULL;
+    struct orl_viewpoint_hours *hours = NULL;
     struct orl_error err = {0};
     struct place place;
     open_place(&place, run);
-    if (orl_annual_glare_find(wish, &request, year, wanted, &place.env, &hours, &err) < 0)
+    if (orl_annual_glare_compute(viewpoint_request, &request, year, wanted, &place.env, &hours,
+                                 &err) < 0)
         fail_with(&err);
     close_place(&place);
     return hours;
@@ -252,7 +256,8 @@ static void job_of(const struct year_run *run, const struct orl_annual_step *ste
 }
 
 double year_dgp(const struct year_run *run, const struct orl_annual_step *step,
-                const struct orl_seat *seat, uint32_t side, uint32_t samples, double *ret_eye_lx)
+                const struct orl_viewpoint *viewpoint, uint32_t side, uint32_t samples,
+                double *ret_eye_lx)
 {
     char name[] = "eye", text[256];
     struct orl_view_request view = {.name = name,
@@ -267,7 +272,8 @@ double year_dgp(const struct year_run *run, const struct orl_annual_step *step,
     open_place(&place, run);
     job_of(run, step, &job);
     snprintf(text, sizeof text, "-vta -vp %.9g %.9g %.9g -vd %.9g %.9g %.9g -vh 180 -vv 180",
-             seat->at.x, seat->at.y, seat->at.z, seat->towards.x, seat->towards.y, seat->towards.z);
+             viewpoint->at.x, viewpoint->at.y, viewpoint->at.z, viewpoint->towards.x,
+             viewpoint->towards.y, viewpoint->towards.z);
     job.pixel_samples = samples;
     job.views = &view;
     job.n_views = 1;

@@ -6,8 +6,8 @@
 #ifndef ORL_TESTS_SUPPORT_YEAR_H
 #define ORL_TESTS_SUPPORT_YEAR_H
 
-#include <oriel/annual_report.h>
-#include <oriel/pieces.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/job/job_tasks.h>
 
 #include "support/room.h"
 
@@ -40,18 +40,18 @@ struct year_run {
     double north_deg;
     enum orl_sun_method sun_method; /* for the year, and for single hours */
     bool coefficients;
-    const struct orl_annual_env *env; /* source of callbacks; or NULL */
-    struct year_progress *progress;   /* filled in; or NULL */
-    const char *kept_in;              /* cache folder for other runs; NULL: none */
-    const struct orl_pieces *pieces;  /* distribution to other processes; or NULL */
+    const struct orl_annual_env *env;  /* source of callbacks; or NULL */
+    struct year_progress *progress;    /* filled in; or NULL */
+    const char *kept_in;               /* cache folder for other runs; NULL: none */
+    const struct orl_job_tasks *tasks; /* distribution to other processes; or NULL */
     /* Runs until these results are certain. This field and the next may be NULL. */
-    const struct orl_annual_wishes *wishes;
+    const struct orl_report_request *report_request;
     struct orl_annual_refinement *ret_refinement;
 };
 
 /* Runs the year; release the result with orl_annual_done. */
 struct orl_annual_result year_run(const struct year_run *run);
-/* Runs until that target is certain; other wishes of the run are ignored. */
+/* Runs until that target is certain; other requests of the run are ignored. */
 struct orl_annual_refinement year_refine(const struct year_run *run, const char *target);
 /* Runs and expects failure: returns the error code. */
 int year_run_fails(const struct year_run *run, struct orl_error *ret_err);
@@ -65,13 +65,16 @@ struct orl_result year_hour_result(const struct year_run *run, const struct orl_
                                    uint32_t samples);
 
 /* Computes glare at viewpoints in the requested columns of the run's year; release with
- * orl_seat_hours_free. */
-struct orl_seat_hours *year_glare(const struct year_run *run, const struct orl_annual_result *year,
-                                  const struct orl_seats_wish *wish, const unsigned char *wanted);
+ * orl_viewpoint_hours_free. */
+struct orl_viewpoint_hours *year_glare(const struct year_run *run,
+                                       const struct orl_annual_result *year,
+                                       const struct orl_viewpoint_request *viewpoint_request,
+                                       const unsigned char *wanted);
 /* Returns that hour's DGP of a square fisheye at a viewpoint, by backward; and the illuminance at
  * the eye. */
 double year_dgp(const struct year_run *run, const struct orl_annual_step *step,
-                const struct orl_seat *seat, uint32_t side, uint32_t samples, double *ret_eye_lx);
+                const struct orl_viewpoint *viewpoint, uint32_t side, uint32_t samples,
+                double *ret_eye_lx);
 
 /* Appends a day's rows of a WEA file. */
 void year_day(const struct year_site *site, int month, int day, char *text, size_t size);

@@ -16,9 +16,9 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "photon/density/adaptive_density.h"
-#include "photon/map/facing.h"
+#include "photon/map/normal_code.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 
@@ -53,7 +53,7 @@ static struct orl_photon_map *rain(density_at *density, size_t count, uint64_t s
     struct orl_photon *photons = calloc(count, sizeof *photons);
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
     struct orl_photon_map *map = NULL;
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     struct orl_error err;
     size_t n = 0;
     char path[128];
@@ -69,9 +69,9 @@ static struct orl_photon_map *rain(density_at *density, size_t count, uint64_t s
                                                .tag = (uint8_t)((int)i % classes)};
     }
     snprintf(path, sizeof path, "%s/map", folder);
-    assert_int_equal(orl_photon_map_write(path, photons, n, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_write(path, photons, n, &build, pool, &err), 0);
     assert_int_equal(orl_photon_map_open(path, false, &map, &err), 0);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     free(photons);
     return map;
 }
@@ -222,7 +222,7 @@ static double slope(double x, double y)
 static void test_slope(void **state)
 {
     enum { COUNT = 400000, MAPS = 24 };
-    struct orl_world *world = scene_world(
+    struct orl_lit_scene *lit_scene = build_lit_scene(
         "void plastic w 0 0 5 .5 .5 .5 0 0\nw polygon f 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n", NULL,
         NULL, NULL);
     const struct orl_vec3 places[2] = {{-1, -0.5, 0}, {-1, -1, 0}};
@@ -233,11 +233,11 @@ static void test_slope(void **state)
         struct orl_photon_map *map = rain(slope, COUNT, seed, 1);
         struct orl_adaptive_density adapt = adapt_to(map);
         for (int i = 0; i < 2; i++) {
-            struct orl_footing footing;
+            struct orl_surface_point surface_point;
             struct orl_density_query query = query_at(places[i].x, places[i].y);
             const double true_flux = slope(places[i].x, places[i].y) * COUNT / 4 * MAPS;
-            assert_true(orl_footing_find(world, query.point, up, 1e-4, &footing));
-            query.footing = &footing;
+            assert_true(orl_surface_point_find(lit_scene, query.point, up, 1e-4, &surface_point));
+            query.surface_point = &surface_point;
             plane[i] +=
                 orl_adaptive_density_estimate(&adapt, &query, search).irradiance.g / true_flux;
             mean[i] += orl_density_estimate(map, &query, search).irradiance.g / true_flux;
@@ -252,7 +252,7 @@ static void test_slope(void **state)
         assert_true(fabs(plane[i] - 1) <
                     3 * 1.5 * times[i] * 0.022 / sqrt(MAPS) + 0.02 * (mean[i] - 1));
     }
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
 }
 
 int main(void)

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "metrics/annual/pass_probability.h"
 static void assert_near(double value, double wanted, double tolerance)
 {
@@ -69,9 +69,10 @@ static void test_crossings(void **state)
             const struct orl_annual_metric *m = &cases[i].metric;
             const double bound = cases[i].bound, hair = 1e-6;
             const double z = orl_annual_crossing(m, bound, &period, &light, scratch);
-            assert_true(isfinite(z) && orl_annual_grows(m->kind));
-            assert_true(orl_annual_at(m, &period, &light, z + hair) >= bound - 1e-9 * bound);
-            assert_true(orl_annual_at(m, &period, &light, z - hair) < bound);
+            assert_true(isfinite(z) && orl_annual_is_monotonic(m->kind));
+            assert_true(orl_annual_evaluate_at(m, &period, &light, z + hair) >=
+                        bound - 1e-9 * bound);
+            assert_true(orl_annual_evaluate_at(m, &period, &light, z - hair) < bound);
             const double bare = orl_annual_crossing(m, bound, &period, &exact, scratch);
             assert_true(isinf(bare));
             assert_int_equal(bare < 0, z <= 0);
@@ -118,24 +119,24 @@ static void test_shares_of_coins(void **state)
     double crossing[12] = {0}, areas[12];
     struct orl_annual_area area;
     (void)state;
-    assert_int_equal(orl_annual_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
+    assert_int_equal(orl_annual_area_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
     assert_near(area.value.value, 100, 1e-12);
     assert_near(area.value.low, 10, 1e-12);
     assert_near(area.value.high, 100, 1e-12); /* the interval includes the value itself */
     assert_int_equal(area.open, 10);
     for (int i = 0; i < 10; i++)
         crossing[i] = 1e-300;
-    assert_int_equal(orl_annual_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
+    assert_int_equal(orl_annual_area_share(crossing, NULL, 10, true, NULL, &area, NULL), 0);
     assert_near(area.value.value, 0, 0);
     assert_near(area.value.high, 90, 1e-12);
     crossing[10] = -INFINITY;
     crossing[11] = INFINITY;
     for (int i = 0; i < 12; i++)
         areas[i] = i < 10 ? 1 : 20;
-    assert_int_equal(orl_annual_share(crossing, areas, 12, true, NULL, &area, NULL), 0);
+    assert_int_equal(orl_annual_area_share(crossing, areas, 12, true, NULL, &area, NULL), 0);
     assert_near(area.value.low, 40, 1e-12); /* 20 of 50, which is the value */
     assert_near(area.value.high, 58, 1e-12);
-    assert_int_equal(orl_annual_share(crossing, areas, 12, false, NULL, &area, NULL), 0);
+    assert_int_equal(orl_annual_area_share(crossing, areas, 12, false, NULL, &area, NULL), 0);
     assert_near(area.value.value, 40, 1e-12);
     assert_true(isnan(area.value.low) && isnan(area.value.high));
 }
@@ -153,7 +154,7 @@ static void test_shares_of_unequal_areas(void **state)
                                           0.1 + 0.8 * orl_random_uniform(&random)};
         total += parts[i].area;
     }
-    assert_int_equal(orl_chance_bounds(parts, N, 0.025, NULL, &low, &high), 0);
+    assert_int_equal(orl_passing_area_bounds(parts, N, 0.025, NULL, &low, &high), 0);
     for (unsigned outcome = 0; outcome < 1U << N; outcome++) {
         double sum = 0, chance = 1;
         for (int i = 0; i < N; i++) {
@@ -252,7 +253,7 @@ static void test_intervals_of_shares(void **state)
     uint32_t columns[COLUMNS];
     struct orl_annual_period periods[ORL_WHEN_COUNT];
     const struct orl_annual_figure figure = {
-        ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50};
+        ORL_AGGREGATE_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50};
     struct orl_annual_area wanted, got;
     (void)state;
     assert_non_null(room);
@@ -295,14 +296,14 @@ static void test_all_of_an_area(void **state)
             crossing[i] = -50;
             areas[i] = 0.1 * (double)(i % 7 + 1);
         }
-        assert_int_equal(orl_annual_share(crossing, areas, n, true, NULL, &area, NULL), 0);
+        assert_int_equal(orl_annual_area_share(crossing, areas, n, true, NULL, &area, NULL), 0);
         assert_true(area.value.value == 100 && area.value.low == 100 && area.value.high == 100);
     }
     for (size_t n = 0; n <= 100; n++) {
         struct orl_annual_area area;
         for (size_t i = 0; i < 100; i++)
             crossing[i] = i < n ? -50 : 50;
-        assert_int_equal(orl_annual_share(crossing, NULL, 100, true, NULL, &area, NULL), 0);
+        assert_int_equal(orl_annual_area_share(crossing, NULL, 100, true, NULL, &area, NULL), 0);
         assert_true(area.value.value == (double)n);
     }
 }

@@ -9,8 +9,8 @@
 
 #include <cmocka.h>
 
-#include "annual_json.h"
-#include "decode.h"
+#include "annual_job/annual_json.h"
+#include "json/decode.h"
 
 static const char good[] =
     "{\"kind\": \"annual\", \"title\": \"A room\", \"scene\": {\"files\": [\"a.rad\", \"b.rad\"]},"
@@ -63,22 +63,23 @@ static void test_a_whole_document(void **state)
     assert_int_equal(job.request.sun_method, ORL_SUN_RADIANCE);
     assert_int_equal(job.request.samples, 64);
     assert_int_equal(job.request.sun_halvings, 1);
-    assert_true(job.wishes.median_diffuse_lx == 14200);
-    assert_int_equal(job.wishes.exposure.n_points, 2);
-    assert_string_equal(job.wishes.exposure.points[0].name, "w");
-    assert_string_equal(job.wishes.exposure.points[1].name, "point2");
-    assert_true(job.wishes.exposure.points[1].at.y == 5);
-    assert_true(job.wishes.exposure.least_altitude_deg == 11);
-    assert_int_equal(job.wishes.view_out.n_points, 1);
-    assert_string_equal(job.wishes.view_out.points[0].name, "point1");
-    assert_true(job.wishes.view_out.points[0].at.z == 9);
-    assert_true(job.wishes.view_out.above_sensors == 0.4);
-    assert_string_equal(job.wishes.view_out.openings[0], "clear");
-    assert_string_equal(job.wishes.view_out.ground[1], "path");
-    assert_int_equal(job.wishes.glare.n_seats, 2);
-    assert_string_equal(job.wishes.glare.seats[0].name, "desk");
-    assert_string_equal(job.wishes.glare.seats[1].name, "seat2");
-    assert_true(job.wishes.glare.seats[1].at.x == 3 && job.wishes.glare.seats[1].towards.x == 1);
+    assert_true(job.report_request.median_diffuse_lx == 14200);
+    assert_int_equal(job.report_request.exposure.n_points, 2);
+    assert_string_equal(job.report_request.exposure.points[0].name, "w");
+    assert_string_equal(job.report_request.exposure.points[1].name, "point2");
+    assert_true(job.report_request.exposure.points[1].at.y == 5);
+    assert_true(job.report_request.exposure.least_altitude_deg == 11);
+    assert_int_equal(job.report_request.view_out.n_points, 1);
+    assert_string_equal(job.report_request.view_out.points[0].name, "point1");
+    assert_true(job.report_request.view_out.points[0].at.z == 9);
+    assert_true(job.report_request.view_out.above_sensors == 0.4);
+    assert_string_equal(job.report_request.view_out.openings[0], "clear");
+    assert_string_equal(job.report_request.view_out.ground[1], "path");
+    assert_int_equal(job.report_request.glare.n_viewpoints, 2);
+    assert_string_equal(job.report_request.glare.viewpoints[0].name, "desk");
+    assert_string_equal(job.report_request.glare.viewpoints[1].name, "seat2");
+    assert_true(job.report_request.glare.viewpoints[1].at.x == 3 &&
+                job.report_request.glare.viewpoints[1].towards.x == 1);
     assert_int_equal(job.request.seed, 7);
     assert_int_equal(job.request.n_grids, 2);
     assert_string_equal(job.request.grids[0].name, "desks");
@@ -87,19 +88,20 @@ static void test_a_whole_document(void **state)
     assert_null(job.grid_files[1]);
     assert_int_equal(job.request.grids[1].count, 2);
     assert_true(job.request.sensors[1].position.z == 4);
-    assert_true(job.wishes.grid_area[0] == 20 && job.wishes.grid_area[1] == 4);
-    assert_true(job.wishes.occupancy.from_h == 9 && job.wishes.occupancy.to_h == 17.5);
-    assert_int_equal(job.wishes.occupancy.days, 1 | 16);
-    assert_int_equal(job.wishes.occupancy.first_day, 6);
-    assert_int_equal(job.wishes.n_metrics, 2);
-    assert_int_equal(job.wishes.metrics[0].kind, ORL_METRIC_DA);
-    assert_true(job.wishes.metrics[1].high_lx == 2000);
-    assert_int_equal(job.wishes.metrics[1].when, ORL_WHEN_ALWAYS);
-    assert_int_equal(job.wishes.n_targets, 1);
-    assert_string_equal(job.wishes.targets[0].grid, "wall");
-    assert_int_equal(job.wishes.n_rules, 5);
-    assert_string_equal(job.wishes.rules[4].name, "EN 17037 high");
-    assert_string_equal(job.wishes.until->grid, "desks");
+    assert_true(job.report_request.grid_area[0] == 20 && job.report_request.grid_area[1] == 4);
+    assert_true(job.report_request.occupancy.from_h == 9 &&
+                job.report_request.occupancy.to_h == 17.5);
+    assert_int_equal(job.report_request.occupancy.days, 1 | 16);
+    assert_int_equal(job.report_request.occupancy.first_day, 6);
+    assert_int_equal(job.report_request.n_metrics, 2);
+    assert_int_equal(job.report_request.metrics[0].kind, ORL_METRIC_DA);
+    assert_true(job.report_request.metrics[1].high_lx == 2000);
+    assert_int_equal(job.report_request.metrics[1].when, ORL_WHEN_ALWAYS);
+    assert_int_equal(job.report_request.n_targets, 1);
+    assert_string_equal(job.report_request.targets[0].grid, "wall");
+    assert_int_equal(job.report_request.n_rules, 5);
+    assert_string_equal(job.report_request.rules[4].name, "EN 17037 high");
+    assert_string_equal(job.report_request.until->grid, "desks");
     orl_annual_job_done(&job);
 }
 
@@ -145,8 +147,8 @@ static void test_a_short_document(void **state)
                                &job, NULL),
                      0);
     assert_string_equal(job.request.grids[0].name, "a");
-    assert_true(job.wishes.n_metrics > 5 && job.wishes.occupancy.from_h == 8);
-    assert_null(job.wishes.grid_area);
+    assert_true(job.report_request.n_metrics > 5 && job.report_request.occupancy.from_h == 8);
+    assert_null(job.report_request.grid_area);
     assert_int_equal(orl_annual_grids_read(&job.request, job.grid_files, &files, NULL, NULL), 0);
     assert_int_equal(job.request.n_sensors, 2);
     assert_int_equal(job.request.grids[0].count, 2);

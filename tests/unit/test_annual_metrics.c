@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include "metrics/annual/pass_probability.h"
 static const struct orl_annual_steps hourly = {8760, 1}, leap = {8784, 1}, halves = {17520, 2};
@@ -153,11 +153,11 @@ static double share_with(const struct year *year, struct orl_annual_figure figur
 static void test_hours_met_exactly(void **state)
 {
     const struct orl_annual_figure sda = {
-        ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50};
+        ORL_AGGREGATE_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50};
     const struct orl_annual_figure ase = {
-        ORL_OVER_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250};
+        ORL_AGGREGATE_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250};
     const struct orl_annual_figure provision = {
-        ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_DAYLIGHT, 300, 0}, 50};
+        ORL_AGGREGATE_SHARE, {ORL_METRIC_DA, ORL_WHEN_DAYLIGHT, 300, 0}, 50};
     struct year year;
     (void)state;
     make_year(&year, &hourly, 12);
@@ -185,12 +185,13 @@ static void test_hours_met_exactly(void **state)
 
 /* ---- Areas ----------------------------------------------------------------------------------- */
 
-static struct orl_annual_value figure_over(enum orl_annual_over over,
+static struct orl_annual_value figure_over(enum orl_annual_aggregate aggregate,
                                            const struct orl_annual_rows *rows)
 {
     uint32_t columns[2] = {0, 1};
     struct orl_annual_period periods[ORL_WHEN_COUNT] = {[ORL_WHEN_OCCUPIED] = {columns, 2, 1, 2}};
-    const struct orl_annual_figure figure = {over, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 150};
+    const struct orl_annual_figure figure = {
+        aggregate, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 150};
     struct orl_annual_area area;
     assert_int_equal(orl_annual_figure_of(&figure, periods, rows, &area, NULL), 0);
     return area.value;
@@ -206,19 +207,19 @@ static void test_averages_and_the_worst(void **state)
     const double up = 100 * expm1(t * 0.03), up_3 = 3 * 300 * expm1(t * 4 / 300.0);
     const double down = -100 * expm1(-t * 0.03), down_3 = -3 * 300 * expm1(-t * 4 / 300.0);
     const double both = sqrt(9 + 144) / 4; /* standard error of the mean illuminance */
-    struct orl_annual_value value = figure_over(ORL_OVER_AVERAGE, &rows);
+    struct orl_annual_value value = figure_over(ORL_AGGREGATE_AVERAGE, &rows);
     (void)state;
     assert_near(value.value, 250, 1e-9);
     assert_near(value.high - value.value, hypot(up, up_3) / 4, 1e-6);
     assert_near(value.value - value.low, hypot(down, down_3) / 4, 1e-6);
-    value = figure_over(ORL_OVER_OF_MEAN, &rows);
+    value = figure_over(ORL_AGGREGATE_OF_MEAN, &rows);
     assert_near(value.value, 250, 1e-5);
     assert_near(value.high, 250 * exp(t * both / 250), 1e-4);
-    value = figure_over(ORL_OVER_LEAST, &rows);
+    value = figure_over(ORL_AGGREGATE_LEAST, &rows);
     assert_near(value.value, 100, 1e-9);
     assert_near(value.high, 100 * exp(t * 0.03), 1e-6);
     assert_near(orl_student_above(-log(value.low / 100) / 0.03), 1 - sqrt(0.975), 1e-9);
-    value = figure_over(ORL_OVER_SHARE, &rows);
+    value = figure_over(ORL_AGGREGATE_SHARE, &rows);
     assert_near(value.value, 75, 1e-9);
     assert_near(value.low, 75, 1e-9);
 }
@@ -238,17 +239,18 @@ static void test_daylight_factors(void **state)
     const double t = 2.131449545559323;
     struct orl_annual_area area;
     (void)state;
-    struct orl_annual_figure figure = {ORL_OVER_AVERAGE, df, 0};
+    struct orl_annual_figure figure = {ORL_AGGREGATE_AVERAGE, df, 0};
     assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
     assert_near(area.value.value, 2.5, 1e-6);
     assert_near(area.value.high, 2.5 + hypot(2, 5) / 4 * expm1(t * 0.1), 1e-6);
-    figure.over = ORL_OVER_OF_MEAN;
+    figure.aggregate = ORL_AGGREGATE_OF_MEAN;
     assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
     assert_near(area.value.value, 2.5, 1e-6);
-    figure.over = ORL_OVER_LEAST;
+    figure.aggregate = ORL_AGGREGATE_LEAST;
     assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
     assert_near(area.value.value, 1, 1e-6);
-    figure = (struct orl_annual_figure){ORL_OVER_SHARE, df, 2}; /* two of them meet it exactly */
+    figure =
+        (struct orl_annual_figure){ORL_AGGREGATE_SHARE, df, 2}; /* two of them meet it exactly */
     assert_int_equal(orl_annual_figure_of(&figure, periods, &rows, &area, NULL), 0);
     assert_near(area.value.value, 75, 1e-9);
     assert_near(area.value.low, 50, 1e-9);
@@ -261,15 +263,16 @@ static void test_refused_figures(void **state)
     const struct orl_annual_rows rows = {.total_lx = total, .n_sensors = 1, .n_columns = 1};
     const struct orl_annual_rows none = {.total_lx = total, .n_columns = 1};
     const struct orl_annual_period periods[ORL_WHEN_COUNT] = {{0}};
-    const struct orl_annual_figure udi = {ORL_OVER_SHARE, {ORL_METRIC_UDI, 0, 100, 3000}, 50};
-    const struct orl_annual_figure ase = {ORL_OVER_SHARE, {ORL_METRIC_DIRECT_HOURS, 0, 1, 0}, 50};
-    const struct orl_annual_figure da = {ORL_OVER_SHARE, {ORL_METRIC_DA, 0, 1, 0}, 50};
+    const struct orl_annual_figure udi = {ORL_AGGREGATE_SHARE, {ORL_METRIC_UDI, 0, 100, 3000}, 50};
+    const struct orl_annual_figure ase = {
+        ORL_AGGREGATE_SHARE, {ORL_METRIC_DIRECT_HOURS, 0, 1, 0}, 50};
+    const struct orl_annual_figure da = {ORL_AGGREGATE_SHARE, {ORL_METRIC_DA, 0, 1, 0}, 50};
     struct orl_annual_area area;
     (void)state;
     assert_int_equal(orl_annual_figure_of(&udi, periods, &rows, &area, NULL), ORL_ERR_INVALID);
     assert_int_equal(orl_annual_figure_of(&ase, periods, &rows, &area, NULL), ORL_ERR_INVALID);
     assert_int_equal(orl_annual_figure_of(&da, periods, &none, &area, NULL), ORL_ERR_INVALID);
-    const struct orl_annual_figure df = {ORL_OVER_AVERAGE, {ORL_METRIC_DF, 0, 0, 0}, 0};
+    const struct orl_annual_figure df = {ORL_AGGREGATE_AVERAGE, {ORL_METRIC_DF, 0, 0, 0}, 0};
     assert_int_equal(orl_annual_figure_of(&df, periods, &rows, &area, NULL), ORL_ERR_INVALID);
 }
 

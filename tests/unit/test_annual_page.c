@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "chart/annual_page.h"
 #include "support/cli.h"
@@ -28,7 +28,7 @@ struct year {
     struct orl_sensor sensors[HAND_YEAR_SENSORS];
     struct orl_annual_request request;
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     struct orl_annual_plans *plans;
 };
@@ -51,25 +51,26 @@ static void make_plans(struct year *y)
     const struct orl_files files = orl_files_from_memory(&memory);
     atomic_bool cancel = false;
     struct orl_error err = {0};
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     const struct orl_run_env env = {
-        .crew = crew, .files = &files, .cancel = &cancel, .now_s = clock_s};
+        .pool = pool, .files = &files, .cancel = &cancel, .now_s = clock_s};
     y->request.scene_files = scene_files;
     y->request.n_scene_files = 1;
     if (orl_annual_plans_new(&y->request, &y->report, &env, &y->plans, &err) < 0)
         fail_msg("%s", err.message);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
-static void take_rules(struct orl_annual_wishes *wishes, const char *name)
+static void take_rules(struct orl_report_request *report_request, const char *name)
 {
     const struct orl_annual_rule *first;
     size_t n;
     assert_int_equal(orl_annual_rules_find(name, &first, &n, NULL), 0);
-    wishes->rules = realloc(wishes->rules, (wishes->n_rules + n) * sizeof *wishes->rules);
-    assert_non_null(wishes->rules);
+    report_request->rules = realloc(report_request->rules,
+                                    (report_request->n_rules + n) * sizeof *report_request->rules);
+    assert_non_null(report_request->rules);
     for (size_t i = 0; i < n; i++)
-        wishes->rules[wishes->n_rules++] = first[i];
+        report_request->rules[report_request->n_rules++] = first[i];
 }
 
 /* Builds the sensors of a room `across` by `down` metres. `rules` ends with NULL. */
@@ -85,10 +86,10 @@ static void make_year(struct year *y, double across, double down, const char *co
     static char weather[] = "place.epw";
     y->request.weather_file = weather;
     y->result.latitude_deg = 52;
-    assert_int_equal(orl_annual_wishes_init(&y->wishes), 0);
+    assert_int_equal(orl_report_request_init(&y->report_request), 0);
     for (; *rules; rules++)
-        take_rules(&y->wishes, *rules);
-    y->report = hand_year_report(&y->request, &y->result, &y->wishes);
+        take_rules(&y->report_request, *rules);
+    y->report = hand_year_report(&y->request, &y->result, &y->report_request);
     make_plans(y);
 }
 
@@ -96,7 +97,7 @@ static void free_year(struct year *y)
 {
     orl_annual_plans_free(y->plans);
     orl_annual_report_done(&y->report);
-    orl_annual_wishes_done(&y->wishes);
+    orl_report_request_done(&y->report_request);
     hand_year_free(&y->result);
 }
 
@@ -105,7 +106,7 @@ static char *draw_page(const struct year *y, size_t grid)
 {
     const struct orl_annual_page page = {.title = y->title,
                                          .request = &y->request,
-                                         .wishes = &y->wishes,
+                                         .report_request = &y->report_request,
                                          .result = &y->result,
                                          .report = &y->report,
                                          .plans = y->plans,
@@ -303,13 +304,13 @@ static void test_many_rules(void **state)
     struct year y;
     (void)state;
     make_year(&y, 6, 4, longer);
-    assert_true(y.wishes.n_rules > 20);
+    assert_true(y.report_request.n_rules > 20);
     y.result.warnings = warnings;
     y.result.n_warnings = sizeof warnings / sizeof *warnings;
     for (size_t grid = 0; grid < 2; grid++) {
         char *page = draw_page(&y, grid), wanted[96];
-        for (size_t i = 0; i < y.wishes.n_rules; i++) {
-            snprintf(wanted, sizeof wanted, ">%s: ", y.wishes.rules[i].name);
+        for (size_t i = 0; i < y.report_request.n_rules; i++) {
+            snprintf(wanted, sizeof wanted, ">%s: ", y.report_request.rules[i].name);
             if (count_substrings(page, wanted) != 2)
                 fail_msg("%zu times '%s'", count_substrings(page, wanted), wanted);
         }

@@ -11,8 +11,8 @@
 
 #include "annual/sky/hours.h"
 #include "annual/sun/sun_grid.h"
-#include "annual/sun_map/sun_squares.h"
-#include "base/random.h"
+#include "annual/sun_map/sun_texels.h"
+#include "base/sampling/random.h"
 #include "light/daylight.h"
 #include "light/sky.h"
 #include "support/scene_text.h"
@@ -64,10 +64,10 @@ static struct orl_hours hours_of(const struct orl_bins *bins, const char *text, 
     struct orl_hours hours;
     struct orl_error err = {0};
     assert_int_equal(orl_weather_parse("w.wea", text, strlen(text), 0, &weather, &err), 0);
-    struct orl_crew *crew = orl_crew_start(1);
-    assert_int_equal(orl_hours_init(&hours, bins, &weather, "w.wea", north_deg, 0.2, crew, &err),
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    assert_int_equal(orl_hours_init(&hours, bins, &weather, "w.wea", north_deg, 0.2, pool, &err),
                      0);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     orl_weather_done(&weather);
     return hours;
 }
@@ -107,7 +107,7 @@ static void test_skies(void **state)
         request.input = ORL_SKY_NORMAL_W;
         request.first = c == 0 ? 700 : c == 1 ? 0 : 300;
         request.second = diffuse_w[c];
-        assert_int_equal(orl_daylight_find(&request, NULL, &daylight, &err), 0);
+        assert_int_equal(orl_daylight_from_request(&request, NULL, &daylight, &err), 0);
         for (uint32_t i = 0; i < ORL_BINS; i++) {
             const double here = (double)hours.fine[(size_t)i * ORL_HOURS_TILE + c];
             const double there = orl_sky_brightness(&daylight.pattern, bins.at[i]);
@@ -129,12 +129,12 @@ static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t
                         double within_deg)
 {
     double farthest = 1;
-    struct orl_sun_nodes nodes;
+    struct orl_sun_grid nodes;
     const struct orl_sun_spacing steps =
         orl_sun_spacing_at(latitude_deg, (struct orl_sun_spacing){6, 15});
-    assert_int_equal(orl_sun_nodes_init(&nodes, latitude_deg, suns, n, steps), 0);
+    assert_int_equal(orl_sun_grid_init(&nodes, latitude_deg, suns, n, steps), 0);
     for (uint32_t k = 0; k < nodes.count; k++) {
-        const struct orl_sun_between at = orl_sun_nodes_between(&nodes, nodes.at[k]);
+        const struct orl_sun_interpolation at = orl_sun_grid_interpolate(&nodes, nodes.at[k]);
         struct orl_vec3 there = {0, 0, 0};
         assert_true(nodes.at[k].z > -1e-9);
         for (int i = 0; i < ORL_SUN_CORNERS; i++)
@@ -142,7 +142,7 @@ static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t
         assert_true(orl_length(orl_sub(there, nodes.at[k])) < 1e-5);
     }
     for (size_t s = 0; s < n; s++) {
-        const struct orl_sun_between at = orl_sun_nodes_between(&nodes, suns[s]);
+        const struct orl_sun_interpolation at = orl_sun_grid_interpolate(&nodes, suns[s]);
         struct orl_vec3 there = {0, 0, 0};
         double sum = 0;
         for (int i = 0; i < ORL_SUN_CORNERS; i++) {
@@ -156,7 +156,7 @@ static void check_nodes(double latitude_deg, const struct orl_vec3 *suns, size_t
     print_message("latitude %g: %zu nodes, suns within %.2f degrees\n", latitude_deg, nodes.count,
                   acos(farthest) / ORL_DEG_TO_RAD);
     assert_true(farthest > cos(within_deg * ORL_DEG_TO_RAD));
-    orl_sun_nodes_done(&nodes);
+    orl_sun_grid_done(&nodes);
 }
 
 /* Suns of a year, while they are above the horizon. */
@@ -193,10 +193,10 @@ static void test_squares(void **state)
                                "w polygon l 0 0 18 0 0 0 3 0 0 3 1 0 1 1 0 1 2.3 0 0 2.3 0\n"
                                "w sphere ball 0 0 4 9 9 9 1\n";
     struct orl_geometry *g = scene_geometry(text);
-    struct orl_sun_squares squares;
+    struct orl_sun_texels texels;
     struct orl_random random = orl_random_stream(2, ORL_PURPOSE_BENCH, 2);
     (void)state;
-    assert_int_equal(orl_sun_squares_init(&squares, g, 0.4), 0);
+    assert_int_equal(orl_sun_texels_init(&texels, g, 0.4), 0);
     for (uint32_t facet = 0; facet < g->n_facets; facet++) {
         uint64_t names[4096];
         size_t n = 0;
@@ -206,18 +206,18 @@ static void test_squares(void **state)
             struct orl_hit hit = {.facet = facet, .front = true};
             size_t k = 0;
             orl_facet_sample(g, facet, u, &hit.point, &hit.normal);
-            const uint64_t name = orl_sun_square_of(&squares, &hit);
+            const uint64_t name = orl_sun_texel_of(&texels, &hit);
             while (k < n && names[k] != name)
                 k++;
             if (k < n)
                 continue;
             assert_true(n < 4096);
             names[n++] = name;
-            sum += orl_sun_square_area(&squares, &hit);
+            sum += orl_sun_texel_area(&texels, &hit);
         }
         assert_true(fabs(sum / g->facets[facet].area - 1) < 1e-4);
     }
-    orl_sun_squares_done(&squares);
+    orl_sun_texels_done(&texels);
     orl_geometry_free(g);
 }
 

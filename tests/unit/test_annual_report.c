@@ -15,9 +15,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/annual_report.h>
-#include <oriel/crew.h>
-#include <oriel/npy.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/npy.h>
+#include <oriel/base/thread_pool.h>
 
 #include "metrics/annual/calendar.h"
 #include "support/hand_year.h"
@@ -40,35 +40,35 @@ static void assert_near(double value, double wanted, double tolerance)
 static void test_years(void **state)
 {
     struct orl_annual_result result;
-    struct orl_annual_year year;
+    struct orl_annual_timeline year;
     struct orl_error err = {0};
     (void)state;
     hand_year_make(&result, true);
-    assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+    assert_int_equal(orl_annual_timeline_make(&result, &year, &err), 0);
     assert_int_equal(year.steps.count, 8784);
     assert_int_equal(year.n_missing, 0);
     assert_int_equal(year.step_of_column[HAND_YEAR_LIT], 24 + HAND_YEAR_FIRST_LIT);
     assert_int_equal(year.step_of_column[result.n_columns - 1], 8783 - 6);
-    orl_annual_year_done(&year);
+    orl_annual_timeline_done(&year);
     /* Hours that were not measured, and a file that ends early. */
     result.steps[8].missing = true;
     result.steps[5].missing = true;          /* at night: certainly dark */
     result.steps[29].sun_altitude_deg = 3.5; /* dark with the sun up: implausible */
     result.steps[12].sun_altitude_deg = 40;
     result.n_steps -= 24;
-    assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+    assert_int_equal(orl_annual_timeline_make(&result, &year, &err), 0);
     assert_int_equal(year.n_missing, 25);
     assert_int_equal(year.n_doubtful, 1);
     assert_true(year.measured[5] && !year.measured[8] && !year.measured[8783]);
-    orl_annual_year_done(&year);
+    orl_annual_timeline_done(&year);
     result.steps[100].hour = result.steps[99].hour;
-    assert_int_equal(orl_annual_year_make(&result, &year, &err), ORL_ERR_RANGE);
+    assert_int_equal(orl_annual_timeline_make(&result, &year, &err), ORL_ERR_RANGE);
     hand_year_free(&result);
     hand_year_make(&result, false);
-    assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+    assert_int_equal(orl_annual_timeline_make(&result, &year, &err), 0);
     assert_int_equal(year.steps.count, 8760);
     assert_int_equal(orl_annual_step_of(&year, &result.steps[8759]), 8759);
-    orl_annual_year_done(&year);
+    orl_annual_timeline_done(&year);
     hand_year_free(&result);
 }
 
@@ -83,7 +83,7 @@ static void test_times_of_steps(void **state)
     for (int k = 0; k < 3; k++) {
         const struct orl_annual_result result = {.steps = steps,
                                                  .n_steps = sizeof steps / sizeof *steps};
-        struct orl_annual_year year;
+        struct orl_annual_timeline year;
         struct orl_error err = {0};
         for (size_t i = 0; i < result.n_steps; i++)
             steps[i] = (struct orl_annual_step){
@@ -91,12 +91,12 @@ static void test_times_of_steps(void **state)
                 .day = 1 + (int)(i / DAY),
                 .hour = round(1000 * ((double)(i % DAY) + firsts[k]) / 6) / 1000,
                 .column = ORL_ANNUAL_DARK};
-        if (orl_annual_year_make(&result, &year, &err) < 0)
+        if (orl_annual_timeline_make(&result, &year, &err) < 0)
             fail_msg("first time %g / 6 h: %s", firsts[k], err.message);
         assert_int_equal(year.steps.per_hour, 6);
         for (uint32_t i = 0; i < result.n_steps; i++)
             assert_int_equal(orl_annual_step_of(&year, &steps[i]), 151 * DAY + i);
-        orl_annual_year_done(&year);
+        orl_annual_timeline_done(&year);
     }
 }
 
@@ -106,18 +106,20 @@ static void test_threads(void **state)
     struct orl_annual_grid grids[2];
     struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report alone, together;
-    struct orl_crew *crew = orl_crew_start(3);
+    struct orl_thread_pool *pool = orl_thread_pool_start(3);
     struct orl_error err = {0};
     (void)state;
-    assert_non_null(crew);
+    assert_non_null(pool);
     hand_year_make(&result, false);
-    hand_year_ask(&wishes, "sDA300/50 >= 55 %", "LEED");
+    hand_year_ask(&report_request, "sDA300/50 >= 55 %", "LEED");
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &alone, &err), 0);
-    assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, crew, &together, &err), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &alone, &err),
+        0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &report_request, NULL, NULL, pool,
+                                            &together, &err),
+                     0);
     assert_int_equal(alone.n_unlit, together.n_unlit);
     assert_true(alone.n_metrics > 0 && alone.n_verdicts > 0);
     assert_memory_equal(alone.values, together.values,
@@ -127,9 +129,9 @@ static void test_threads(void **state)
                             sizeof alone.verdicts[i].area);
     orl_annual_report_done(&alone);
     orl_annual_report_done(&together);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* A file without rows at night gives a whole year. Beyond the polar circles, days without a
@@ -140,7 +142,7 @@ static void test_nights_left_out(void **state)
     (void)state;
     for (int k = 0; k < 2; k++) {
         struct orl_annual_result result;
-        struct orl_annual_year year;
+        struct orl_annual_timeline year;
         struct orl_error err = {0};
         size_t kept = 0;
         hand_year_make(&result, false);
@@ -152,12 +154,12 @@ static void test_nights_left_out(void **state)
                 result.steps[kept++] = step;
         }
         result.n_steps = kept;
-        assert_int_equal(orl_annual_year_make(&result, &year, &err), 0);
+        assert_int_equal(orl_annual_timeline_make(&result, &year, &err), 0);
         if (k == 0)
             assert_int_equal(year.n_missing, 0);
         for (size_t i = 0; i < 24; i++) /* 15 December */
             assert_true(year.measured[348 * 24 + i]);
-        orl_annual_year_done(&year);
+        orl_annual_timeline_done(&year);
         hand_year_free(&result);
     }
 }
@@ -173,16 +175,17 @@ static void test_reports(void **state)
     struct orl_annual_grid grids[2];
     struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
     hand_year_make(&result, false);
     request.groups = &blinds;
     request.n_groups = 1;
-    hand_year_ask(&wishes, "sDA300/50 of SOUTH >= 55 %", "LEED");
+    hand_year_ask(&report_request, "sDA300/50 of SOUTH >= 55 %", "LEED");
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, &err),
+        0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 3650, 0);
     assert_near(report.values[2].value, 100, 0); /* DA300 of the third sensor */
     assert_near(report.values[2].low, 0, 0);     /* two per cent less light gives 0 */
@@ -202,16 +205,16 @@ static void test_reports(void **state)
     assert_int_equal(report.verdicts[4].verdict, ORL_VERDICT_UNDECIDED);
     assert_int_equal(report.verdicts[7].verdict, ORL_VERDICT_FAIL);
     orl_annual_report_done(&report);
-    snprintf(wishes.targets[0].grid, sizeof wishes.targets[0].grid, "east");
+    snprintf(report_request.targets[0].grid, sizeof report_request.targets[0].grid, "east");
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err),
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, &err),
         ORL_ERR_INVALID);
-    wishes.targets[0].grid[0] = '\0';
-    wishes.occupancy.days = 0;
+    report_request.targets[0].grid[0] = '\0';
+    report_request.occupancy.days = 0;
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err),
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, &err),
         ORL_ERR_INVALID);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -223,7 +226,7 @@ static void test_daylight_factor(void **state)
     const struct orl_annual_request request = {.n_sensors = HAND_YEAR_SENSORS};
     float overcast[HAND_YEAR_SENSORS], se[HAND_YEAR_SENSORS] = {0};
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
@@ -234,10 +237,11 @@ static void test_daylight_factor(void **state)
         result.steps[i].diffuse_lx = result.steps[i].global_lx > 0 ? 10000 + (double)(i % 2) : 0;
     result.overcast = overcast;
     result.overcast_se = se;
-    hand_year_ask(&wishes, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
-    wishes.median_diffuse_lx = 15000;
+    hand_year_ask(&report_request, "least DF >= 1 %", "daylight factor by EN 17037 minimum");
+    report_request.median_diffuse_lx = 15000;
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, &err),
+        0);
     assert_int_equal(report.n_verdicts, 3);
     assert_near(report.verdicts[0].area.value.value, 1, 1e-6);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
@@ -246,9 +250,10 @@ static void test_daylight_factor(void **state)
     assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_PASS);
     assert_near(report.verdicts[2].area.value.value, 100, 1e-9);
     orl_annual_report_done(&report);
-    wishes.median_diffuse_lx = 0;
+    report_request.median_diffuse_lx = 0;
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, &err),
+        0);
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_near(report.verdicts[1].target.figure.least, 100 * 300 / 10000.5, 1e-9);
     orl_annual_report_done(&report);
@@ -256,14 +261,15 @@ static void test_daylight_factor(void **state)
     for (size_t i = 181 * 24; i < result.n_steps; i++)
         result.steps[i].missing = true;
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, &err), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, &err),
+        0);
     assert_near(report.median_diffuse_lx, 10000.5, 1e-9);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
     assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_UNDECIDED);
     assert_string_equal(report.verdicts[1].note,
                         "the weather file has 2172 of 4380 daylight hours");
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -288,19 +294,20 @@ static void test_weekdays(void **state)
     (void)state;
     hand_year_make(&result, false);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_annual_wishes wishes;
+        struct orl_report_request report_request;
         struct orl_annual_report report;
-        hand_year_ask(&wishes, "sDA300/50 >= 55 %", "LEED");
-        assert_int_equal(wishes.occupancy.first_day, ORL_FIRST_DAY_OF_WEATHER);
-        wishes.occupancy.days = 0x1f;
-        wishes.occupancy.first_day = cases[i].asked;
+        hand_year_ask(&report_request, "sDA300/50 >= 55 %", "LEED");
+        assert_int_equal(report_request.occupancy.first_day, ORL_FIRST_DAY_OF_WEATHER);
+        report_request.occupancy.days = 0x1f;
+        report_request.occupancy.first_day = cases[i].asked;
         result.first_weekday = cases[i].by_weather;
         result.n_moved = cases[i].n_moved;
-        assert_int_equal(
-            orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, NULL), 0);
+        assert_int_equal(orl_annual_report_make(&request, &result, &report_request, NULL, NULL,
+                                                NULL, &report, NULL),
+                         0);
         assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, cases[i].hours, 1e-9);
         orl_annual_report_done(&report);
-        orl_annual_wishes_done(&wishes);
+        orl_report_request_done(&report_request);
     }
     hand_year_free(&result);
 }
@@ -353,30 +360,31 @@ static void test_areas_and_files_of_occupancy(void **state)
     struct orl_memory_files memory = {names, &file, 1};
     const struct orl_files files = orl_files_from_memory(&memory);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
     for (int i = 0; i < 8760; i++)
         memcpy(text + 2 * (size_t)i, i % 24 == 12 ? "1\n" : "0\n", 2);
     hand_year_make(&result, false);
-    hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
-    wishes.occupancy_file = strdup("use.csv");
-    wishes.grid_area = calloc(2, sizeof *wishes.grid_area);
-    assert_true(wishes.occupancy_file && wishes.grid_area);
-    wishes.grid_area[0] = 1;
-    wishes.grid_area[1] = 3;
-    assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, &files, NULL, NULL, &report, &err), 0);
+    hand_year_ask(&report_request, "ASE <= 10 %", "LEED");
+    report_request.occupancy_file = strdup("use.csv");
+    report_request.grid_area = calloc(2, sizeof *report_request.grid_area);
+    assert_true(report_request.occupancy_file && report_request.grid_area);
+    report_request.grid_area[0] = 1;
+    report_request.grid_area[1] = 3;
+    assert_int_equal(orl_annual_report_make(&request, &result, &report_request, &files, NULL, NULL,
+                                            &report, &err),
+                     0);
     assert_near(report.periods[ORL_WHEN_OCCUPIED].hours, 365, 0);
     assert_near(report.areas[3 + 2].value.value, 37.5, 1e-9); /* half of 3 of 4 */
     assert_near(report.areas[2].value.value, 75, 1e-9);
     orl_annual_report_done(&report);
     text[1] = 'x';
-    assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, &files, NULL, NULL, &report, &err),
-        ORL_ERR_SYNTAX);
-    orl_annual_wishes_done(&wishes);
+    assert_int_equal(orl_annual_report_make(&request, &result, &report_request, &files, NULL, NULL,
+                                            &report, &err),
+                     ORL_ERR_SYNTAX);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -473,14 +481,15 @@ static void test_honeybees_folder(void **state)
     struct orl_annual_grid grids[2];
     const struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     size_t size;
     (void)state;
     hand_year_make(&result, false);
-    hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
+    hand_year_ask(&report_request, "ASE <= 10 %", "LEED");
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, NULL), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, NULL),
+        0);
     for (int again = 0; again < 2; again++)
         assert_int_equal(
             orl_honeybee_write(scratch_path("hb"), &report, &result, NULL, NULL, NULL, NULL), 0);
@@ -507,7 +516,7 @@ static void test_honeybees_folder(void **state)
     assert_int_equal(access(scratch_path("bare/__static_apertures__/default/se"), F_OK), -1);
     result.se = se;
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -517,15 +526,16 @@ static void test_tables(void **state)
     const struct orl_annual_request request = hand_year_request(grids);
     struct orl_sensor sensors[HAND_YEAR_SENSORS] = {{{1, 2, 0.75}, {0, 0, 1}}};
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     size_t size;
     (void)state;
     hand_year_make(&result, false);
     result.steps[12].missing = true;
-    hand_year_ask(&wishes, "ASE <= 10 %", "LEED");
+    hand_year_ask(&report_request, "ASE <= 10 %", "LEED");
     assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, NULL, NULL, &report, NULL), 0);
+        orl_annual_report_make(&request, &result, &report_request, NULL, NULL, NULL, &report, NULL),
+        0);
     assert_int_equal(orl_annual_sensors_csv(scratch_path("s.csv"), &report, sensors, NULL, NULL),
                      0);
     assert_int_equal(
@@ -551,7 +561,7 @@ static void test_tables(void **state)
     assert_holds("h.csv", "\n1,1,8.5,1,0.0000,0,0,10008,150,450\n");
     result.se = se;
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -572,11 +582,11 @@ static void put_hour(struct orl_annual_result *result, size_t sensor, size_t day
 static char *warn_of_hours(const struct orl_annual_request *request,
                            struct orl_annual_result *result)
 {
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     char *said = NULL;
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    report = hand_year_report(request, result, &wishes);
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    report = hand_year_report(request, result, &report_request);
     assert_int_equal(orl_annual_report_warn(request, &report, result, NULL, NULL, NULL), 0);
     for (size_t i = 0; i < result->n_warnings; i++) {
         if (strstr(result->warnings[i], "standard error"))
@@ -587,7 +597,7 @@ static char *warn_of_hours(const struct orl_annual_request *request,
     result->warnings = NULL;
     result->n_warnings = 0;
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     return said;
 }
 

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include "metrics/annual/calendar.h"
 static const struct orl_annual_steps hourly = {8760, 1}, leap = {8784, 1}, halves = {17520, 2};

@@ -1,5 +1,5 @@
 /*
- * Searches for annual sunlight (annual/sun/direction_tree.h, annual/panes/pane_tree.h). They find
+ * Searches for annual sunlight (annual/sun/direction_tree.h, annual/panes/pane_bvh.h). They find
  * the same as a loop over everything and sample without bias. Their work, counted in tree nodes,
  * grows with the logarithm of the number of suns, windows and mirrors.
  */
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/panes/pane_tree.h"
+#include "annual/panes/pane_bvh.h"
 #include "annual/sun/direction_tree.h"
 
 enum { MOST_PANES = 1024, MOST_SUNS = 8192 };
@@ -99,37 +99,38 @@ static void test_cones_cost_a_logarithm(void **state)
 
 /* Distributes panes over a field of 40 m by 40 m, at random orientations. Their total area is
  * independent of their number. */
-static void make_panes(struct orl_window *panes, size_t n)
+static void make_panes(struct orl_bounding_rect *panes, size_t n)
 {
     struct orl_random random = orl_random_stream(4, ORL_PURPOSE_ANNUAL, n);
     const double half = 10 / sqrt((double)n);
     for (size_t i = 0; i < n; i++) {
         const struct orl_frame frame = orl_frame_about(any_direction(&random));
-        panes[i] = (struct orl_window){.facet = (uint32_t)i,
-                                       .corner = {40 * orl_random_uniform(&random),
-                                                  40 * orl_random_uniform(&random),
-                                                  10 * orl_random_uniform(&random)},
-                                       .normal = frame.n,
-                                       .along = {frame.u, frame.v},
-                                       .low = {-half, -half},
-                                       .high = {half, half}};
+        panes[i] = (struct orl_bounding_rect){.facet = (uint32_t)i,
+                                              .corner = {40 * orl_random_uniform(&random),
+                                                         40 * orl_random_uniform(&random),
+                                                         10 * orl_random_uniform(&random)},
+                                              .normal = frame.n,
+                                              .along = {frame.u, frame.v},
+                                              .low = {-half, -half},
+                                              .high = {half, half}};
     }
 }
 
-static struct orl_pane_tree plant(struct orl_window *panes, size_t n)
+static struct orl_pane_bvh plant(struct orl_bounding_rect *panes, size_t n)
 {
-    struct orl_pane_tree tree;
+    struct orl_pane_bvh tree;
     make_panes(panes, n);
-    assert_int_equal(orl_pane_tree_init(&tree, panes, NULL, n), 0);
+    assert_int_equal(orl_pane_bvh_init(&tree, panes, NULL, n), 0);
     return tree;
 }
 
-static bool is_passed_by_loop(const struct orl_window *panes, size_t n, struct orl_vec3 from,
+static bool is_passed_by_loop(const struct orl_bounding_rect *panes, size_t n, struct orl_vec3 from,
                               struct orl_vec3 towards, double slack, double before)
 {
     for (size_t i = 0; i < n; i++) {
         double distance;
-        if (orl_window_passed(&panes[i], from, towards, slack, &distance) && distance < before)
+        if (orl_bounding_rect_passed(&panes[i], from, towards, slack, &distance) &&
+            distance < before)
             return true;
     }
     return false;
@@ -137,9 +138,9 @@ static bool is_passed_by_loop(const struct orl_window *panes, size_t n, struct o
 
 static void test_rays_pass_what_a_loop_finds(void **state)
 {
-    static struct orl_window panes[60];
+    static struct orl_bounding_rect panes[60];
     struct orl_random random = orl_random_stream(5, ORL_PURPOSE_ANNUAL, 0);
-    struct orl_pane_tree tree = plant(panes, 60);
+    struct orl_pane_bvh tree = plant(panes, 60);
     size_t passed = 0;
     (void)state;
     for (int i = 0; i < 20000; i++) {
@@ -148,14 +149,14 @@ static void test_rays_pass_what_a_loop_finds(void **state)
         const struct orl_vec3 towards = any_direction(&random);
         const double before = i % 2 ? INFINITY : 20 * orl_random_uniform(&random);
         const bool found = is_passed_by_loop(panes, 60, from, towards, 0, before);
-        assert_int_equal(orl_pane_tree_passed(&tree, panes, from, towards, 0, before), found);
+        assert_int_equal(orl_pane_bvh_passed(&tree, panes, from, towards, 0, before), found);
         /* With slack the loop's test is a little wider than the cone, never narrower. */
         if (is_passed_by_loop(panes, 60, from, towards, 0, INFINITY))
-            assert_true(orl_pane_tree_passed(&tree, panes, from, towards, 0.005, INFINITY));
+            assert_true(orl_pane_bvh_passed(&tree, panes, from, towards, 0.005, INFINITY));
         passed += found;
     }
     assert_true(passed > 1000 && passed < 19000);
-    orl_pane_tree_done(&tree);
+    orl_pane_bvh_done(&tree);
 }
 
 struct drawn {
@@ -174,17 +175,17 @@ static void count_pane(void *ctx, uint32_t item, double probability)
 static void test_lots_have_no_bias(void **state)
 {
     enum { N = 60, TRIALS = 40000 };
-    static struct orl_window panes[N];
+    static struct orl_bounding_rect panes[N];
     static double weights[N], squares[N];
     struct orl_random random = orl_random_stream(6, ORL_PURPOSE_ANNUAL, 0);
-    struct orl_pane_tree tree = plant(panes, N);
+    struct orl_pane_bvh tree = plant(panes, N);
     const struct orl_vec3 point = {-30, 20, 5}, normal = orl_normalize(orl_v3(1, 1, 0));
     size_t by_lot = 0;
     (void)state;
     for (int i = 0; i < TRIALS; i++) {
         double once[N] = {0};
         struct drawn drawn = {.weights = once};
-        orl_pane_tree_draw(&tree, point, normal, &random, count_pane, &drawn);
+        orl_pane_bvh_sample(&tree, point, normal, &random, count_pane, &drawn);
         by_lot += drawn.count < N;
         for (int k = 0; k < N; k++) {
             weights[k] += once[k] / TRIALS;
@@ -194,7 +195,8 @@ static void test_lots_have_no_bias(void **state)
     for (int k = 0; k < N; k++) {
         bool ahead = false;
         for (int i = 0; i < 4; i++)
-            ahead = ahead || orl_dot(orl_sub(orl_window_corner(&panes[k], i), point), normal) > 0;
+            ahead = ahead ||
+                    orl_dot(orl_sub(orl_bounding_rect_corner(&panes[k], i), point), normal) > 0;
         const double se = sqrt(fmax(squares[k] - weights[k] * weights[k], 0) / TRIALS);
         if (ahead)
             assert_true(fabs(weights[k] - 1) < 4.5 * se + 1e-9);
@@ -202,18 +204,18 @@ static void test_lots_have_no_bias(void **state)
             assert_true(weights[k] == 0 || fabs(weights[k] - 1) < 4.5 * se + 1e-9);
     }
     assert_true(by_lot > TRIALS / 2);
-    orl_pane_tree_done(&tree);
+    orl_pane_bvh_done(&tree);
 }
 
 /* Returns mean numbers of visited nodes and sampled panes, at places all over the field and around
  * it. */
 static void work_of_lots(size_t n, double *ret_looked, double *ret_drawn)
 {
-    static struct orl_window panes[MOST_PANES];
+    static struct orl_bounding_rect panes[MOST_PANES];
     static double weights[MOST_PANES];
     enum { PLACES = 500 };
     struct orl_random random = orl_random_stream(7, ORL_PURPOSE_ANNUAL, 0);
-    struct orl_pane_tree tree = plant(panes, n);
+    struct orl_pane_bvh tree = plant(panes, n);
     struct drawn drawn = {.weights = weights};
     size_t looked = 0;
     for (int i = 0; i < PLACES; i++) {
@@ -221,11 +223,11 @@ static void work_of_lots(size_t n, double *ret_looked, double *ret_drawn)
                                        80 * orl_random_uniform(&random) - 20,
                                        5 * orl_random_uniform(&random)};
         looked +=
-            orl_pane_tree_draw(&tree, point, any_direction(&random), &random, count_pane, &drawn);
+            orl_pane_bvh_sample(&tree, point, any_direction(&random), &random, count_pane, &drawn);
     }
     *ret_looked = (double)looked / PLACES;
     *ret_drawn = (double)drawn.count / PLACES;
-    orl_pane_tree_done(&tree);
+    orl_pane_bvh_done(&tree);
 }
 
 static void test_lots_cost_a_logarithm(void **state)

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 static void assert_near(double value, double wanted, double tolerance)
 {
@@ -27,14 +27,15 @@ static struct orl_annual_target parse(const char *text)
     return target;
 }
 
-static void assert_figure(const char *text, enum orl_annual_over over, enum orl_metric_kind kind,
-                          enum orl_annual_when when, double low, double high, double least)
+static void assert_figure(const char *text, enum orl_annual_aggregate aggregate,
+                          enum orl_metric_kind kind, enum orl_annual_when when, double low,
+                          double high, double least)
 {
     const struct orl_annual_target target = parse(text);
     const struct orl_annual_figure *f = &target.figure;
-    if (f->over != over || f->metric.kind != kind || f->metric.when != when ||
+    if (f->aggregate != aggregate || f->metric.kind != kind || f->metric.when != when ||
         f->metric.low_lx != low || f->metric.high_lx != high || f->least != least)
-        fail_msg("%s is read as over %d, kind %d, when %d, %g %g, %g", text, f->over,
+        fail_msg("%s is read as over %d, kind %d, when %d, %g %g, %g", text, f->aggregate,
                  f->metric.kind, f->metric.when, f->metric.low_lx, f->metric.high_lx, f->least);
 }
 
@@ -47,31 +48,34 @@ static void test_targets(void **state)
     assert_true(target.relation == ORL_MORE_THAN && target.bound == 55);
     target = parse("ase1000,250 <= 10");
     assert_true(target.relation == ORL_AT_MOST && target.bound == 10 && !target.grid[0]);
-    assert_figure("sDA >= 55 %", ORL_OVER_SHARE, ORL_METRIC_DA, used, 300, 0, 50);
-    assert_figure("sDA150/50>=30%", ORL_OVER_SHARE, ORL_METRIC_DA, used, 150, 0, 50);
-    assert_figure("sDA500/50 in daylight hours >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DA,
+    assert_figure("sDA >= 55 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DA, used, 300, 0, 50);
+    assert_figure("sDA150/50>=30%", ORL_AGGREGATE_SHARE, ORL_METRIC_DA, used, 150, 0, 50);
+    assert_figure("sDA500/50 in daylight hours >= 50 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DA,
                   ORL_WHEN_DAYLIGHT, 500, 0, 50);
-    assert_figure("ASE < 10 %", ORL_OVER_SHARE, ORL_METRIC_DIRECT_HOURS, used, 1000, 0, 250);
-    assert_figure("ASE1000/250h < 10 %", ORL_OVER_SHARE, ORL_METRIC_DIRECT_HOURS, used, 1000, 0,
-                  250);
-    assert_figure("DA500 >= 60 %", ORL_OVER_AVERAGE, ORL_METRIC_DA, used, 500, 0, 0);
-    assert_figure("least da100 >= 50", ORL_OVER_LEAST, ORL_METRIC_DA, used, 100, 0, 0);
-    assert_figure("cDA >= 60 %", ORL_OVER_AVERAGE, ORL_METRIC_CDA, used, 300, 0, 0);
-    assert_figure("UDI100-3000 over the year >= 50 %", ORL_OVER_AVERAGE, ORL_METRIC_UDI,
+    assert_figure("ASE < 10 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DIRECT_HOURS, used, 1000, 0, 250);
+    assert_figure("ASE1000/250h < 10 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DIRECT_HOURS, used, 1000,
+                  0, 250);
+    assert_figure("DA500 >= 60 %", ORL_AGGREGATE_AVERAGE, ORL_METRIC_DA, used, 500, 0, 0);
+    assert_figure("least da100 >= 50", ORL_AGGREGATE_LEAST, ORL_METRIC_DA, used, 100, 0, 0);
+    assert_figure("cDA >= 60 %", ORL_AGGREGATE_AVERAGE, ORL_METRIC_CDA, used, 300, 0, 0);
+    assert_figure("UDI100-3000 over the year >= 50 %", ORL_AGGREGATE_AVERAGE, ORL_METRIC_UDI,
                   ORL_WHEN_ALWAYS, 100, 3000, 0);
-    assert_figure("UDI_lower100 <= 5 %", ORL_OVER_AVERAGE, ORL_METRIC_UDI_LOWER, used, 100, 0, 0);
-    assert_figure("UDI_upper < 5 %", ORL_OVER_AVERAGE, ORL_METRIC_UDI_UPPER, used, 3000, 0, 0);
-    assert_figure("illuminance >= 300 lx", ORL_OVER_AVERAGE, ORL_METRIC_MEAN, used, 0, 0, 0);
-    assert_figure("hours300 of mean >= 2000 h", ORL_OVER_OF_MEAN, ORL_METRIC_HOURS, ORL_WHEN_ALWAYS,
-                  300, 0, 0);
-    assert_figure("DF >= 2 %", ORL_OVER_AVERAGE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 0);
-    assert_figure("least df >= 0.6 %", ORL_OVER_LEAST, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 0);
-    assert_figure("sDF >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 2);
-    assert_figure("sDF1.5% of hall >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0,
-                  1.5);
-    assert_figure("sDF300lx >= 50 %", ORL_OVER_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 300, 0, 0);
-    assert_figure("least hours90 >= 2000 h", ORL_OVER_LEAST, ORL_METRIC_HOURS, ORL_WHEN_ALWAYS, 90,
-                  0, 0);
+    assert_figure("UDI_lower100 <= 5 %", ORL_AGGREGATE_AVERAGE, ORL_METRIC_UDI_LOWER, used, 100, 0,
+                  0);
+    assert_figure("UDI_upper < 5 %", ORL_AGGREGATE_AVERAGE, ORL_METRIC_UDI_UPPER, used, 3000, 0, 0);
+    assert_figure("illuminance >= 300 lx", ORL_AGGREGATE_AVERAGE, ORL_METRIC_MEAN, used, 0, 0, 0);
+    assert_figure("hours300 of mean >= 2000 h", ORL_AGGREGATE_OF_MEAN, ORL_METRIC_HOURS,
+                  ORL_WHEN_ALWAYS, 300, 0, 0);
+    assert_figure("DF >= 2 %", ORL_AGGREGATE_AVERAGE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 0);
+    assert_figure("least df >= 0.6 %", ORL_AGGREGATE_LEAST, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0,
+                  0);
+    assert_figure("sDF >= 50 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0, 2);
+    assert_figure("sDF1.5% of hall >= 50 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0,
+                  0, 1.5);
+    assert_figure("sDF300lx >= 50 %", ORL_AGGREGATE_SHARE, ORL_METRIC_DF, ORL_WHEN_ALWAYS, 300, 0,
+                  0);
+    assert_figure("least hours90 >= 2000 h", ORL_AGGREGATE_LEAST, ORL_METRIC_HOURS, ORL_WHEN_ALWAYS,
+                  90, 0, 0);
 }
 
 static void test_targets_refused(void **state)
@@ -138,13 +142,13 @@ static void test_verdicts(void **state)
     const struct orl_annual_target target = parse("sDA >= 55 %");
     const struct orl_annual_value wide = {55, 54, 56}, narrow = {55, 54.6, 55.4},
                                   far = {70, 60, 80};
-    assert_false(orl_annual_settled(&target, &wide, 0.5));
-    assert_true(orl_annual_settled(&target, &narrow, 0.5));
-    assert_true(orl_annual_settled(&target, &far, 0.5));
-    assert_int_equal(orl_verdict_both(ORL_VERDICT_PASS, ORL_VERDICT_PASS), ORL_VERDICT_PASS);
-    assert_int_equal(orl_verdict_both(ORL_VERDICT_PASS, ORL_VERDICT_UNDECIDED),
+    assert_false(orl_annual_is_decided(&target, &wide, 0.5));
+    assert_true(orl_annual_is_decided(&target, &narrow, 0.5));
+    assert_true(orl_annual_is_decided(&target, &far, 0.5));
+    assert_int_equal(orl_verdict_combine(ORL_VERDICT_PASS, ORL_VERDICT_PASS), ORL_VERDICT_PASS);
+    assert_int_equal(orl_verdict_combine(ORL_VERDICT_PASS, ORL_VERDICT_UNDECIDED),
                      ORL_VERDICT_UNDECIDED);
-    assert_int_equal(orl_verdict_both(ORL_VERDICT_UNKNOWN, ORL_VERDICT_FAIL), ORL_VERDICT_FAIL);
+    assert_int_equal(orl_verdict_combine(ORL_VERDICT_UNKNOWN, ORL_VERDICT_FAIL), ORL_VERDICT_FAIL);
 }
 
 /* All targets of all rules parse, and a name finds the rules that begin with it. */

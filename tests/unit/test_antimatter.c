@@ -10,8 +10,8 @@
 #include <cmocka.h>
 #include <string.h>
 
-#include "base/random.h"
-#include "scene/geometry/linings.h"
+#include "base/sampling/random.h"
+#include "scene/geometry/antimatter/linings.h"
 #include "support/scene_text.h"
 
 /* A wall from x = 0 to .2, 4 wide and 3 high, with a round hole of radius 1 through it, about (2,
@@ -265,18 +265,18 @@ static void test_looking_out(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_world *world = scene_world(cases[i].text, NULL, NULL, NULL);
-        const struct orl_geometry *g = world->geometry;
+        struct orl_lit_scene *lit_scene = build_lit_scene(cases[i].text, NULL, NULL, NULL);
+        const struct orl_geometry *g = lit_scene->geometry;
         const struct orl_vec3 from = orl_sub(orl_v3(-.05, 2, 1.5), g->center);
         struct orl_hit hit;
-        assert_int_equal(orl_linings_end(g), 1);
-        assert_int_equal(orl_lining_is_left_away(g, 0), cases[i].out);
+        assert_int_equal(orl_linings_count(g), 1);
+        assert_int_equal(orl_lining_is_omitted(g, 0), cases[i].out);
         assert_true(orl_geometry_intersect(g, from, orl_v3(0, 1, 0), INFINITY, &hit));
         if (fabs(hit.point.y + g->center.y - (cases[i].lined ? 3 : 4.2)) > 1e-5)
             fail_msg("case %zu: sideways to y = %g", i, hit.point.y + g->center.y);
         assert_true(orl_geometry_intersect(g, from, orl_v3(1, 0, 0), INFINITY, &hit));
         assert_true(fabs(hit.point.x + g->center.x - 4) < 1e-5);
-        orl_world_free(world);
+        orl_lit_scene_free(lit_scene);
     }
 }
 

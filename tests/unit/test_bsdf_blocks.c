@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
@@ -43,11 +43,11 @@ static struct text make_blocks(const char *const data[4], const char *rest)
 static int load(const struct text *t, uint32_t threads, const atomic_bool *cancel,
                 struct orl_bsdf **ret_bsdf, struct orl_error *err)
 {
-    struct orl_crew *crew = threads > 1 ? orl_crew_start(threads) : NULL;
+    struct orl_thread_pool *pool = threads > 1 ? orl_thread_pool_start(threads) : NULL;
     const struct orl_bsdf_xml xml = {
-        .name = "blocks.xml", .data = t->data, .size = t->size, .cancel = cancel, .crew = crew};
+        .name = "blocks.xml", .data = t->data, .size = t->size, .cancel = cancel, .pool = pool};
     const int code = orl_bsdf_load(&xml, ret_bsdf, err);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     return code;
 }
 

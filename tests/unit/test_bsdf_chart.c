@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/animation.h>
-#include <oriel/bsdf_peaks.h>
-#include <oriel/units.h>
+#include <oriel/base/units.h>
+#include <oriel/bsdf/bsdf_peaks.h>
+#include <oriel/job/animation.h>
 
 #include "chart/bsdf_chart.h"
 #include "fixtures/bsdf_ask.h"
@@ -24,9 +24,9 @@ static struct orl_bsdf *load_bsdf(const char *text, enum orl_bsdf_basis basis)
     static const double cell[4] = {0, 1, 0, 1};
     const struct panel panel = {
         .text = text, .basis = basis, .cell = cell, .resolution = 32, .paths = 256};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
     return bsdf;
 }
 

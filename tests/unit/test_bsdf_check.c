@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf_json.h"
+#include "bsdf_json/bsdf_json.h"
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 
@@ -328,12 +328,12 @@ static void a_dummy_transmission_is_as_good_as_none(void **state)
 {
     static const struct {
         const char *front, *back;
-        enum orl_bsdf_dummy dummy[2];
-    } cases[] = {{SLATS_PASS, "{0}", {ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_ZERO}},
-                 {SLATS_PASS, SLATS_PASS, {ORL_BSDF_DUMMY_NONE, ORL_BSDF_DUMMY_COPY}},
+        enum orl_bsdf_placeholder dummy[2];
+    } cases[] = {{SLATS_PASS, "{0}", {ORL_BSDF_NO_PLACEHOLDER, ORL_BSDF_PLACEHOLDER_ZERO}},
+                 {SLATS_PASS, SLATS_PASS, {ORL_BSDF_NO_PLACEHOLDER, ORL_BSDF_PLACEHOLDER_COPY}},
                  {"{0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0}",
                   SLATS_PASS,
-                  {ORL_BSDF_DUMMY_ZERO, ORL_BSDF_DUMMY_NONE}}};
+                  {ORL_BSDF_PLACEHOLDER_ZERO, ORL_BSDF_NO_PLACEHOLDER}}};
     (void)state;
     for (int i = 0; i < 3; i++) {
         const struct orl_bsdf_check with = examine(TREE_FILE({"Transmission Front", cases[i].front},
@@ -387,7 +387,7 @@ static void true_transmissions_are_kept(void **state)
     c = examine(klems_twice(true));
     assert_true(c.info.has[0][1] && c.info.has[1][1]);
     c = examine(klems_twice(false));
-    assert_int_equal(c.info.dummy[1], ORL_BSDF_DUMMY_COPY);
+    assert_int_equal(c.info.dummy[1], ORL_BSDF_PLACEHOLDER_COPY);
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf_fit_json.h"
+#include "bsdf_json/bsdf_fit_json.h"
 
 static int read_document(const char *text, enum orl_job_origin origin,
                          struct orl_bsdf_fit_request *ret_request, char **ret_id,
@@ -82,15 +82,15 @@ static void what_was_fitted_is_told(void **state)
 {
     char name[] = "a.txt", *names[] = {name};
     const struct orl_bsdf_fit_request request = {.files = names, .n_files = 1};
-    struct orl_bsdf_fitted_scan scans[2] = {{.front = true,
-                                             .transmitted = true,
-                                             .theta_deg = 30,
-                                             .total = 0.5,
-                                             .left_out = true,
-                                             .predicted = 0.4,
-                                             .misplaced = 0.1},
-                                            {.theta_deg = 60}};
-    struct orl_bsdf_fitted fitted = {.scans = scans, .n_scans = 2, .n_outliers = 1};
+    struct orl_bsdf_fit_scan scans[2] = {{.front = true,
+                                          .transmitted = true,
+                                          .theta_deg = 30,
+                                          .total = 0.5,
+                                          .left_out = true,
+                                          .predicted = 0.4,
+                                          .misplaced = 0.1},
+                                         {.theta_deg = 60}};
+    struct orl_bsdf_fit_result fitted = {.scans = scans, .n_scans = 2, .n_outliers = 1};
     const char *component, *file;
     double predicted;
     json_t *other, *told;

@@ -9,13 +9,13 @@
 
 #include <cmocka.h>
 
-#include <oriel/bsdf_fit.h>
+#include <oriel/bsdf/bsdf_fit.h>
 
-#include "fit/scans.h"
+#include "bsdf/fit/measurements/scans.h"
 
-static const struct orl_fit_reading plain = {0};
+static const struct orl_fit_read_options plain = {0};
 
-static int read_text(const char *text, const struct orl_fit_reading *reading,
+static int read_text(const char *text, const struct orl_fit_read_options *reading,
                      struct orl_fit_data *data, struct orl_error *err)
 {
     return orl_fit_read("data.txt", 3, text, strlen(text), reading, data, err);
@@ -57,7 +57,7 @@ static void pab_rows_are_turned_up_and_taken_by_side(void **state)
 /* The sample seen from behind is turned about its up axis, which stays. */
 static void reversed_is_turned_about_what_is_up(void **state)
 {
-    const struct orl_fit_reading reversed = {.reversed = true};
+    const struct orl_fit_read_options reversed = {.reversed = true};
     struct orl_fit_data data = {0};
     struct orl_error err = {0};
     (void)state;
@@ -77,7 +77,7 @@ static void reversed_is_turned_about_what_is_up(void **state)
 
 static void csv_has_columns_in_any_order(void **state)
 {
-    const struct orl_fit_reading no_grazing = {.grazing_deg = 5};
+    const struct orl_fit_read_options no_grazing = {.grazing_deg = 5};
     struct orl_fit_data data = {0};
     struct orl_error err = {0};
     (void)state;
@@ -221,7 +221,7 @@ static void first_rows_are_rows_of_numbers(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         struct orl_fit_data data = {0};
-        const struct orl_fit_reading reading = {.reversed = false};
+        const struct orl_fit_read_options reading = {.reversed = false};
         struct orl_error err = {0};
         char text[128];
         snprintf(text, sizeof text, "%s%s", head, texts[i]);

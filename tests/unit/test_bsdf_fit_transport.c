@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "fit/transport.h"
+#include "base/sampling/random.h"
+#include "bsdf/fit/transport/transport.h"
 
 enum { MOST = 200 };
 

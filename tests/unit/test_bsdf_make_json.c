@@ -8,15 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "task_json.h"
+#include "job/job_request_json.h"
 
-static int read_task(const char *text, enum orl_job_origin origin, struct orl_task *ret_task,
-                     char **ret_scene, struct orl_error *err)
+static int read_job_request(const char *text, enum orl_job_origin origin,
+                            struct orl_job_request *ret_task, char **ret_scene,
+                            struct orl_error *err)
 {
     json_t *doc = json_loads(text, 0, NULL);
     assert_non_null(doc);
     *err = (struct orl_error){0};
-    const int code = orl_task_from_json(doc, origin, ret_task, ret_scene, err);
+    const int code = orl_job_request_from_json(doc, origin, ret_task, ret_scene, err);
     json_decref(doc);
     return code;
 }
@@ -25,21 +26,22 @@ static int read_task(const char *text, enum orl_job_origin origin, struct orl_ta
 
 static void it_says_what_is_made(void **state)
 {
-    struct orl_task task;
+    struct orl_job_request job_request;
     struct orl_error err;
     size_t count;
     (void)state;
     assert_int_equal(
-        read_task("{\"kind\": \"bsdf_make\", " SCENE ", \"name\": \"P\", \"basis\": "
-                  "\"tensor_tree_4\", \"resolution\": 32, \"cull\": 0.1, \"cell\": {\"x\": [0, 1], "
-                  "\"y\": [-1, 2]}, \"symmetry\": \"both\", \"paths\": 64, \"accuracy\": 0.1, "
-                  "\"paths_most\": 128, \"seed\": 7, \"priority\": 3, \"tags\": [\"x\"]}",
-                  ORL_JOB_LOCAL, &task, NULL, &err),
+        read_job_request(
+            "{\"kind\": \"bsdf_make\", " SCENE ", \"name\": \"P\", \"basis\": "
+            "\"tensor_tree_4\", \"resolution\": 32, \"cull\": 0.1, \"cell\": {\"x\": [0, 1], "
+            "\"y\": [-1, 2]}, \"symmetry\": \"both\", \"paths\": 64, \"accuracy\": 0.1, "
+            "\"paths_most\": 128, \"seed\": 7, \"priority\": 3, \"tags\": [\"x\"]}",
+            ORL_JOB_LOCAL, &job_request, NULL, &err),
         0);
-    const struct orl_bsdf_make_request *r = &task.of.bsdf_make;
-    assert_int_equal(task.kind, ORL_TASK_BSDF_MAKE);
-    assert_int_equal(task.priority, 3);
-    assert_string_equal(task.labels.name, "P");
+    const struct orl_bsdf_make_request *r = &job_request.of.bsdf_make;
+    assert_int_equal(job_request.kind, ORL_JOB_KIND_BSDF_MAKE);
+    assert_int_equal(job_request.priority, 3);
+    assert_string_equal(job_request.labels.name, "P");
     assert_string_equal(r->name, "P");
     assert_int_equal(r->basis, ORL_BSDF_TENSOR_TREE_4);
     assert_int_equal(r->symmetry, ORL_BSDF_QUADRILATERAL);
@@ -49,15 +51,15 @@ static void it_says_what_is_made(void **state)
     assert_int_equal(r->paths, 64);
     assert_int_equal(r->paths_most, 128);
     assert_int_equal(r->seed, 7);
-    assert_string_equal(orl_task_scene(&task, &count)[1], "b.rad");
+    assert_string_equal(orl_job_request_scene(&job_request, &count)[1], "b.rad");
     assert_int_equal(count, 2);
-    assert_null(orl_task_job(&task));
-    orl_task_done(&task);
+    assert_null(orl_job_request_render_job(&job_request));
+    orl_job_request_done(&job_request);
 }
 
 static void a_daemon_is_told_a_scene(void **state)
 {
-    struct orl_task task;
+    struct orl_job_request job_request;
     struct orl_error err;
     char *scene = NULL;
     char text[160], id[65];
@@ -66,12 +68,12 @@ static void a_daemon_is_told_a_scene(void **state)
     memset(id, 'a', 64);
     id[64] = '\0';
     snprintf(text, sizeof text, "{\"kind\": \"bsdf_make\", \"scene\": \"%s\"}", id);
-    assert_int_equal(read_task(text, ORL_JOB_REMOTE, &task, &scene, &err), 0);
+    assert_int_equal(read_job_request(text, ORL_JOB_REMOTE, &job_request, &scene, &err), 0);
     assert_string_equal(scene, id);
-    orl_task_scene(&task, &count);
+    orl_job_request_scene(&job_request, &count);
     assert_int_equal(count, 0);
-    assert_int_equal(orl_bsdf_make_paths(&task.of.bsdf_make), 16384);
-    orl_task_done(&task);
+    assert_int_equal(orl_bsdf_make_paths(&job_request.of.bsdf_make), 16384);
+    orl_job_request_done(&job_request);
     free(scene);
 }
 
@@ -98,11 +100,11 @@ static void what_is_wrong_is_told_by_its_place(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_task task;
+        struct orl_job_request job_request;
         struct orl_error err;
         char text[256];
         snprintf(text, sizeof text, "{\"kind\": \"bsdf_make\", " SCENE ", %s}", cases[i].member);
-        const int code = read_task(text, ORL_JOB_LOCAL, &task, NULL, &err);
+        const int code = read_job_request(text, ORL_JOB_LOCAL, &job_request, NULL, &err);
         if (code != cases[i].code ||
             strncmp(err.primitive, cases[i].place, strlen(cases[i].place)) != 0)
             fail_msg("%s: %d, %s: %s", cases[i].member, code, err.primitive, err.message);

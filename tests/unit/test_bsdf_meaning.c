@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
@@ -375,7 +375,7 @@ static void draw_share(void *ctx, size_t share, uint32_t member)
     (void)member;
     for (int i = 0; i < DRAWS; i++) {
         const double u[3] = {i * 7 % 1000 / 1000.0, i * 3 % 1000 / 1000.0, i % 1000 / 1000.0};
-        struct orl_bsdf_draw draw;
+        struct orl_bsdf_sample_result draw;
         if (!orl_bsdf_sample_split(crowd->bsdf[i % 3],
                                    direction(0.1 * (double)share, 0.2, i % 2 ? 1 : -1), i % 4 < 2,
                                    ORL_BSDF_BOTH, u, &draw))
@@ -390,21 +390,21 @@ static void draw_share(void *ctx, size_t share, uint32_t member)
 static void threads_may_share_it(void **state)
 {
     static struct crowd alone, together;
-    struct orl_crew *crew[2] = {orl_crew_start(1), orl_crew_start(4)};
+    struct orl_thread_pool *pool[2] = {orl_thread_pool_start(1), orl_thread_pool_start(4)};
     (void)state;
     alone.bsdf[0] = load_text(read_fixture("tests/fixtures/bsdf_lcp8.xml"));
     alone.bsdf[1] = load_text(read_fixture("tests/fixtures/bsdf_klems41.xml"));
     alone.bsdf[2] = load_text(make_tinted_file(4, 0.1, 0.1, 0.3, 0.5));
     together = alone;
-    assert_non_null(crew[0]);
-    assert_non_null(crew[1]);
-    orl_crew_for(crew[0], SHARES, draw_share, &alone);
-    orl_crew_for(crew[1], SHARES, draw_share, &together);
+    assert_non_null(pool[0]);
+    assert_non_null(pool[1]);
+    orl_parallel_for(pool[0], SHARES, draw_share, &alone);
+    orl_parallel_for(pool[1], SHARES, draw_share, &together);
     assert_memory_equal(alone.sums, together.sums, sizeof alone.sums);
     for (int k = 0; k < 3; k++)
         orl_bsdf_unref(alone.bsdf[k]);
-    orl_crew_stop(crew[0]);
-    orl_crew_stop(crew[1]);
+    orl_thread_pool_stop(pool[0]);
+    orl_thread_pool_stop(pool[1]);
 }
 
 /* A BSDF does not depend on which others are loaded, or when. */

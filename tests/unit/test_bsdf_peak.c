@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "fixtures/bsdf_make.h"
 
 static double uniform(struct orl_random *random)
@@ -85,7 +85,7 @@ static void a_peak_of_rank_three_is_found(void **state)
  * elsewhere. */
 static struct text clear_matrix(double straight, double spread)
 {
-    /* Klems Quarter by its definition, as in core/bsdf/basis.c. */
+    /* Klems Quarter by its definition, as in core/bsdf/matrix/basis.c. */
     static const double edges[] = {0, 9, 27, 45, 63, 90};
     static const int cells[] = {1, 8, 12, 12, 8};
     double omega[41];
@@ -159,7 +159,7 @@ static void check_draws(const struct orl_bsdf *bsdf, bool adjoint)
             continue;
         for (int i = 0; i < DRAWS; i++) {
             const double u[3] = {uniform(&random), uniform(&random), uniform(&random)};
-            struct orl_bsdf_draw draw;
+            struct orl_bsdf_sample_result draw;
             assert_true(orl_bsdf_sample_split(bsdf, given, adjoint, ORL_BSDF_TRANSMIT, u, &draw));
             if (!draw.straight)
                 continue;

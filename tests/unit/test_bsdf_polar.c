@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/bsdf_polar.h>
+#include <oriel/bsdf/bsdf_polar.h>
 
 #include "fixtures/bsdf_ask.h"
 #include "support/scene_text.h"

@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "bsdf/front.h"
-#include "bsdf/write_xml.h"
+#include "base/sampling/random.h"
+#include "bsdf/bsdf_internal.h"
+#include "bsdf/xml/write_xml.h"
 
 static const char *const bases[] = {"LBNL/Klems Full", "LBNL/Klems Half", "LBNL/Klems Quarter"};
 
@@ -51,14 +51,14 @@ static void matrices_come_back_bit_for_bit(void **state)
     for (size_t b = 0; b < sizeof bases / sizeof *bases; b++) {
         struct orl_document d = {.structure = ORL_STRUCTURE_MATRIX, .thickness_m = 0.012};
         strcpy(d.name, "a <panel> of \"mine\"");
-        for (int part = 0; part < ORL_PART_COUNT; part++) {
+        for (int part = 0; part < ORL_COMPONENT_COUNT; part++) {
             fill_matrix(&d.parts[part].matrix, bases[b], 10 * b + (uint64_t)part);
             d.parts[part].present = true;
         }
         struct orl_bsdf *bsdf = write_and_read(&d, "x -- y --> z <--\n---\nend");
         assert_string_equal(bsdf->info.name, d.name);
         assert_true(bsdf->info.thickness_m == 0.012);
-        for (int part = 0; part < ORL_PART_COUNT; part++)
+        for (int part = 0; part < ORL_COMPONENT_COUNT; part++)
             assert_true(
                 orl_matrix_equal(&bsdf->document.parts[part].matrix, &d.parts[part].matrix));
         orl_bsdf_unref(bsdf);

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf/scan.h"
+#include "bsdf/xml/scan.h"
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 

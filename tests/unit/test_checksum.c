@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "base/checksum.h"
-#include "base/random.h"
+#include "base/io/checksum.h"
+#include "base/sampling/random.h"
 
 enum { SIZE = 1000 };
 

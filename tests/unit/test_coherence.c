@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "annual/rows/coherence.h"
+#include "annual/coefficients/coherence.h"
 #include "metrics/annual/sensor_year.h"
 
 enum { HOURS = 16, TILES = 2 };
@@ -22,7 +22,7 @@ static void assert_near(double value, double wanted, double within)
 /* Hours with 200 lx, each with a standard error of 1 %; half of the sums is in each of two tiles.
  * Other error sources are 0. */
 static struct orl_error_sums sums[TILES * ORL_ERROR_BANDS];
-static float total[HOURS], between[HOURS];
+static float total[HOURS], interpolation_error[HOURS];
 static uint32_t columns[HOURS], node[HOURS];
 static const struct orl_sun_cells cells = {columns, node, HOURS};
 
@@ -36,7 +36,7 @@ static void reset_sums(void)
     memset(sums, 0, sizeof sums);
     for (uint32_t i = 0; i < HOURS; i++) {
         total[i] = 200;
-        between[i] = 0;
+        interpolation_error[i] = 0;
         columns[i] = i;
         node[i] = i / 4;
     }
@@ -46,10 +46,10 @@ static void reset_sums(void)
 
 static double found(void)
 {
-    return (double)orl_coherence_of(sums, TILES, 1, total, between, &cells);
+    return (double)orl_coherence_of(sums, TILES, 1, total, interpolation_error, &cells);
 }
 
-/* Batches that deviate equally in all hours give a coherence of 1; so do lots. */
+/* Batches that deviate equally in all hours give a coherence of 1; so do photon batches. */
 static void test_common_errors(void **state)
 {
     (void)state;
@@ -61,9 +61,10 @@ static void test_common_errors(void **state)
     assert_near(found(), 1, 1e-6);
     reset_sums();
     for (size_t tile = 0; tile < TILES; tile++)
-        for (int lot = 0; lot < ORL_SUN_MAP_LOTS; lot++)
-            band_of(tile)->lots[lot] =
-                (float)(0.01 * sqrt(ORL_SUN_MAP_LOTS - 1.0) * (lot % 2 ? 1 : -1) * HOURS / TILES);
+        for (int photon_batch = 0; photon_batch < ORL_SUN_PHOTON_BATCHES; photon_batch++)
+            band_of(tile)->photon_batches[photon_batch] =
+                (float)(0.01 * sqrt(ORL_SUN_PHOTON_BATCHES - 1.0) * (photon_batch % 2 ? 1 : -1) *
+                        HOURS / TILES);
     assert_near(found(), 1, 1e-6);
 }
 
@@ -91,7 +92,7 @@ static void test_independent_errors(void **state)
     assert_near(found(), 1 / sqrt(HOURS), 1e-6);
     reset_sums();
     for (int i = 0; i < HOURS; i++)
-        between[i] = 0.01F;
+        interpolation_error[i] = 0.01F;
     assert_near(found(), 1 / sqrt(4), 1e-6);
     for (int i = 0; i < HOURS; i++)
         total[i] = i < 8 ? 200 : 2000;
@@ -122,7 +123,7 @@ static void test_intervals(void **state)
     (void)state;
     orl_annual_evaluate(&mean, &year, &light, &plain);
     assert_near(plain.high, 100 * (exp(0.05 * ORL_ANNUAL_Z) + exp(0.1 * ORL_ANNUAL_Z)), 1e-4);
-    orl_annual_factors(&light, 2, factors);
+    orl_annual_error_factors(&light, 2, factors);
     light.total_factor = factors;
     orl_annual_evaluate(&mean, &year, &light, &ready);
     assert_near(ready.high, plain.high, 1e-4);

@@ -13,8 +13,8 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "light/world.h"
+#include "base/sampling/random.h"
+#include "light/lit_scene.h"
 #include "support/scene_text.h"
 
 /* Materials in order of definition. */
@@ -42,9 +42,9 @@ static double uniform(struct orl_random *random)
     return orl_random_uniform(random);
 }
 
-static struct orl_world *load(const char *text)
+static struct orl_lit_scene *load(const char *text)
 {
-    return scene_world(text, NULL, NULL, NULL);
+    return build_lit_scene(text, NULL, NULL, NULL);
 }
 
 /* ---- Random stacks --------------------------------------------------------------------------- */
@@ -146,11 +146,11 @@ static int expected(const struct shape *shapes, int n, const double p[2], bool f
     return best;
 }
 
-static void check_point(const struct orl_world *world, const struct shape *shapes, int n,
+static void check_point(const struct orl_lit_scene *lit_scene, const struct shape *shapes, int n,
                         const double p[2], bool from_above, struct orl_random *random)
 {
     const struct orl_frame frame = tilt();
-    const struct orl_geometry *g = world->geometry;
+    const struct orl_geometry *g = lit_scene->geometry;
     const double down = from_above ? -1 : 1;
     const struct orl_vec3 way = orl_normalize(orl_to_world(
         &frame, orl_v3(uniform(random) - 0.5, uniform(random) - 0.5, down * uniform(random))));
@@ -164,7 +164,7 @@ static void check_point(const struct orl_world *world, const struct shape *shape
     assert_int_equal(met, who >= 0);
     if (!met)
         return;
-    const char *name = orl_scene_name_of(world->scene, hit.facet);
+    const char *name = orl_scene_name_of(lit_scene->scene, hit.facet);
     if (atoi(name + 1) != who)
         fail_msg("a ray meets %s, not p%d", name, who);
     assert_int_equal(hit.front, shapes[who].up == from_above);
@@ -181,29 +181,29 @@ static void test_heaps(void **state)
         for (int i = 0; i < n; i++)
             shapes[i] = random_shape(&random, i > 0 ? &shapes[i - 1] : NULL);
         write_heap(shapes, n, text);
-        struct orl_world *world = load(text);
+        struct orl_lit_scene *lit_scene = load(text);
         for (int i = 0; i < POINTS; i++) {
             const double p[2] = {8 * uniform(&random) - 1, 8 * uniform(&random) - 1};
-            check_point(world, shapes, n, p, i % 2 == 0, &random);
+            check_point(lit_scene, shapes, n, p, i % 2 == 0, &random);
         }
-        orl_world_free(world);
+        orl_lit_scene_free(lit_scene);
     }
 }
 
 /* ---- Warnings -------------------------------------------------------------------------------- */
 
 /* Returns the number of warnings that contain the words. */
-static int said(const struct orl_world *world, const char *words)
+static int said(const struct orl_lit_scene *lit_scene, const char *words)
 {
     int n = 0;
-    for (size_t i = 0; i < world->scene->description.n_warnings; i++)
-        n += strstr(world->scene->description.warnings[i], words) != NULL;
+    for (size_t i = 0; i < lit_scene->scene->parsed_scene.n_warnings; i++)
+        n += strstr(lit_scene->scene->parsed_scene.warnings[i], words) != NULL;
     return n;
 }
 
 static void test_words(void **state)
 {
-    struct orl_world *world =
+    struct orl_lit_scene *lit_scene =
         load(MATERIALS "early polygon ground 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
                        "pane polygon window 0 0 12 1 1 0 2 1 0 2 2 0 1 2 0\n"
                        "late polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"
@@ -211,22 +211,23 @@ static void test_words(void **state)
                        "late polygon beside 0 0 12 9 0 0 12 0 0 12 4 0 9 4 0\n"
                        "early polygon below 0 0 12 0 0 0 0 4 0 4 4 0 4 0 0\n");
     (void)state;
-    assert_int_equal(said(world, "in one place with"), 3);
-    assert_int_equal(said(world, "as in Radiance: 1 more pair"), 1);
-    assert_int_equal(said(world, "polygon floor at scene.rad:8 and polygon below at scene.rad:11 "
-                                 "lie in one place and face opposite ways"),
+    assert_int_equal(said(lit_scene, "in one place with"), 3);
+    assert_int_equal(said(lit_scene, "as in Radiance: 1 more pair"), 1);
+    assert_int_equal(said(lit_scene,
+                          "polygon floor at scene.rad:8 and polygon below at scene.rad:11 "
+                          "lie in one place and face opposite ways"),
                      1);
-    assert_int_equal(said(world, "face opposite ways"), 1);
-    assert_int_equal(said(world, "polygon ground at scene.rad:6 lies in one place with polygon "
-                                 "floor at scene.rad:8: there light meets floor"),
+    assert_int_equal(said(lit_scene, "face opposite ways"), 1);
+    assert_int_equal(said(lit_scene, "polygon ground at scene.rad:6 lies in one place with polygon "
+                                     "floor at scene.rad:8: there light meets floor"),
                      1);
-    assert_int_equal(said(world, "polygon window at scene.rad:7 lies wholly in one place"), 2);
+    assert_int_equal(said(lit_scene, "polygon window at scene.rad:7 lies wholly in one place"), 2);
     /* The ground around the floor remains, the window does not; surfaces that face the other way
      * stay. */
-    assert_int_equal(world->scene->description.n_surfaces, 5);
-    assert_true(fabs(world->geometry->facets[0].area - (324 - 16)) < 1e-6);
-    assert_int_equal(world->scene->description.n_opposed, 2);
-    orl_world_free(world);
+    assert_int_equal(lit_scene->scene->parsed_scene.n_surfaces, 5);
+    assert_true(fabs(lit_scene->geometry->facets[0].area - (324 - 16)) < 1e-6);
+    assert_int_equal(lit_scene->scene->parsed_scene.n_opposed, 2);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* No warnings: walls of one paint back to back, tiles side by side, a box on a floor. */
@@ -240,10 +241,10 @@ static void test_nothing_to_say(void **state)
         at += (size_t)sprintf(text + at, "%s polygon t%d 0 0 12 %d %d 0 %d %d 0 %d %d 0 %d %d 0\n",
                               i % 2 ? "late" : "early", i, x, y, x + 1, y, x + 1, y + 1, x, y + 1);
     }
-    struct orl_world *world = load(text);
-    assert_int_equal(world->scene->description.n_warnings, 0);
-    assert_int_equal(world->scene->description.n_surfaces, 406);
-    orl_world_free(world);
+    struct orl_lit_scene *lit_scene = load(text);
+    assert_int_equal(lit_scene->scene->parsed_scene.n_warnings, 0);
+    assert_int_equal(lit_scene->scene->parsed_scene.n_surfaces, 406);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* A ground below a floor of many tiles gives few warnings, in a short time. */
@@ -261,14 +262,14 @@ static void test_many(void **state)
                               y, x + 1, y + half, half ? x : x + 1, y + 1);
     }
     const clock_t start = clock();
-    struct orl_world *world = load(text);
+    struct orl_lit_scene *lit_scene = load(text);
     print_message("%d tiles on a ground: %.2f s\n", 2 * SIDE * SIDE,
                   (double)(clock() - start) / CLOCKS_PER_SEC);
-    assert_int_equal(said(world, "polygon ground"), 3);
-    assert_int_equal(said(world, "9797 more pairs"), 1);
-    assert_int_equal(world->scene->description.n_warnings, 4);
-    assert_true(fabs(world->geometry->facets[0].area - (108.0 * 108 - SIDE * SIDE)) < 1e-3);
-    orl_world_free(world);
+    assert_int_equal(said(lit_scene, "polygon ground"), 3);
+    assert_int_equal(said(lit_scene, "9797 more pairs"), 1);
+    assert_int_equal(lit_scene->scene->parsed_scene.n_warnings, 4);
+    assert_true(fabs(lit_scene->geometry->facets[0].area - (108.0 * 108 - SIDE * SIDE)) < 1e-3);
+    orl_lit_scene_free(lit_scene);
     free(text);
 }
 
@@ -286,10 +287,10 @@ static void test_one_paint(void **state)
     for (int i = 0; i < POSTS; i++)
         at += (size_t)sprintf(text + at, "%s polygon p%d 0 0 12 %d 0 0 %d 0 0 %d 9 0 %d 9 0\n",
                               i % 2 ? "late" : "again", i, 5 * i, 5 * i + 1, 5 * i + 1, 5 * i);
-    struct orl_world *world = load(text);
-    assert_int_equal(world->scene->description.n_warnings, 1);
-    assert_int_equal(said(world, "makes no difference which light meets: 12 pairs"), 1);
-    orl_world_free(world);
+    struct orl_lit_scene *lit_scene = load(text);
+    assert_int_equal(lit_scene->scene->parsed_scene.n_warnings, 1);
+    assert_int_equal(said(lit_scene, "makes no difference which light meets: 12 pairs"), 1);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* Surfaces that face opposite ways give a warning if their paints or their sides differ. */
@@ -306,9 +307,9 @@ static void test_opposed(void **state)
                  MATERIALS "early polygon floor 0 0 12 0 0 0 9 0 0 9 9 0 0 9 0\n"
                            "%s polygon under 0 0 12 1 1 0 1 2 0 2 2 0 2 1 0\n",
                  cases[i].below);
-        struct orl_world *world = load(text);
-        assert_int_equal(said(world, "face opposite ways"), cases[i].told);
-        orl_world_free(world);
+        struct orl_lit_scene *lit_scene = load(text);
+        assert_int_equal(said(lit_scene, "face opposite ways"), cases[i].told);
+        orl_lit_scene_free(lit_scene);
     }
 }
 
@@ -344,14 +345,16 @@ static void test_open(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024];
         snprintf(text, sizeof text, "%s%s", MATERIALS, cases[i].pair);
-        struct orl_world *world = load(text);
-        if (said(world, "light may meet either") != cases[i].open ||
-            said(world, "makes no difference") != cases[i].alike ||
-            (int)world->scene->description.n_warnings != cases[i].open + cases[i].alike)
-            fail_msg("of %s %zu warnings: %s", cases[i].pair, world->scene->description.n_warnings,
-                     world->scene->description.n_warnings ? world->scene->description.warnings[0]
-                                                          : "none");
-        orl_world_free(world);
+        struct orl_lit_scene *lit_scene = load(text);
+        if (said(lit_scene, "light may meet either") != cases[i].open ||
+            said(lit_scene, "makes no difference") != cases[i].alike ||
+            (int)lit_scene->scene->parsed_scene.n_warnings != cases[i].open + cases[i].alike)
+            fail_msg("of %s %zu warnings: %s", cases[i].pair,
+                     lit_scene->scene->parsed_scene.n_warnings,
+                     lit_scene->scene->parsed_scene.n_warnings
+                         ? lit_scene->scene->parsed_scene.warnings[0]
+                         : "none");
+        orl_lit_scene_free(lit_scene);
     }
 }
 
@@ -375,15 +378,17 @@ static void test_double_panes(void **state)
                  "%svoid glass clear 0 0 3 .9 .9 .9\nlate ring ground 0 0 8 0 0 -9 0 0 1 0 1000\n"
                  "clear polygon a 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\nclear polygon b 0 0 %s\n",
                  MATERIALS, cases[i].second);
-        struct orl_world *world = load(text);
-        if (said(world, "are panes 0.0001 apart, which count as one in a scene of this size: light "
-                        "passes one of them alone; where both are meant, move them at least 0.001 "
-                        "apart") != cases[i].told ||
-            said(world, "makes no difference") != cases[i].alike)
-            fail_msg("case %zu: %zu warnings: %s", i, world->scene->description.n_warnings,
-                     world->scene->description.n_warnings ? world->scene->description.warnings[0]
-                                                          : "none");
-        orl_world_free(world);
+        struct orl_lit_scene *lit_scene = load(text);
+        if (said(lit_scene,
+                 "are panes 0.0001 apart, which count as one in a scene of this size: light "
+                 "passes one of them alone; where both are meant, move them at least 0.001 "
+                 "apart") != cases[i].told ||
+            said(lit_scene, "makes no difference") != cases[i].alike)
+            fail_msg("case %zu: %zu warnings: %s", i, lit_scene->scene->parsed_scene.n_warnings,
+                     lit_scene->scene->parsed_scene.n_warnings
+                         ? lit_scene->scene->parsed_scene.warnings[0]
+                         : "none");
+        orl_lit_scene_free(lit_scene);
     }
 }
 
@@ -409,9 +414,9 @@ static void test_proxies(void **state)
                            "void BSDF other 6 .2 x.xml 0 1 0 . 0 0\n%s polygon a %s%s polygon b "
                            "%s",
                  cases[i].kinds[0], square, cases[i].kinds[1], cases[i].corners);
-        struct orl_world *world = scene_world(text, "x.xml", xml, NULL);
-        assert_int_equal(said(world, "light may meet either"), cases[i].told);
-        orl_world_free(world);
+        struct orl_lit_scene *lit_scene = build_lit_scene(text, "x.xml", xml, NULL);
+        assert_int_equal(said(lit_scene, "light may meet either"), cases[i].told);
+        orl_lit_scene_free(lit_scene);
     }
 }
 

@@ -12,11 +12,11 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
-#include "scene/material/pattern.h"
+#include "scene/material/patterns/pattern.h"
+#include "scene/material/patterns/texture.h"
 #include "scene/material/scatter.h"
-#include "scene/material/texture.h"
 #include "scene/parse/parse.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -231,7 +231,7 @@ static void make_cushion(struct bytes *b)
 static bool parse_apart; /* true: each place gets surfaces of its own */
 
 static int parse(const char *scene, const struct bytes *compiled, size_t size, const char *other,
-                 struct orl_description *ret, struct orl_error *err)
+                 struct orl_parsed_scene *ret, struct orl_error *err)
 {
     static const char *const names[] = {"a.rad", "b.bin", "sub/c.rad"};
     const struct orl_file contents[] = {{scene, strlen(scene), NULL},
@@ -242,13 +242,13 @@ static int parse(const char *scene, const struct bytes *compiled, size_t size, c
     struct orl_sources sources;
     *err = (struct orl_error){0};
     orl_sources_init(&sources, &files, NULL, orl_arena_new());
-    return orl_scene_parse_begun(names, 1, &sources, parse_apart, ret, err);
+    return orl_scene_parse_opened(names, 1, &sources, parse_apart, ret, err);
 }
 
-static struct orl_description parse_well(const char *scene, const struct bytes *compiled,
-                                         const char *other)
+static struct orl_parsed_scene parse_well(const char *scene, const struct bytes *compiled,
+                                          const char *other)
 {
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     if (parse(scene, compiled, compiled->size, other, &d, &err) < 0)
         fail_msg("%s:%d: %s (%s)", err.file, err.line, err.message, err.hint);
@@ -258,7 +258,7 @@ static struct orl_description parse_well(const char *scene, const struct bytes *
 static void expect_error(const char *scene, const struct bytes *compiled, int code,
                          const char *words)
 {
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     assert_int_equal(parse(scene, compiled, compiled->size, "", &d, &err), code);
     if (!strstr(err.message, words))
@@ -271,7 +271,7 @@ static void expect_point(struct orl_vec3 v, double x, double y, double z)
     assert_true(orl_length(orl_sub(v, orl_v3(x, y, z))) < 1e-8);
 }
 
-static const struct orl_material *material_of(const struct orl_description *d, size_t surface)
+static const struct orl_material *material_of(const struct orl_parsed_scene *d, size_t surface)
 {
     return &d->materials[d->surfaces[surface].material];
 }
@@ -281,14 +281,14 @@ static void test_frozen(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_frozen(&b);
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse_well("void instance \"two words\" 7 b.bin -s 2 -t 10 0 0 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.surfaces[0].kind, ORL_SURFACE_SPHERE);
-    expect_point(d.surfaces[0].round->center[0], 12, 4, 6);
-    assert_true(fabs(d.surfaces[0].round->radius[0] - 1) < 1e-8);
+    expect_point(d.surfaces[0].quadric->center[0], 12, 4, 6);
+    assert_true(fabs(d.surfaces[0].quadric->radius[0] - 1) < 1e-8);
     assert_true(fabs(material_of(&d, 0)->color.g - .25) < 1e-8);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* Instances in the places of markers, by replmarks, match the ball placed by Radiance 6.1's
@@ -302,17 +302,17 @@ static void test_markers(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_frozen(&b);
-    struct orl_description d = parse_well(scene, &b, "");
+    struct orl_parsed_scene d = parse_well(scene, &b, "");
     assert_int_equal(d.n_surfaces, 2);
     for (int i = 0; i < 2; i++) {
-        const struct orl_vec3 c = d.surfaces[i].round->center[0];
+        const struct orl_vec3 c = d.surfaces[i].quadric->center[0];
         const struct orl_vec3 there = orl_v3(-1.96575267155, 1, 4.22705757571 + 1.5 * i);
         assert_true(orl_length(orl_sub(c, there)) < 2e-6); /* six decimals */
-        assert_true(fabs(d.surfaces[i].round->radius[0] - .5) < 1e-6);
+        assert_true(fabs(d.surfaces[i].quadric->radius[0] - .5) < 1e-6);
         assert_string_equal(material_of(&d, (size_t)i)->name, "grass");
         assert_string_equal(d.surfaces[i].name, i == 0 ? "n.b.1.0.ball" : "n.b.2.0.ball");
     }
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     expect_error("!genblinds mark b 1 2 3 1 20 | replmarks -I b.bin mark\n", &b, ORL_ERR_SYNTAX,
                  "mesh");
 }
@@ -323,17 +323,17 @@ static void test_names_inside(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_frozen(&b);
-    struct orl_description d = parse_well("void plastic red 0 0 5 .9 0 0 0 0\n"
-                                          "void instance i 1 b.bin 0 0\n"
-                                          "red sphere s 0 0 4 0 0 0 1\n"
-                                          "red instance i 1 b.bin 0 0\n",
-                                          &b, "");
+    struct orl_parsed_scene d = parse_well("void plastic red 0 0 5 .9 0 0 0 0\n"
+                                           "void instance i 1 b.bin 0 0\n"
+                                           "red sphere s 0 0 4 0 0 0 1\n"
+                                           "red instance i 1 b.bin 0 0\n",
+                                           &b, "");
     assert_int_equal(d.n_surfaces, 3);
     assert_true(fabs(material_of(&d, 0)->color.r - .5) < 1e-8);
     assert_true(fabs(material_of(&d, 1)->color.r - .9) < 1e-8);
     assert_true(fabs(material_of(&d, 2)->color.r - .9) < 1e-8);
     assert_true(d.surfaces[0].modifier_order < d.surfaces[2].modifier_order);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     expect_error("void instance i 1 b.bin 0 0\n\"some paint\" sphere s 0 0 4 0 0 0 1\n", &b,
                  ORL_ERR_NOT_FOUND, "some paint");
     struct bytes named = {.size = 0};
@@ -350,12 +350,12 @@ static void test_named_files(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_named(&b, "sub/c.rad");
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse_well("void instance i 5 b.bin -t 0 0 5 0 0\n", &b,
                    "void plastic p 0 0 5 .1 .1 .1 0 0\np sphere s 0 0 4 0 0 0 1\n");
     assert_int_equal(d.n_surfaces, 1);
-    expect_point(d.surfaces[0].round->center[0], 0, 0, 5);
-    orl_description_done(&d);
+    expect_point(d.surfaces[0].quadric->center[0], 0, 0, 5);
+    orl_parsed_scene_done(&d);
     struct bytes missing = {.size = 0}, itself = {.size = 0}, command = {.size = 0};
     make_named(&missing, "away.rad");
     expect_error("void instance i 1 b.bin 0 0\n", &missing, ORL_ERR_NOT_FOUND, "away.rad");
@@ -371,7 +371,7 @@ static void test_mesh(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_mesh(&b, 0);
-    struct orl_description d = parse_well("void mesh m 5 b.bin -t 0 0 1 0 0\n", &b, "");
+    struct orl_parsed_scene d = parse_well("void mesh m 5 b.bin -t 0 0 1 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 2);
     assert_int_equal(d.n_warnings, 0);
     for (size_t i = 0; i < 2; i++) {
@@ -382,12 +382,12 @@ static void test_mesh(void **state)
     expect_point(d.surfaces[0].vertices[1], 1, 0, 2);
     expect_point(d.surfaces[1].vertices[1], 1, 1, 2);
     expect_point(d.surfaces[1].vertices[2], 0, 1, 2);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     /* The mirror transformation also moves the front side. */
     d = parse_well("void plastic own 0 0 5 .7 .7 .7 0 0\nown mesh m 2 b.bin -mz 0 0\n", &b, "");
     expect_point(d.surfaces[0].normal, 0, 0, -1);
     assert_true(fabs(material_of(&d, 1)->color.r - .7) < 1e-8);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_smooth_mesh(void **state)
@@ -395,7 +395,7 @@ static void test_smooth_mesh(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_mesh(&b, NORMALS);
-    struct orl_description d = parse_well("void mesh m 1 b.bin 0 0\n", &b, "");
+    struct orl_parsed_scene d = parse_well("void mesh m 1 b.bin 0 0\n", &b, "");
     assert_int_equal(d.n_surfaces, 2);
     assert_int_equal(d.n_warnings, 0);
     const struct orl_vec3 *const normals = orl_surface_normals(&d.surfaces[0]);
@@ -408,7 +408,7 @@ static void test_smooth_mesh(void **state)
     assert_true(fabs(normals[2].x - x) < 1e-4 && fabs(normals[2].y + sqrt(1 - x * x)) < 1e-4);
     assert_non_null(material_of(&d, 0)->texture);
     assert_null(material_of(&d, 1)->texture);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* A corner of the second triangle lacks texture coordinates. */
@@ -417,18 +417,18 @@ static void test_places(void **state)
     struct bytes b = {.size = 0};
     (void)state;
     make_mesh(&b, PLACES);
-    struct orl_description d = parse_well("void brightfunc f 2 Lu+10*Lv . 0 0\n"
-                                          "f plastic p 0 0 5 .01 .01 .01 0 0\n"
-                                          "p mesh m 2 b.bin -mz 0 0\n"
-                                          "p sphere s 0 0 4 9 9 9 1\n",
-                                          &b, "");
-    const double *const places = orl_surface_places(&d.surfaces[0]);
-    assert_non_null(places);
-    assert_null(orl_surface_places(&d.surfaces[1]));
+    struct orl_parsed_scene d = parse_well("void brightfunc f 2 Lu+10*Lv . 0 0\n"
+                                           "f plastic p 0 0 5 .01 .01 .01 0 0\n"
+                                           "p mesh m 2 b.bin -mz 0 0\n"
+                                           "p sphere s 0 0 4 9 9 9 1\n",
+                                           &b, "");
+    const double *const uv = orl_surface_uv(&d.surfaces[0]);
+    assert_non_null(uv);
+    assert_null(orl_surface_uv(&d.surfaces[1]));
     struct orl_geometry *g = NULL;
     struct orl_error err;
     assert_int_equal(orl_geometry_new(&d, &g, &err), 0);
-    assert_int_equal(orl_patterns_settle(&d, g, &err), 0);
+    assert_int_equal(orl_patterns_measure(&d, g, &err), 0);
     static const double x[3][2] = {{.5, .25}, {.9, .1}, {.25, .75}};
     for (int i = 0; i < 3; i++) {
         struct orl_hit hit;
@@ -438,7 +438,7 @@ static void test_places(void **state)
         assert_true(fabs(factor.r - (i < 2 ? x[i][0] + 20 * x[i][1] : 0)) < 1e-6);
     }
     orl_geometry_free(g);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /*
@@ -456,7 +456,7 @@ static void test_meshes_in_places(void **state)
                                 "p mesh d 9 b.bin -ry 40 -s .5 -t 0 4 0 0 0\n";
     static const char *const words[2] = {"kept once", "apart"};
     struct bytes b = {.size = 0};
-    struct orl_description d[2];
+    struct orl_parsed_scene d[2];
     struct orl_geometry *g[2];
     struct orl_error err;
     unsigned met = 0;
@@ -469,8 +469,8 @@ static void test_meshes_in_places(void **state)
         print_message("%s: %zu surfaces, %zu places\n", words[i], d[i].n_surfaces,
                       d[i].n_placements);
         assert_int_equal(orl_geometry_new(&d[i], &g[i], &err), 0);
-        assert_int_equal(orl_patterns_settle(&d[i], g[i], &err), 0);
-        assert_int_equal(orl_description_let_go(&d[i]), 0);
+        assert_int_equal(orl_patterns_measure(&d[i], g[i], &err), 0);
+        assert_int_equal(orl_parsed_scene_free_surfaces(&d[i]), 0);
     }
     assert_int_equal(d[0].n_placements, 4);
     assert_int_equal(d[0].n_surfaces, 0);
@@ -503,7 +503,7 @@ static void test_meshes_in_places(void **state)
     assert_true(met > 200);
     for (int i = 0; i < 2; i++) {
         orl_geometry_free(g[i]);
-        orl_description_done(&d[i]);
+        orl_parsed_scene_done(&d[i]);
     }
 }
 
@@ -516,7 +516,7 @@ static void test_damaged(void **state)
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
         struct bytes b = {.size = 0};
-        struct orl_description d;
+        struct orl_parsed_scene d;
         struct orl_error err;
         if (make[kind])
             make[kind](&b);
@@ -531,7 +531,7 @@ static void test_damaged(void **state)
             struct bytes changed = b;
             changed.data[at] ^= 0xff;
             if (parse(scenes[kind], &changed, changed.size, "", &d, &err) == 0)
-                orl_description_done(&d);
+                orl_parsed_scene_done(&d);
             else
                 assert_true(err.file[0] != '\0');
         }

@@ -10,15 +10,15 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/annual_report.h>
-#include <oriel/coordinates.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/coordinates.h>
 
-#include "annual_exposure.h"
-#include "annual_glare.h"
-#include "annual_view_out.h"
+#include "annual_job/annual_exposure_json.h"
+#include "annual_job/annual_glare_json.h"
+#include "annual_job/annual_view_out_json.h"
+#include "job/sensors_json.h"
 #include "render/film/view.h"
 #include "run/stages.h"
-#include "sensors_json.h"
 
 static const char *const absurd[] = {"1e300", "-1e300", "1.01e12"};
 enum { ABSURD = sizeof absurd / sizeof *absurd };
@@ -58,33 +58,34 @@ static int decode_job_sensors(const json_t *value, const char *path, void *into,
     return orl_job_sensors_from_json(value, path, into, err);
 }
 
-union wish {
-    struct orl_seats_wish seats;
-    struct orl_exposure_wish exposure;
-    struct orl_view_out_wish view_out;
+union request_of {
+    struct orl_viewpoint_request viewpoints;
+    struct orl_exposure_request exposure;
+    struct orl_view_out_request view_out;
     struct orl_job job;
 };
 
-static void seats_done(union wish *wish)
+static void viewpoints_done(union request_of *request_of)
 {
-    orl_seats_wish_done(&wish->seats);
+    orl_viewpoint_request_done(&request_of->viewpoints);
 }
-static void exposure_done(union wish *wish)
+static void exposure_done(union request_of *request_of)
 {
-    orl_exposure_wish_done(&wish->exposure);
+    orl_exposure_request_done(&request_of->exposure);
 }
-static void view_out_done(union wish *wish)
+static void view_out_done(union request_of *request_of)
 {
-    orl_view_out_wish_done(&wish->view_out);
+    orl_view_out_request_done(&request_of->view_out);
 }
-static void job_done(union wish *wish)
+static void job_done(union request_of *request_of)
 {
-    orl_job_done(&wish->job);
+    orl_job_done(&request_of->job);
 }
 
 /* Checks that a document is refused with each invalid number in one place. */
-static void refuse_document(decoder *decode, union wish *wish, void (*done)(union wish *wish),
-                            const char *format, const char *where)
+static void refuse_document(decoder *decode, union request_of *request_of,
+                            void (*done)(union request_of *request_of), const char *format,
+                            const char *where)
 {
     for (int i = 0; i < ABSURD; i++) {
         char text[256];
@@ -92,10 +93,10 @@ static void refuse_document(decoder *decode, union wish *wish, void (*done)(unio
         fill_in(format, absurd[i], text);
         json_t *doc = json_loads(text, 0, NULL);
         assert_non_null(doc);
-        memset(wish, 0, sizeof *wish);
-        assert_int_equal(decode(doc, "", wish, &err), ORL_ERR_RANGE);
+        memset(request_of, 0, sizeof *request_of);
+        assert_int_equal(decode(doc, "", request_of, &err), ORL_ERR_RANGE);
         json_decref(doc);
-        done(wish);
+        done(request_of);
         assert_non_null(strstr(err.message, "at most 1e+12 in magnitude"));
         assert_string_equal(err.primitive, where);
     }
@@ -105,16 +106,16 @@ static void test_documents(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++) {
-        union wish wish;
-        refuse_document(orl_annual_glare_from_json, &wish, seats_done,
+        union request_of request_of;
+        refuse_document(orl_annual_glare_from_json, &request_of, viewpoints_done,
                         i == 0 ? "{\"seats\": [{\"at\": [0, %s, 0], \"towards\": [0, 1, 0]}]}"
                                : "{\"seats\": [{\"at\": [0, 0, 0], \"towards\": [%s, 1, 0]}]}",
                         i == 0 ? "seats[0].at" : "seats[0].towards");
-        refuse_document(orl_annual_exposure_from_json, &wish, exposure_done,
+        refuse_document(orl_annual_exposure_from_json, &request_of, exposure_done,
                         "{\"points\": [{\"at\": [0, 0, %s]}]}", "points[0].at");
-        refuse_document(orl_annual_view_out_from_json, &wish, view_out_done,
+        refuse_document(orl_annual_view_out_from_json, &request_of, view_out_done,
                         "{\"points\": [{\"at\": [0, 0, %s]}]}", "points[0].at");
-        refuse_document(decode_job_sensors, &wish, job_done,
+        refuse_document(decode_job_sensors, &request_of, job_done,
                         i == 0 ? "[[0, 0, %s, 0, 0, 1]]" : "[[0, 0, 1, 0, 0, %s]]", "[0]");
     }
 }

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/paths.h>
+#include <oriel/job/paths.h>
 
 #include "run/stages.h"
 #include "support/brute.h"
@@ -32,27 +32,27 @@ static double now_s(void *ctx)
 
 struct bench {
     uint32_t paths; /* path classes that the planner has found */
-    struct orl_crew *crew;
-    struct orl_world *world;
+    struct orl_thread_pool *pool;
+    struct orl_lit_scene *lit_scene;
     struct brute_value truth[PATH_SENSORS];
 };
 
 static struct bench set_up(const char *more)
 {
     char text[PATH_TEXT];
-    struct bench b = {.crew = orl_crew_start(1)};
+    struct bench b = {.pool = orl_thread_pool_start(1)};
     assert_true(path_cell_scene(SKY, OPENING, text));
     assert_true(strlen(text) + strlen(more) < sizeof text);
     strcat(text, more);
-    b.world = scene_world(text, "pane.xml", path_pane(), b.crew);
-    brute_sensors(b.world, path_sensors, PATH_SENSORS, 200000, b.crew, b.truth);
+    b.lit_scene = build_lit_scene(text, "pane.xml", path_pane(), b.pool);
+    brute_sensors(b.lit_scene, path_sensors, PATH_SENSORS, 200000, b.pool, b.truth);
     return b;
 }
 
 static void tear_down(struct bench *b)
 {
-    orl_world_free(b->world);
-    orl_crew_stop(b->crew);
+    orl_lit_scene_free(b->lit_scene);
+    orl_thread_pool_stop(b->pool);
 }
 
 /* Checks the true values times a factor, with intervals of 2 % to each side. */
@@ -78,16 +78,16 @@ static struct orl_result check_values(struct bench *b, double factor, uint64_t s
         result.interval_95_lx[i][0] = 0.98 * lx;
         result.interval_95_lx[i][1] = 1.02 * lx;
     }
-    const struct orl_run_env env = {.crew = b->crew, .cancel = &cancel, .now_s = now_s};
+    const struct orl_run_env env = {.pool = b->pool, .cancel = &cancel, .now_s = now_s};
     struct orl_run_state state = {.job = &job,
                                   .env = &env,
                                   .result = &result,
                                   .sensors = (struct orl_sensor *)(uintptr_t)path_sensors,
                                   .n_sensors = PATH_SENSORS,
-                                  .world = b->world,
+                                  .lit_scene = b->lit_scene,
                                   .samples = 1 << 20};
     assert_int_equal(orl_run_cross_check(&state, &err), 0);
-    orl_run_heed_doubts(&state);
+    orl_run_apply_unreliable(&state);
     return result;
 }
 

@@ -49,7 +49,7 @@ static struct orl_daylight find_daylight(const struct orl_sky_request *request)
     struct orl_daylight daylight = {0};
     struct orl_error err = {0};
     if (orl_daylight_check(request, &err) < 0 ||
-        orl_daylight_find(request, NULL, &daylight, &err) < 0)
+        orl_daylight_from_request(request, NULL, &daylight, &err) < 0)
         fail_msg("%s", err.message);
     return daylight;
 }
@@ -179,7 +179,7 @@ static void test_gendaylit_mode(void **state)
     const struct orl_daylight flux = find_daylight(&request);
     request.normalise = ORL_SKY_GENDAYLIT;
     const struct orl_daylight same = find_daylight(&request);
-    struct orl_description text =
+    struct orl_parsed_scene text =
         scene_parse_text("!gendaylit 3 22 11.5 -a 38.42 -o -27.14 -m -30 -W 800 120\n"
                          "skyfunc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n",
                          NULL, NULL);
@@ -187,10 +187,10 @@ static void test_gendaylit_mode(void **state)
     for (int i = 0; i < 10; i++)
         assert_true(fabs(text.skies[0].a[i] - same.pattern.a[i]) <=
                     5.1e-4 * fabs(same.pattern.a[i]) + 6e-7);
-    assert_near(text.materials[text.distants[0].material].color.g, same.sun_radiance, 5.1e-4,
+    assert_near(text.materials[text.distant_sources[0].material].color.g, same.sun_radiance, 5.1e-4,
                 "sun");
-    assert_true(orl_dot(text.distants[0].direction, same.sun) > 1 - 1e-10);
-    orl_description_done(&text);
+    assert_true(orl_dot(text.distant_sources[0].direction, same.sun) > 1 - 1e-10);
+    orl_parsed_scene_done(&text);
     const double lost = 1 - sky_lx(&same) / sky_lx(&flux);
     print_message("# gendaylit's quadrature loses %.2f %%\n", 100 * lost);
     assert_true(lost > 0.005 && lost < 0.03);
@@ -283,28 +283,28 @@ static void test_weather_row_is_a_perez_sky(void **state)
     assert_int_equal(orl_weather_parse("x", epw, strlen(epw), 0, &weather, &err), 0);
     asked.model = ORL_SKY_BY_WEATHER;
     asked.latitude_deg = asked.longitude_deg = asked.time_zone_h = 0;
-    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
+    assert_int_equal(orl_daylight_from_request(&asked, &weather, &a, &err), 0);
     perez.first = 800;
     perez.second = 120;
     const struct orl_daylight b = find_daylight(&perez);
     assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
     assert_true(a.sun_radiance == b.sun_radiance && a.warnings[0] == '\0');
     asked.hour = 11.3; /* the same row, with a warning */
-    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
+    assert_int_equal(orl_daylight_from_request(&asked, &weather, &a, &err), 0);
     assert_memory_equal(a.pattern.a, b.pattern.a, sizeof a.pattern.a);
     assert_non_null(strstr(a.warnings, "hour 11.5"));
     asked.hour = 12.5; /* not measured */
-    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
+    assert_int_equal(orl_daylight_from_request(&asked, &weather, &a, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 4);
     asked.hour = 13.5; /* more than the solar constant */
-    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_RANGE);
+    assert_int_equal(orl_daylight_from_request(&asked, &weather, &a, &err), ORL_ERR_RANGE);
     assert_int_equal(err.line, 5);
     assert_non_null(strstr(err.hint, "W/m2"));
     asked.hour = 14.5;
-    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), 0);
+    assert_int_equal(orl_daylight_from_request(&asked, &weather, &a, &err), 0);
     assert_non_null(strstr(a.warnings, "negative"));
     asked.day = 23;
-    assert_int_equal(orl_daylight_find(&asked, &weather, &a, &err), ORL_ERR_NOT_FOUND);
+    assert_int_equal(orl_daylight_from_request(&asked, &weather, &a, &err), ORL_ERR_NOT_FOUND);
     orl_weather_done(&weather);
 }
 
@@ -327,7 +327,7 @@ static void test_too_much_of_a_low_sun(void **state)
                                "0,3,22,7,0,f,0,0,0,0,0,0,0,0,%s,20,0\n",
                                values[i]);
         assert_int_equal(orl_weather_parse("x", epw, (size_t)n, 0, &weather, &err), 0);
-        if (orl_daylight_find(&asked, &weather, &skies[i], &err) < 0)
+        if (orl_daylight_from_request(&asked, &weather, &skies[i], &err) < 0)
             fail_msg("%s", err.message);
         orl_weather_done(&weather);
     }
@@ -345,9 +345,9 @@ static void test_scene_with_a_sky_is_refused(void **state)
     request.first = 500;
     request.second = 100;
     const struct orl_daylight d = find_daylight(&request);
-    struct orl_world *taken = scene_world(
+    struct orl_lit_scene *taken = build_lit_scene(
         "void glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n", NULL, NULL, NULL);
-    struct orl_world *free_one = scene_world("# nothing\n", NULL, NULL, NULL);
+    struct orl_lit_scene *free_one = build_lit_scene("# nothing\n", NULL, NULL, NULL);
     struct orl_lights *lights = NULL;
     assert_int_equal(orl_lights_new(taken->scene, &d, &lights, &err), ORL_ERR_INVALID);
     assert_non_null(strstr(err.message, "heaven"));
@@ -357,8 +357,8 @@ static void test_scene_with_a_sky_is_refused(void **state)
     assert_int_equal(lights->n_domes, 2);
     assert_true(fabs(lights->suns[0].cos_half_angle - cos(0.5 * 0.533 * ORL_DEG_TO_RAD)) < 1e-12);
     orl_lights_release(lights);
-    orl_world_free(taken);
-    orl_world_free(free_one);
+    orl_lit_scene_free(taken);
+    orl_lit_scene_free(free_one);
 }
 
 static void test_bad_requests(void **state)
@@ -400,12 +400,12 @@ static void test_bad_requests(void **state)
 /* If glows overlap, the first shines; a light hides them; lights add up. Values as rtrace's. */
 static void test_sources_over_one_another(void **state)
 {
-    struct orl_world *world =
-        scene_world("void glow a 0 0 4 1 1 1 0\nvoid glow b 0 0 4 2 2 2 0\n"
-                    "void light l 0 0 3 4 4 4\n"
-                    "a source up 0 0 4 0 0 1 180\nb source all 0 0 4 0 0 1 360\n"
-                    "l source x 0 0 4 1 0 0 60\nl source y 0 0 4 1 1 0 60\n",
-                    NULL, NULL, NULL);
+    struct orl_lit_scene *lit_scene =
+        build_lit_scene("void glow a 0 0 4 1 1 1 0\nvoid glow b 0 0 4 2 2 2 0\n"
+                        "void light l 0 0 3 4 4 4\n"
+                        "a source up 0 0 4 0 0 1 180\nb source all 0 0 4 0 0 1 360\n"
+                        "l source x 0 0 4 1 0 0 60\nl source y 0 0 4 1 1 0 60\n",
+                        NULL, NULL, NULL);
     static const struct {
         struct orl_vec3 direction;
         double radiance;
@@ -413,8 +413,9 @@ static void test_sources_over_one_another(void **state)
                 {{.96, -.28, 0}, 4}, {{.28, .96, 0}, 4}, {{.96, .28, 0}, 8}};
     (void)state;
     for (size_t i = 0; i < sizeof seen / sizeof *seen; i++)
-        assert_true(orl_world_dome_radiance(world, seen[i].direction).g == seen[i].radiance);
-    orl_world_free(world);
+        assert_true(orl_lit_scene_dome_radiance(lit_scene, seen[i].direction).g ==
+                    seen[i].radiance);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* A glow of negative radius is only visible directly; it is dark for all else, and hides what lies
@@ -430,12 +431,12 @@ static void test_glows_that_light_nothing(void **state)
     const struct orl_vec3 ways[2] = {{0, .6, .8}, {0, .6, -.8}};
     (void)state;
     for (int s = 0; s < 2; s++) {
-        struct orl_world *world = scene_world(scenes[s], NULL, NULL, NULL);
+        struct orl_lit_scene *lit_scene = build_lit_scene(scenes[s], NULL, NULL, NULL);
         for (int i = 0; i < 2; i++) {
-            assert_true(orl_world_dome_radiance(world, ways[i]).g == lit[s][i]);
-            assert_true(orl_world_dome_seen(world, ways[i]).g == seen[s][i]);
+            assert_true(orl_lit_scene_dome_radiance(lit_scene, ways[i]).g == lit[s][i]);
+            assert_true(orl_lit_scene_dome_seen(lit_scene, ways[i]).g == seen[s][i]);
         }
-        orl_world_free(world);
+        orl_lit_scene_free(lit_scene);
     }
 }
 

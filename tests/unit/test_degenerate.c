@@ -13,9 +13,9 @@
 
 #include <cmocka.h>
 #include <float.h>
-#include <oriel/sequence.h>
+#include <oriel/job/sequence.h>
 
-#include "metrics/around.h"
+#include "metrics/worst_direction.h"
 #include "render/film/exr.h"
 #include "render/heat_map/heat_map.h"
 #include "render/picture/error_map.h"
@@ -70,18 +70,18 @@ static void show(const struct orl_film *film, const struct orl_view *view)
         {.tone = ORL_TONE_EXPOSURE, .exposure = 1e9}};
     unsigned char *bytes = malloc(3 * (size_t)film->width * film->height);
     for (size_t i = 0; i < sizeof displays / sizeof *displays; i++) {
-        struct orl_shown shown;
-        assert_int_equal(orl_shown_init(&shown, film, view, &displays[i]), 0);
-        orl_shown_bytes(&shown, bytes);
-        assert_int_equal(orl_shown_write_png(&shown, 16, scratch_path("a.png"), NULL), 0);
+        struct orl_tonemapped tonemapped;
+        assert_int_equal(orl_tonemapped_init(&tonemapped, film, view, &displays[i]), 0);
+        orl_tonemapped_bytes(&tonemapped, bytes);
+        assert_int_equal(orl_tonemapped_write_png(&tonemapped, 16, scratch_path("a.png"), NULL), 0);
         for (uint32_t y = 0; y < film->height; y++)
             for (uint32_t x = 0; x < film->width; x++) {
                 float rgb[3];
-                orl_shown_pixel(&shown, x, y, rgb);
+                orl_tonemapped_pixel(&tonemapped, x, y, rgb);
                 for (int c = 0; c < 3; c++)
                     assert_true(rgb[c] >= 0 && rgb[c] <= 1.0001F);
             }
-        orl_shown_done(&shown);
+        orl_tonemapped_done(&tonemapped);
     }
     free(bytes);
 }
@@ -102,15 +102,16 @@ static void color(const struct orl_film *film, const struct orl_view *view)
                                             .n_points = 1};
         const struct orl_display display = {.tone = ORL_TONE_HUMAN};
         struct orl_scale scale;
-        struct orl_shown shown;
+        struct orl_tonemapped tonemapped;
         assert_int_equal(orl_scale_make(&scale, film, &how, false), 0);
         assert_true(isfinite(scale.top) && scale.top > 0);
-        assert_int_equal(orl_shown_init(&shown, film, view, &display), 0);
+        assert_int_equal(orl_tonemapped_init(&tonemapped, film, view, &display), 0);
         for (int k = ORL_PICTURE_FALSE; k <= ORL_PICTURE_BANDS; k++)
-            assert_int_equal(orl_false_color_write(film, &shown, &scale, &how, (enum orl_picture)k,
-                                                   scratch_path("f.png"), NULL),
+            assert_int_equal(orl_false_color_write(film, &tonemapped, &scale, &how,
+                                                   (enum orl_picture)k, scratch_path("f.png"),
+                                                   NULL),
                              0);
-        orl_shown_done(&shown);
+        orl_tonemapped_done(&tonemapped);
     }
 }
 
@@ -124,12 +125,13 @@ static void rate(const struct orl_film *film, const struct orl_view *view)
         {.radius_rad = 1e-6, .peak_cd_m2 = 1e-9},
         {.task = {1, 0, 6}, .directions = 5, .directions_deg = 360}};
     float *cd_m2 = orl_film_luminances(film);
-    const struct orl_panorama panorama = {view, film->width, film->height, cd_m2, cd_m2, NULL};
+    const struct orl_glare_picture glare_picture = {view,  film->width, film->height,
+                                                    cd_m2, cd_m2,       NULL};
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
         struct orl_glare glare = {.threshold_cd_m2 = 0};
         struct orl_error err;
         assert_int_equal(orl_glare_settings_check(&settings[i], NULL), 0);
-        const int code = orl_glare_around(&panorama, &settings[i], &glare, &err);
+        const int code = orl_glare_worst_direction(&glare_picture, &settings[i], &glare, &err);
         assert_true(code == 0 || code == ORL_ERR_RANGE);
         if (code == 0) {
             const double dgp = glare.values[ORL_GLARE_DGP].value;
@@ -184,10 +186,11 @@ static void test_settings(void **state)
     struct orl_error err;
     (void)state;
     assert_int_equal(orl_view_parse(views[0], &view, NULL), 0);
-    const struct orl_panorama panorama = {&view, 8, 4, cd_m2, NULL, NULL};
+    const struct orl_glare_picture glare_picture = {&view, 8, 4, cd_m2, NULL, NULL};
     for (int i = 0; i < 2; i++) {
         struct orl_glare glare;
-        assert_int_equal(orl_glare_around(&panorama, &outside[i], &glare, &err), ORL_ERR_RANGE);
+        assert_int_equal(orl_glare_worst_direction(&glare_picture, &outside[i], &glare, &err),
+                         ORL_ERR_RANGE);
         assert_non_null(strstr(err.message, "task"));
     }
     assert_int_equal(orl_glare_settings_check(&narrow, &err), ORL_ERR_RANGE);

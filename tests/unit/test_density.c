@@ -15,12 +15,12 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "fixtures/bsdf_make.h"
-#include "light/world.h"
-#include "photon/density/leaves.h"
-#include "photon/map/facing.h"
-#include "photon/surface/sheet.h"
+#include "light/lit_scene.h"
+#include "photon/density/leaf_irradiance.h"
+#include "photon/map/normal_code.h"
+#include "photon/surface/surface_sheet.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 
@@ -81,13 +81,13 @@ static struct orl_photon_map *open_shower_map(struct shower *s)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_photon_map *map = NULL;
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     char path[128];
     struct orl_error err;
     snprintf(path, sizeof path, "%s/map", folder);
-    assert_int_equal(orl_photon_map_write(path, s->photons, s->count, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_write(path, s->photons, s->count, &build, pool, &err), 0);
     assert_int_equal(orl_photon_map_open(path, false, &map, &err), 0);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     free(s->photons);
     return map;
 }
@@ -202,12 +202,13 @@ static void test_few_photons(void **state)
             assert_true(orl_rgb_is_finite(d.irradiance));
             assert_true(d.irradiance.r >= 0 && (n == 0) == (d.irradiance.r == 0));
         }
-        struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, reach, NULL);
-        assert_non_null(leaves);
+        struct orl_leaf_irradiance *leaf_irradiance =
+            orl_leaf_irradiance_new(map, NULL, 64, reach, NULL);
+        assert_non_null(leaf_irradiance);
         const struct orl_rgb e =
-            orl_leaves_irradiance(leaves, zero, z_axis, NULL, search, NULL, NULL);
+            orl_leaf_irradiance_estimate(leaf_irradiance, zero, z_axis, NULL, search, NULL, NULL);
         assert_true(orl_rgb_is_finite(e) && e.r >= 0);
-        orl_leaves_free(leaves);
+        orl_leaf_irradiance_free(leaf_irradiance);
         orl_photon_map_free(map);
     }
 }
@@ -298,10 +299,13 @@ static void check_no_leak(struct orl_vec3 corner, struct orl_vec3 a, struct orl_
     const struct orl_density d = estimate_density(map, point, normal, 64, 0.14);
     assert_int_equal(d.found, 0);
     assert_true(d.irradiance.r == 0);
-    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.14, NULL);
-    assert_non_null(leaves);
-    assert_true(orl_leaves_irradiance(leaves, point, normal, NULL, search, NULL, NULL).r == 0);
-    orl_leaves_free(leaves);
+    struct orl_leaf_irradiance *leaf_irradiance =
+        orl_leaf_irradiance_new(map, NULL, 64, 0.14, NULL);
+    assert_non_null(leaf_irradiance);
+    assert_true(
+        orl_leaf_irradiance_estimate(leaf_irradiance, point, normal, NULL, search, NULL, NULL).r ==
+        0);
+    orl_leaf_irradiance_free(leaf_irradiance);
     orl_photon_map_free(map);
 }
 
@@ -351,26 +355,28 @@ static void test_leaves_agree(void **state)
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
     struct orl_random random = s.random;
     struct orl_photon_map *map = open_shower_map(&s);
-    struct orl_leaves *leaves = orl_leaves_new(map, NULL, 64, 0.1, NULL);
-    assert_non_null(leaves);
+    struct orl_leaf_irradiance *leaf_irradiance = orl_leaf_irradiance_new(map, NULL, 64, 0.1, NULL);
+    assert_non_null(leaf_irradiance);
     for (int i = 0; i < QUERIES; i++) {
         const double u = 0.05 + 0.9 * orl_random_uniform(&random);
         const struct orl_vec3 at = orl_v3(u, 0.05 + 0.9 * orl_random_uniform(&random), 0);
         sum +=
-            orl_leaves_irradiance(leaves, at, z_axis, NULL, search, NULL, NULL).r / COUNT / QUERIES;
+            orl_leaf_irradiance_estimate(leaf_irradiance, at, z_axis, NULL, search, NULL, NULL).r /
+            COUNT / QUERIES;
         plain += estimate_density(map, at, z_axis, 64, 0.1).irradiance.r / COUNT / QUERIES;
     }
     print_message("leaves %.4f, plain estimates %.4f\n", sum, plain);
     assert_true(fabs(plain - 1) < 0.0068);
     assert_true(fabs(sum - 1) < 0.0068 + 0.005);
-    assert_true(
-        orl_leaves_irradiance(leaves, orl_v3(0.5, 0.5, 0), down, NULL, search, NULL, NULL).r == 0);
-    orl_leaves_free(leaves);
+    assert_true(orl_leaf_irradiance_estimate(leaf_irradiance, orl_v3(0.5, 0.5, 0), down, NULL,
+                                             search, NULL, NULL)
+                    .r == 0);
+    orl_leaf_irradiance_free(leaf_irradiance);
     orl_photon_map_free(map);
 }
 
 struct looking {
-    struct orl_leaves *leaves;
+    struct orl_leaf_irradiance *leaf_irradiance;
     struct orl_search *searches;
     struct orl_rgb *values;
     size_t count, step;
@@ -398,9 +404,9 @@ static void test_leaves_on_small_facets(void **state)
                 x + size, y, x + size, y + size, x, y + size);
     }
     text_close(&scene);
-    struct orl_world *world = scene_world(scene.data, NULL, NULL, NULL);
+    struct orl_lit_scene *lit_scene = build_lit_scene(scene.data, NULL, NULL, NULL);
     free(scene.data);
-    const struct orl_geometry *g = world->geometry;
+    const struct orl_geometry *g = lit_scene->geometry;
     for (int n = 0; n < FACETS * EACH; n++) {
         const uint32_t facet = (uint32_t)(FACETS * orl_random_uniform(&s.random));
         const double u[2] = {orl_random_uniform(&s.random), orl_random_uniform(&s.random)};
@@ -410,22 +416,24 @@ static void test_leaves_on_small_facets(void **state)
     }
     struct orl_random random = s.random;
     struct orl_photon_map *map = open_shower_map(&s);
-    struct orl_leaves *leaves = orl_leaves_new(map, world, 64, 1, NULL);
-    assert_non_null(leaves);
+    struct orl_leaf_irradiance *leaf_irradiance =
+        orl_leaf_irradiance_new(map, lit_scene, 64, 1, NULL);
+    assert_non_null(leaf_irradiance);
     for (uint32_t i = 0; i < FACETS * POINTS; i++) {
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
-        struct orl_footing footing = {.world = world, .facet = i / POINTS};
-        orl_facet_sample(g, footing.facet, u, &footing.point, &footing.normal);
-        mean += orl_leaves_irradiance(leaves, footing.point, footing.normal, &footing, search, NULL,
-                                      NULL)
-                    .r /
-                (FACETS * POINTS);
+        struct orl_surface_point surface_point = {.lit_scene = lit_scene, .facet = i / POINTS};
+        orl_facet_sample(g, surface_point.facet, u, &surface_point.point, &surface_point.normal);
+        mean +=
+            orl_leaf_irradiance_estimate(leaf_irradiance, surface_point.point, surface_point.normal,
+                                         &surface_point, search, NULL, NULL)
+                .r /
+            (FACETS * POINTS);
     }
     if (!(fabs(mean * area / (FACETS * EACH) - 1) < 0.01))
         fail_msg("%g of the light", mean * area / (FACETS * EACH));
-    orl_leaves_free(leaves);
+    orl_leaf_irradiance_free(leaf_irradiance);
     orl_photon_map_free(map);
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
 }
 
 static void look_up_leaf(void *arg, size_t index, uint32_t member)
@@ -434,8 +442,8 @@ static void look_up_leaf(void *arg, size_t index, uint32_t member)
     const size_t i = index * l->step % l->count;
     struct orl_random random = orl_random_stream(8, ORL_PURPOSE_BENCH, i);
     const double u = orl_random_uniform(&random), v = orl_random_uniform(&random);
-    l->values[i] = orl_leaves_irradiance(l->leaves, orl_v3(u, v, 0), z_axis, NULL,
-                                         &l->searches[member], NULL, NULL);
+    l->values[i] = orl_leaf_irradiance_estimate(l->leaf_irradiance, orl_v3(u, v, 0), z_axis, NULL,
+                                                &l->searches[member], NULL, NULL);
 }
 
 /* Results are equal to the bit in another order of queries, and with several threads at once. */
@@ -452,14 +460,14 @@ static void test_leaves_in_any_order(void **state)
     rain(&s, COUNT, zero, x_axis, y_axis, z_axis);
     struct orl_photon_map *map = open_shower_map(&s);
     for (int w = 0; w < 3; w++) {
-        struct orl_crew *crew = orl_crew_start(ways[w].threads);
-        struct looking l = {orl_leaves_new(map, NULL, 64, 0.1, NULL),
+        struct orl_thread_pool *pool = orl_thread_pool_start(ways[w].threads);
+        struct looking l = {orl_leaf_irradiance_new(map, NULL, 64, 0.1, NULL),
                             calloc(ways[w].threads, sizeof *l.searches),
                             malloc(QUERIES * sizeof *l.values), QUERIES, ways[w].step};
-        assert_true(l.leaves && l.searches && l.values && crew);
-        orl_crew_for(crew, QUERIES, look_up_leaf, &l);
-        orl_crew_stop(crew);
-        orl_leaves_free(l.leaves);
+        assert_true(l.leaf_irradiance && l.searches && l.values && pool);
+        orl_parallel_for(pool, QUERIES, look_up_leaf, &l);
+        orl_thread_pool_stop(pool);
+        orl_leaf_irradiance_free(l.leaf_irradiance);
         free(l.searches);
         if (first)
             assert_memory_equal(l.values, first, QUERIES * sizeof *first);

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <png.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 #include "render/picture/display.h"
 #include "support/scratch.h"
@@ -38,12 +38,12 @@ static struct orl_film ramp(double least, double decades)
     return film;
 }
 
-static struct orl_shown show(const struct orl_film *film, struct orl_display how)
+static struct orl_tonemapped show(const struct orl_film *film, struct orl_display how)
 {
     const struct orl_view view = some_view();
-    struct orl_shown shown;
-    assert_int_equal(orl_shown_init(&shown, film, &view, &how), 0);
-    return shown;
+    struct orl_tonemapped tonemapped;
+    assert_int_equal(orl_tonemapped_init(&tonemapped, film, &view, &how), 0);
+    return tonemapped;
 }
 
 static void assert_near(double value, double expected, double tolerance)
@@ -52,10 +52,10 @@ static void assert_near(double value, double expected, double tolerance)
         fail_msg("%.9g is not %.9g +- %.2g", value, expected, tolerance);
 }
 
-static double shown_at(const struct orl_shown *shown, uint32_t x)
+static double shown_at(const struct orl_tonemapped *tonemapped, uint32_t x)
 {
     float rgb[3];
-    orl_shown_pixel(shown, x, 1, rgb);
+    orl_tonemapped_pixel(tonemapped, x, 1, rgb);
     assert_true(rgb[0] == rgb[1] && rgb[1] == rgb[2]);
     assert_true(rgb[0] >= 0 && rgb[0] <= 1);
     return rgb[0];
@@ -70,11 +70,11 @@ static void test_thresholds(void **state)
     static const double joints[] = {-3.94, -1.44, -0.0184, 1.9};
     (void)state;
     for (size_t i = 0; i < sizeof joints / sizeof *joints; i++) {
-        const double below = orl_least_difference(pow(10, joints[i] - 1e-6));
-        const double above = orl_least_difference(pow(10, joints[i] + 1e-6));
+        const double below = orl_visible_difference(pow(10, joints[i] - 1e-6));
+        const double above = orl_visible_difference(pow(10, joints[i] + 1e-6));
         assert_true(fabs(log10(above / below)) < 0.02);
     }
-    assert_near(orl_least_difference(1e4), pow(10, 4 - 1.255), 1e-6);
+    assert_near(orl_visible_difference(1e4), pow(10, 4 - 1.255), 1e-6);
     /* Shlaer's acuity: some 2 cycles per degree at the threshold, 50 by day. */
     assert_true(orl_acuity(1e-4) > 1 && orl_acuity(1e-4) < 3);
     assert_true(orl_acuity(1000) > 45 && orl_acuity(1000) < 55);
@@ -89,20 +89,21 @@ static void test_human(void **state)
 {
     (void)state;
     struct orl_film film = ramp(0.1, 5);
-    struct orl_shown shown = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
-    assert_true(shown.human.factor == 0);
+    struct orl_tonemapped tonemapped = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
+    assert_true(tonemapped.tonemap.factor == 0);
     for (uint32_t x = 1; x < WIDTH; x++) {
-        const double low = 1 + 99 * shown_at(&shown, x - 1), high = 1 + 99 * shown_at(&shown, x);
+        const double low = 1 + 99 * shown_at(&tonemapped, x - 1),
+                     high = 1 + 99 * shown_at(&tonemapped, x);
         const double a = 0.1 * pow(10, 5.0 * (x - 1) / (WIDTH - 1));
         const double b = 0.1 * pow(10, 5.0 * x / (WIDTH - 1));
         assert_true(high >= low);
-        const double seen = (high - low) / orl_least_difference(sqrt(high * low));
-        const double there = (b - a) / orl_least_difference(sqrt(a * b));
+        const double seen = (high - low) / orl_visible_difference(sqrt(high * low));
+        const double there = (b - a) / orl_visible_difference(sqrt(a * b));
         assert_true(seen < 1.35 * there);
     }
-    assert_true(shown_at(&shown, 1) < 0.02);
-    assert_true(shown_at(&shown, WIDTH - 1) > 0.9);
-    orl_shown_done(&shown);
+    assert_true(shown_at(&tonemapped, 1) < 0.02);
+    assert_true(shown_at(&tonemapped, WIDTH - 1) > 0.9);
+    orl_tonemapped_done(&tonemapped);
     orl_film_done(&film);
 }
 
@@ -111,10 +112,11 @@ static void test_human_in_proportion(void **state)
 {
     (void)state;
     struct orl_film film = ramp(20, 0.5);
-    struct orl_shown shown = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
-    assert_true(shown.human.factor > 0);
-    assert_near(shown_at(&shown, 20) / shown_at(&shown, 2), pow(10, 0.5 * 18 / (WIDTH - 1)), 1e-5);
-    orl_shown_done(&shown);
+    struct orl_tonemapped tonemapped = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
+    assert_true(tonemapped.tonemap.factor > 0);
+    assert_near(shown_at(&tonemapped, 20) / shown_at(&tonemapped, 2),
+                pow(10, 0.5 * 18 / (WIDTH - 1)), 1e-5);
+    orl_tonemapped_done(&tonemapped);
     orl_film_done(&film);
 }
 
@@ -131,11 +133,11 @@ static void test_veil(void **state)
         for (int c = 0; c < 3; c++)
             film.pixels[i][c] = i % WIDTH < WIDTH / 2 ? 0 : 100;
     assert_int_equal(orl_fovea_init(&fovea, &film, &view), 0);
-    assert_int_equal(orl_fovea_add_veil(&fovea, &view), 0);
+    assert_int_equal(orl_fovea_add_veiling(&fovea, &view), 0);
     double before = 0;
     for (int x = WIDTH / 8; x < WIDTH / 2; x++) {
         float rgb[3] = {0, 0, 0};
-        orl_fovea_veil(&fovea, (x + 0.5) / WIDTH, 0.5, rgb);
+        orl_fovea_mix_veiling(&fovea, (x + 0.5) / WIDTH, 0.5, rgb);
         if (!(rgb[0] >= before && rgb[0] < 8))
             fail_msg("%d: %g after %g", x, (double)rgb[0], before);
         before = rgb[0];
@@ -189,11 +191,11 @@ static void test_color_loss(void **state)
             film.pixels[i][0] = (float)levels[k];
             film.pixels[i][1] = film.pixels[i][2] = (float)(0.2 * levels[k]);
         }
-        struct orl_shown shown = show(&film, (struct orl_display){.color_loss = true});
-        orl_shown_pixel(&shown, 3, 3, rgb);
+        struct orl_tonemapped tonemapped = show(&film, (struct orl_display){.color_loss = true});
+        orl_tonemapped_pixel(&tonemapped, 3, 3, rgb);
         assert_true(rgb[0] > 0);
         assert_near(rgb[1] / rgb[0], k == 0 ? 0.2 : 1, 1e-5);
-        orl_shown_done(&shown);
+        orl_tonemapped_done(&tonemapped);
         orl_film_done(&film);
     }
 }
@@ -209,20 +211,20 @@ static void test_exposure(void **state)
     const struct orl_display how = {.tone = ORL_TONE_EXPOSURE, .exposure = 0.5};
     const float colors[][3] = {{1, 1, 1}, {5, 5, 5}, {0.4F, 0.2F, 0.1F}, {6, 0.5F, 0.5F}};
     memcpy(film.pixels, colors, sizeof colors);
-    struct orl_shown shown = show(&film, how);
-    orl_shown_pixel(&shown, 0, 0, rgb);
+    struct orl_tonemapped tonemapped = show(&film, how);
+    orl_tonemapped_pixel(&tonemapped, 0, 0, rgb);
     assert_near(rgb[1], 0.5, 1e-6);
-    orl_shown_pixel(&shown, 1, 0, rgb);
+    orl_tonemapped_pixel(&tonemapped, 1, 0, rgb);
     assert_near(rgb[2], 1, 1e-6);
-    orl_shown_pixel(&shown, 2, 0, rgb);
+    orl_tonemapped_pixel(&tonemapped, 2, 0, rgb);
     assert_near(rgb[0], 0.2, 1e-6);
     assert_near(rgb[2], 0.05, 1e-6);
     /* Too red for any display: its channel is full, the others keep their order and brightness. */
     const double bright = 0.5 * (6 * ORL_LUMA_R + 0.5 * (ORL_LUMA_G + ORL_LUMA_B));
-    orl_shown_pixel(&shown, 3, 0, rgb);
+    orl_tonemapped_pixel(&tonemapped, 3, 0, rgb);
     assert_near(rgb[0], 1, 1e-6);
     assert_near(ORL_LUMA_R * rgb[0] + ORL_LUMA_G * rgb[1] + ORL_LUMA_B * rgb[2], bright, 1e-5);
-    orl_shown_done(&shown);
+    orl_tonemapped_done(&tonemapped);
     orl_film_done(&film);
     /* The photographers' rule for a sunny day: EV 15, white at 1.2 * 2^15 cd/m2. */
     assert_near(1 / orl_exposure_of_ev(15), 39321.6 / 179, 1e-9);
@@ -232,9 +234,9 @@ static void test_linear(void **state)
 {
     (void)state;
     struct orl_film film = ramp(50, 0);
-    struct orl_shown shown = show(&film, (struct orl_display){.tone = ORL_TONE_LINEAR});
-    assert_near(shown_at(&shown, 5), 0.18, 1e-6);
-    orl_shown_done(&shown);
+    struct orl_tonemapped tonemapped = show(&film, (struct orl_display){.tone = ORL_TONE_LINEAR});
+    assert_near(shown_at(&tonemapped, 5), 0.18, 1e-6);
+    orl_tonemapped_done(&tonemapped);
     orl_film_done(&film);
 }
 
@@ -261,8 +263,8 @@ static void test_png(void **state)
     film.pixels[WIDTH][0] = film.pixels[WIDTH][1] = film.pixels[WIDTH][2] = NAN;
     film.pixels[WIDTH + 1][1] = INFINITY;
     film.pixels[WIDTH + 2][0] = -1000;
-    struct orl_shown shown = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
-    assert_int_equal(orl_shown_write_png(&shown, 8, scratch_path("a.png"), NULL), 0);
+    struct orl_tonemapped tonemapped = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
+    assert_int_equal(orl_tonemapped_write_png(&tonemapped, 8, scratch_path("a.png"), NULL), 0);
     png_bytep pixels = read_png(scratch_path("a.png"), &image, PNG_FORMAT_RGB);
     assert_int_equal(image.width, WIDTH);
     assert_int_equal(image.height, HEIGHT);
@@ -271,17 +273,18 @@ static void test_png(void **state)
     assert_true(pixels[3 * (WIDTH - 1)] > pixels[0] + 100);
     assert_memory_equal(pixels + 3 * WIDTH, "\0\0\0\0\0\0\0\0\0", 9);
     free(pixels);
-    orl_shown_done(&shown);
+    orl_tonemapped_done(&tonemapped);
     memset(film.pixels, 0, sizeof *film.pixels * WIDTH * HEIGHT);
-    shown = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
-    assert_int_equal(orl_shown_write_png(&shown, 8, scratch_path("b.png"), NULL), 0);
+    tonemapped = show(&film, (struct orl_display){.tone = ORL_TONE_HUMAN});
+    assert_int_equal(orl_tonemapped_write_png(&tonemapped, 8, scratch_path("b.png"), NULL), 0);
     pixels = read_png(scratch_path("b.png"), &image, PNG_FORMAT_RGB);
     for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
         assert_int_equal(pixels[i], 0);
     free(pixels);
     struct orl_error err;
-    assert_int_equal(orl_shown_write_png(&shown, 8, scratch_path("no/a.png"), &err), ORL_ERR_IO);
-    orl_shown_done(&shown);
+    assert_int_equal(orl_tonemapped_write_png(&tonemapped, 8, scratch_path("no/a.png"), &err),
+                     ORL_ERR_IO);
+    orl_tonemapped_done(&tonemapped);
     orl_film_done(&film);
 }
 
@@ -293,20 +296,20 @@ static void test_png_16(void **state)
     png_image image;
     struct orl_film film = ramp(1, 2);
     const struct orl_display how = {.tone = ORL_TONE_EXPOSURE, .exposure = 1.79};
-    struct orl_shown shown = show(&film, how);
-    assert_int_equal(orl_shown_write_png(&shown, 16, scratch_path("c.png"), NULL), 0);
+    struct orl_tonemapped tonemapped = show(&film, how);
+    assert_int_equal(orl_tonemapped_write_png(&tonemapped, 16, scratch_path("c.png"), NULL), 0);
     png_bytep pixels = read_png(scratch_path("c.png"), &image, PNG_FORMAT_LINEAR_RGB);
     const png_uint_16 *words = (const png_uint_16 *)(const void *)pixels;
     for (uint32_t x = 0; x < WIDTH; x++)
         assert_near(words[3 * (WIDTH + x)] / 65535.0,
-                    pow(orl_srgb(shown_at(&shown, x), UINT16_MAX) / 65535.0, 2.2), 5e-5);
+                    pow(orl_srgb(shown_at(&tonemapped, x), UINT16_MAX) / 65535.0, 2.2), 5e-5);
     /* 8 bits would give a tenth as many. */
     int steps = 0;
     for (int x = 1; x < WIDTH; x++)
         steps += words[3 * x] != words[3 * x - 3];
     assert_int_equal(steps, WIDTH - 1);
     free(pixels);
-    orl_shown_done(&shown);
+    orl_tonemapped_done(&tonemapped);
     orl_film_done(&film);
 }
 

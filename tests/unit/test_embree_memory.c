@@ -102,16 +102,16 @@ void *mmap(void *at, size_t size, int protection, int flags, int fd, off_t offse
 static int build(long from, long to)
 {
     enum { COUNT = 2000 };
-    static struct orl_couple couples[COUNT];
+    static struct orl_mesh_quad quads[COUNT];
     static struct orl_vec3 corners[3 * COUNT];
     struct orl_geometry geometry = {
-        .couples = couples, .n_couples = COUNT, .corners = corners, .n_corners = 3 * (size_t)COUNT};
+        .quads = quads, .n_quads = COUNT, .corners = corners, .n_corners = 3 * (size_t)COUNT};
     for (int i = 0; i < COUNT; i++) {
         corners[3 * i] = orl_v3(i % 50, i / 50, i % 7);
         corners[3 * i + 1] = orl_v3(i % 50 + 1, i / 50, i % 11);
         corners[3 * i + 2] = orl_v3(i % 50, i / 50 + 1, i % 13);
         for (unsigned k = 0; k < 4; k++)
-            couples[i].corners[k] = 3 * (unsigned)i + (k < 3 ? k : 2);
+            quads[i].corners[k] = 3 * (unsigned)i + (k < 3 ? k : 2);
     }
     calls = 0;
     failing_from = from;

@@ -14,7 +14,7 @@
 #include <errno.h>
 #include <png.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "render/picture/error_map.h"
 #include "support/hdr.h"
@@ -91,9 +91,9 @@ static void test_relative(void **state)
     assert_near(orl_film_relative_error(&film, 3, 2), 0.5, 1e-6);
     film.errors[4] = 0;
     assert_true(orl_film_relative_error(&film, 4, 0) == 0);
-    assert_true(orl_film_knows_errors(&film));
+    assert_true(orl_film_has_errors(&film));
     film.errors[4] = NAN;
-    assert_false(orl_film_knows_errors(&film));
+    assert_false(orl_film_has_errors(&film));
     orl_film_done(&film);
 }
 

@@ -12,10 +12,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/estimate.h"
-#include "base/random.h"
+#include "base/sampling/random.h"
+#include "base/statistics/estimate.h"
 #include "photon/density/adaptive_density.h"
-#include "photon/map/facing.h"
+#include "photon/map/normal_code.h"
 #include "support/cli.h"
 
 /* Without bias the interval is Student's t at 97.5 %, from tables. */
@@ -25,7 +25,7 @@ static void test_student(void **state)
         {3, 3.182}, {5, 2.571}, {15, 2.131}, {30, 2.042}, {1e9, 1.96}};
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        const struct orl_estimate e = {.standard_error = 2, .degrees = table[i][0]};
+        const struct orl_estimate e = {.standard_error = 2, .degrees_of_freedom = table[i][0]};
         assert_true(fabs(orl_estimate_margins(&e).above / 2 / table[i][1] - 1) < 0.01);
     }
 }
@@ -39,7 +39,8 @@ static void test_biased(void **state)
     enum { DRAWS = 40000 };
     (void)state;
     for (double bias = 0; bias<5; bias = bias> 0 ? 2 * bias : 0.25) {
-        const struct orl_estimate e = {.standard_error = 1, .degrees = 1e9, .bias = -bias};
+        const struct orl_estimate e = {
+            .standard_error = 1, .degrees_of_freedom = 1e9, .bias = -bias};
         const double half = orl_estimate_margins(&e).below;
         struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, (uint64_t)(8 * bias));
         int covered = 0;
@@ -101,17 +102,19 @@ static void test_skewed(void **state)
 static void test_sums(void **state)
 {
     const struct orl_rgb values[2] = {{1, 1, 1}, {3, 3, 3}};
-    const struct orl_estimate sure = {.degrees = 15, .bias = -0.5};
-    const struct orl_estimate a = {.value = {1, 1, 1}, .standard_error = 3, .degrees = 15};
+    const struct orl_estimate sure = {.degrees_of_freedom = 15, .bias = -0.5};
+    const struct orl_estimate a = {
+        .value = {1, 1, 1}, .standard_error = 3, .degrees_of_freedom = 15};
     const struct orl_estimate b = {
-        .value = {2, 2, 2}, .standard_error = 4, .degrees = 3, .bias = 1};
+        .value = {2, 2, 2}, .standard_error = 4, .degrees_of_freedom = 3, .bias = 1};
     (void)state;
     assert_true(orl_estimate_margins(&sure).above == 0.5);
     const struct orl_estimate sum = orl_estimate_add(a, b);
     assert_true(fabs(sum.standard_error - 5) < 1e-12 && sum.value.g == 3 && sum.bias == 1);
-    assert_true(fabs(sum.degrees - 625 / (81.0 / 15 + 256.0 / 3)) < 1e-9);
+    assert_true(fabs(sum.degrees_of_freedom - 625 / (81.0 / 15 + 256.0 / 3)) < 1e-9);
     const struct orl_estimate mean = orl_estimate_of_mean(values, 2);
-    assert_true(mean.value.g == 2 && fabs(mean.standard_error - 1) < 1e-12 && mean.degrees == 1);
+    assert_true(mean.value.g == 2 && fabs(mean.standard_error - 1) < 1e-12 &&
+                mean.degrees_of_freedom == 1);
 }
 
 /* Packed parts sum to the whole, each to half a 255th of the largest. */
@@ -167,7 +170,7 @@ static struct orl_photon_map *rain(double dip, uint32_t count, uint64_t seed)
     struct orl_photon *photons = calloc(count, sizeof *photons);
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 1);
     struct orl_photon_map *map = NULL;
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     size_t n = 0;
     char path[128];
     assert_non_null(photons);
@@ -181,9 +184,9 @@ static struct orl_photon_map *rain(double dip, uint32_t count, uint64_t seed)
                                                .batch = (uint8_t)(i % ORL_MAP_BATCHES)};
     }
     snprintf(path, sizeof path, "%s/map", folder);
-    assert_int_equal(orl_photon_map_write(path, photons, n, &build, crew, NULL), 0);
+    assert_int_equal(orl_photon_map_write(path, photons, n, &build, pool, NULL), 0);
     assert_int_equal(orl_photon_map_open(path, false, &map, NULL), 0);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     free(photons);
     return map;
 }
@@ -194,7 +197,7 @@ static struct orl_photon_map *rain(double dip, uint32_t count, uint64_t seed)
  * / 99) = 14 %, a mean of 100 variances with 15 degrees each to sqrt(2 / 1500) = 4 %: the
  * tolerance is four times 15 % of the logarithm.
  */
-static void test_scatter(void **state)
+static void test_material_sample(void **state)
 {
     enum { MAPS = 100, COUNT = 20000 };
     double told[2] = {0}, sum[2] = {0}, squares[2] = {0};
@@ -254,7 +257,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_student),      cmocka_unit_test(test_biased),
         cmocka_unit_test(test_skewed),       cmocka_unit_test(test_sums),
-        cmocka_unit_test(test_packed_parts), cmocka_unit_test(test_scatter),
+        cmocka_unit_test(test_packed_parts), cmocka_unit_test(test_material_sample),
         cmocka_unit_test(test_bias),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

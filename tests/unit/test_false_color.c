@@ -14,9 +14,9 @@
 #include <math.h>
 #include <png.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
-#include "base/kth.h"
+#include "base/statistics/nth_element.h"
 #include "render/picture/false_color.h"
 #include "render/picture/isolines.h"
 #include "run/stages.h"
@@ -82,7 +82,7 @@ static void test_kth(void **state)
     for (int k = 0; k < 101; k += 10) {
         for (int i = 0; i < 101; i++)
             values[i] = (i * 37) % 101;
-        assert_true(orl_find_kth(values, 101, (size_t)k) == k);
+        assert_true(orl_nth_element(values, 101, (size_t)k) == k);
     }
 }
 
@@ -150,12 +150,12 @@ static png_bytep write_and_read(const struct orl_film *film, struct orl_false_co
     const struct orl_scale scale = scale_of(film, how);
     const struct orl_display display = {.tone = ORL_TONE_EXPOSURE, .exposure = 1e-6};
     struct orl_view view;
-    struct orl_shown shown;
+    struct orl_tonemapped tonemapped;
     assert_int_equal(orl_view_parse("-vtv", &view, NULL), 0);
-    assert_int_equal(orl_shown_init(&shown, film, &view, &display), 0);
-    const int code =
-        orl_false_color_write(film, &shown, &scale, &how, picture, scratch_path("a.png"), NULL);
-    orl_shown_done(&shown);
+    assert_int_equal(orl_tonemapped_init(&tonemapped, film, &view, &display), 0);
+    const int code = orl_false_color_write(film, &tonemapped, &scale, &how, picture,
+                                           scratch_path("a.png"), NULL);
+    orl_tonemapped_done(&tonemapped);
     assert_int_equal(code, 0);
     return read_png(scratch_path("a.png"), ret_image);
 }
@@ -302,7 +302,7 @@ static void test_points_of_less(void **state)
     for (int inside = 0; inside < 2; inside++) {
         struct orl_picture_point point = {.name = "p", .x = 160, .y = inside ? 130 : 140};
         view.false_color.points = &point;
-        const int code = orl_run_views(&job, &no_files, &views, &err);
+        const int code = orl_run_resolve_views(&job, &no_files, &views, &err);
         assert_int_equal(code, inside ? 0 : ORL_ERR_RANGE);
         assert_int_equal(views[0].height, 133); /* tan 22.5 / tan 45 of 320 */
         orl_run_views_done(&job, views);

@@ -14,7 +14,7 @@
 #include <OpenEXR/openexr.h>
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "render/film/exr.h"
 #include "render/film/film.h"
 #include "support/scene_text.h"

@@ -11,9 +11,9 @@
 
 #include <cmocka.h>
 
-#include "photon/flight/first_reflection.h"
-#include "photon/flight/trace.h"
 #include "photon/map/batches.h"
+#include "photon/strata/first_reflection.h"
+#include "photon/tracing/trace.h"
 #include "support/room.h"
 
 enum { EMISSIONS = 1 << 17 };
@@ -36,33 +36,36 @@ struct harvest {
     double flux, error, photons;
 };
 
-static struct harvest harvest_of(const struct orl_world *world, struct orl_crew *crew)
+static struct harvest harvest_of(const struct orl_lit_scene *lit_scene,
+                                 struct orl_thread_pool *pool)
 {
     struct orl_emission *emission = NULL;
     struct orl_deposits deposits = {0};
     struct orl_batches parts = {{0}};
     struct harvest harvest = {0};
-    assert_int_equal(orl_emission_new(world, ORL_PHOTONS_FOR_MAPS, 1, crew, &emission, NULL), 0);
+    assert_int_equal(orl_emission_new(lit_scene, ORL_PHOTONS_FOR_MAPS, 1, pool, &emission, NULL),
+                     0);
     for (uint64_t first = 0; first < EMISSIONS; first += ORL_EMISSIONS_AT_ONCE) {
         double points[ORL_EMISSIONS_AT_ONCE][ORL_SOBOL_DIMENSIONS];
         struct orl_random randoms[ORL_EMISSIONS_AT_ONCE];
-        struct orl_flight flights[ORL_EMISSIONS_AT_ONCE];
-        bool flies[ORL_EMISSIONS_AT_ONCE];
+        struct orl_photon_ray photon_rays[ORL_EMISSIONS_AT_ONCE];
+        bool is_emitted[ORL_EMISSIONS_AT_ONCE];
         for (size_t i = 0; i < ORL_EMISSIONS_AT_ONCE; i++) {
             randoms[i] = orl_random_stream(7, ORL_PURPOSE_BENCH, first + i);
             for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
                 points[i][d] = orl_random_uniform(&randoms[i]);
         }
         orl_emission_sample_many(emission, (const double(*)[ORL_SOBOL_DIMENSIONS])points,
-                                 ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits.health, flights,
-                                 flies);
-        orl_trace_many(world, flights, flies, ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits);
+                                 ORL_EMISSIONS_AT_ONCE, false, randoms, &deposits.health,
+                                 photon_rays, is_emitted);
+        orl_trace_many(lit_scene, photon_rays, is_emitted, ORL_EMISSIONS_AT_ONCE, false, randoms,
+                       &deposits);
     }
     for (size_t i = 0; i < deposits.count; i++) {
         const struct orl_photon *p = &deposits.photons[i];
         const double flux =
             orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]}) / EMISSIONS;
-        if (p->tag != ORL_PHOTON_REST)
+        if (p->tag != ORL_PHOTON_INDIRECT)
             continue;
         harvest.flux += flux;
         harvest.photons += 1.0 / EMISSIONS;
@@ -78,20 +81,20 @@ static struct harvest harvest_of(const struct orl_world *world, struct orl_crew 
  * errors of the difference. */
 static void test_same_light(void **state)
 {
-    struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world =
-        scene_world(LIGHTS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE INSIDE, NULL, NULL, crew);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    struct orl_lit_scene *lit_scene =
+        build_lit_scene(LIGHTS ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE INSIDE, NULL, NULL, pool);
     (void)state;
-    const struct harvest all = harvest_of(world, crew);
-    world->omit.counted_light = true;
-    const struct harvest rest = harvest_of(world, crew);
+    const struct harvest all = harvest_of(lit_scene, pool);
+    lit_scene->omit.counted_light = true;
+    const struct harvest rest = harvest_of(lit_scene, pool);
     print_message("flux %g +- %g and %g +- %g, photons an emission %.3f and %.3f\n", all.flux,
                   all.error, rest.flux, rest.error, all.photons, rest.photons);
     assert_true(all.flux > 0);
     assert_true(fabs(all.flux - rest.flux) < 4 * hypot(all.error, rest.error));
     assert_true(rest.photons > 1.3 * all.photons);
-    orl_world_free(world);
-    orl_crew_stop(crew);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_stop(pool);
 }
 
 int main(void)

@@ -11,7 +11,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include <oriel/floor_plan.h>
+#include <oriel/job/floor_plan.h>
 
 static const char room[] = "void plastic grey 0 0 5 .5 .5 .5 0 0\n"
                            "grey polygon floor 0 0 12 1 2 0 4 2 0 4 6 0 1 6 0\n"

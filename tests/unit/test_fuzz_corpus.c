@@ -266,8 +266,8 @@ static void test_route(void **state)
 static void test_guard(void **state)
 {
     (void)state;
-    repeat_all("tests/fuzz/corpus/guard", fuzz_guard);
-    repeat_trifles(fuzz_guard);
+    repeat_all("tests/fuzz/corpus/guard", fuzz_origin_policy);
+    repeat_trifles(fuzz_origin_policy);
 }
 
 static void test_token(void **state)

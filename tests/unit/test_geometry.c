@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "scene/geometry/coincident.h"
-#include "scene/geometry/stand.h"
+#include "scene/geometry/coincidence/coincident.h"
+#include "scene/geometry/surface_offset.h"
 #include "support/meshes.h"
 #include "support/scene_text.h"
 
@@ -109,7 +109,7 @@ static void check_head_on(const struct orl_geometry *g, const struct curved *kin
     assert_true(orl_geometry_occluded(g, from, d, INFINITY));
     /* Slightly before p, and slightly behind it, the ray hits nothing. */
     assert_false(orl_geometry_occluded(g, from, d, fabs(away) * 0.999));
-    const struct orl_vec3 left = orl_hit_leave(g, &hit, orl_neg(d));
+    const struct orl_vec3 left = orl_hit_ray_origin(g, &hit, orl_neg(d));
     assert_false(orl_geometry_occluded(g, left, orl_neg(d), 0.2));
 }
 
@@ -315,7 +315,7 @@ static void check_shares(const struct orl_geometry *g, const struct orl_hit *hit
 {
     double uv[2];
     orl_hit_uv(g, hit, uv);
-    const struct orl_triangle t = orl_triangle_of(g, hit->triangle);
+    const struct orl_triangle t = orl_triangle_get(g, hit->triangle);
     const struct orl_vec3 there = orl_add(orl_scale(t.a, 1 - uv[0] - uv[1]),
                                           orl_add(orl_scale(t.b, uv[0]), orl_scale(t.c, uv[1])));
     assert_int_equal(orl_triangle_facet(g, hit->triangle), hit->facet);
@@ -327,7 +327,7 @@ static void check_shares(const struct orl_geometry *g, const struct orl_hit *hit
 static void test_triangle_shares(void **state)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
-    struct orl_description d =
+    struct orl_parsed_scene d =
         scene_parse_text(GREY "m polygon l 0 0 18 0 0 0 2 0 0 2 1 0 1 1 0 1 2 0 0 2 0\n"
                               "void plastic n 0 0 5 .2 .2 .2 0 0\n"
                               "n polygon k 0 0 18 0 0 0 0 2 0 1 2 0 1 1 0 2 1 0 2 0 0\n",
@@ -336,7 +336,7 @@ static void test_triangle_shares(void **state)
     struct orl_error err;
     int met[2] = {0, 0};
     (void)state;
-    assert_int_equal(orl_coincident_settle(&d, &err), 0);
+    assert_int_equal(orl_coincident_resolve(&d, &err), 0);
     assert_int_equal(orl_geometry_new(&d, &g, &err), 0);
     for (int i = 0; i < 2000; i++) {
         const double x = 2 * orl_random_uniform(&random), y = 2 * orl_random_uniform(&random);
@@ -351,7 +351,7 @@ static void test_triangle_shares(void **state)
     }
     assert_true(met[0] > 500 && met[1] > 500);
     orl_geometry_free(g);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* A sensor within a rounded digit above or under the floor has a free view upwards. One that is
@@ -364,9 +364,9 @@ static void test_sensors_on_a_floor(void **state)
     } sensors[] = {{1, 1, true},         {1 + 3e-6, 1, true},  {1 - 3e-6, 1, true},
                    {1 - 9e-5, 1, true},  {1 - 2e-4, 1, false}, {1 - 3e-6, -1, true},
                    {1 + 3e-6, -1, true}, {1 + 9e-5, -1, true}, {1 + 2e-4, -1, false}};
-    struct orl_description d = scene_parse_text("void plastic m 0 0 5 .5 .5 .5 0 0\n"
-                                                "m polygon p 0 0 12 -9 -9 1 9 -9 1 9 9 1 -9 9 1\n",
-                                                NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text("void plastic m 0 0 5 .5 .5 .5 0 0\n"
+                                                 "m polygon p 0 0 12 -9 -9 1 9 -9 1 9 9 1 -9 9 1\n",
+                                                 NULL, NULL);
     struct orl_geometry *g;
     struct orl_error err;
     (void)state;
@@ -374,14 +374,14 @@ static void test_sensors_on_a_floor(void **state)
     for (size_t i = 0; i < sizeof sensors / sizeof *sensors; i++) {
         const struct orl_vec3 at = orl_sub(orl_v3(.3, .2, sensors[i].z), g->center);
         const struct orl_vec3 facing = orl_v3(0, 0, sensors[i].facing);
-        const struct orl_vec3 from = orl_stand(g, at, facing);
+        const struct orl_vec3 from = orl_offset_from_surface(g, at, facing);
         struct orl_hit hit;
         assert_true(orl_dot(orl_sub(from, at), facing) < 3e-4);
         if (orl_geometry_intersect(g, from, facing, 1, &hit) == sensors[i].on)
             fail_msg("z %.9g, facing %g", sensors[i].z, sensors[i].facing);
     }
     orl_geometry_free(g);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* A field of squares of two triangles each: shared corners are stored once, at their written
@@ -399,18 +399,18 @@ static void test_shared_corners(void **state)
         end += sprintf(end, "m polygon b 0 0 9 %d %d %d %d %d %d %d %d %d\n", x, y, z[0], x + 1,
                        y + 1, z[2], x, y + 1, z[3]);
     }
-    struct orl_description d = scene_parse_text(text, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(text, NULL, NULL);
     struct orl_geometry *g = NULL;
     assert_int_equal(orl_geometry_new(&d, &g, NULL), 0);
     assert_int_equal(orl_geometry_count_triangles(g), 2 * SQUARES);
-    assert_true((double)g->n_couples < 1.01 * SQUARES);
+    assert_true((double)g->n_quads < 1.01 * SQUARES);
     assert_true(g->n_corners >= (ACROSS + 1) * (ACROSS + 1));
     assert_true((double)g->n_corners <
                 1.1 * (ACROSS + 1) * (ACROSS + 1)); /* a few duplicates are not detected */
     for (size_t i = 0; i < orl_geometry_triangles_end(g); i++) {
         const struct orl_surface *s = &d.surfaces[g->facets[orl_triangle_facet(g, i)].surface];
         double nearest[3] = {INFINITY, INFINITY, INFINITY};
-        const struct orl_triangle t = orl_triangle_of(g, i);
+        const struct orl_triangle t = orl_triangle_get(g, i);
         const struct orl_vec3 corners[3] = {t.a, t.b, t.c};
         for (int k = 0; k < 9; k++)
             nearest[k / 3] =
@@ -420,7 +420,7 @@ static void test_shared_corners(void **state)
             assert_true(nearest[k] == 0);
     }
     orl_geometry_free(g);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     (void)state;
 }
 

@@ -14,17 +14,17 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "metrics/glare.h"
 #include "metrics/indices.h"
-#include "metrics/position.h"
-#include "metrics/smooth.h"
-#include "metrics/unite.h"
+#include "metrics/pixel_clusters.h"
+#include "metrics/position_index.h"
+#include "metrics/source_smoothing.h"
 
 #define FISHEYE "-vta -vp 0 0 0 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180"
 
 struct scene {
-    struct orl_field field;
+    struct orl_view_field field;
     float *cd_m2;
 };
 
@@ -40,7 +40,7 @@ static struct scene scene_of(const char *text, uint32_t side, double background)
     struct scene scene;
     struct orl_view view;
     assert_int_equal(orl_view_parse(text, &view, NULL), 0);
-    assert_int_equal(orl_field_init(&scene.field, &view, side, side, 0, NULL), 0);
+    assert_int_equal(orl_view_field_init(&scene.field, &view, side, side, 0, NULL), 0);
     scene.cd_m2 = malloc((size_t)side * side * sizeof *scene.cd_m2);
     assert_non_null(scene.cd_m2);
     for (size_t i = 0; i < (size_t)side * side; i++)
@@ -50,7 +50,7 @@ static struct scene scene_of(const char *text, uint32_t side, double background)
 
 static void scene_done(struct scene *scene)
 {
-    orl_field_done(&scene->field);
+    orl_view_field_done(&scene->field);
     free(scene->cd_m2);
 }
 
@@ -67,7 +67,7 @@ static void draw_disc(struct scene *scene, struct orl_vec3 middle, double radius
 {
     const size_t count = (size_t)scene->field.width * scene->field.height;
     for (size_t i = 0; i < count; i++)
-        if (scene->field.solid_angle[i] > 0 && orl_dot(orl_field_direction(&scene->field, i),
+        if (scene->field.solid_angle[i] > 0 && orl_dot(orl_view_field_direction(&scene->field, i),
                                                        middle) >= cos(radius_deg * ORL_DEG_TO_RAD))
             scene->cd_m2[i] = (float)cd_m2;
 }
@@ -113,12 +113,12 @@ static void test_perspective_field(void **state)
 
 static void test_parallel_views_have_no_eye(void **state)
 {
-    struct orl_field field;
+    struct orl_view_field field;
     struct orl_view view;
     (void)state;
     assert_int_equal(orl_view_parse("-vtl -vh 2 -vv 2", &view, NULL), 0);
-    assert_int_equal(orl_field_init(&field, &view, 4, 4, 0, NULL), ORL_ERR_UNSUPPORTED);
-    orl_field_done(&field);
+    assert_int_equal(orl_view_field_init(&field, &view, 4, 4, 0, NULL), ORL_ERR_UNSUPPORTED);
+    orl_view_field_done(&field);
 }
 
 /* ---- Position indices ------------------------------------------------------------------------ */
@@ -254,7 +254,7 @@ static void test_cancelled(void **state)
     draw_disc(&scene, towards(0, 0), 60, 5000);
     for (size_t i = 0; i < SIDE * SIDE; i++)
         label[i] = scene.cd_m2[i] > 1000;
-    assert_int_equal(orl_smooth_sources(&picture, 3.2, 1, label), ORL_ERR_CANCELLED);
+    assert_int_equal(orl_glare_sources_smooth(&picture, 3.2, 1, label), ORL_ERR_CANCELLED);
     for (size_t i = 0; i < SIDE * SIDE; i++)
         assert_int_equal(label[i], scene.cd_m2[i] > 1000);
     assert_int_equal(orl_glare_evaluate(&picture, NULL, &smooth, &glare, &err), ORL_ERR_CANCELLED);
@@ -287,15 +287,15 @@ static void test_task(void **state)
 static void test_turned(void **state)
 {
     struct orl_view view;
-    struct orl_field field;
+    struct orl_view_field field;
     (void)state;
     assert_int_equal(orl_view_parse(FISHEYE, &view, NULL), 0);
-    assert_int_equal(orl_field_init(&field, &view, 100, 100, 30, NULL), 0);
-    const struct orl_vec3 d = orl_field_towards(&field, 50 - 100 * 30 / 180.0, 50);
+    assert_int_equal(orl_view_field_init(&field, &view, 100, 100, 30, NULL), 0);
+    const struct orl_vec3 d = orl_view_field_direction_at(&field, 50 - 100 * 30 / 180.0, 50);
     near(d.z, 1, 1e-9);
     /* A picture of 180 degrees lacks a lune of 30 degrees, except for its corners. */
     assert_true(field.all_sr > 2 * ORL_PI * 150 / 180 && field.all_sr < 2 * ORL_PI * 170 / 180);
-    orl_field_done(&field);
+    orl_view_field_done(&field);
 }
 
 static void test_mask(void **state)
@@ -341,7 +341,7 @@ static void test_band(void **state)
 /* ---- Connected pixels ------------------------------------------------------------------------ */
 
 /* Groups pixels by a search over every pair: each gets the lowest group that it is connected to. */
-static void group_by_all_pairs(const struct orl_field *field, const uint32_t *pixels, size_t n,
+static void group_by_all_pairs(const struct orl_view_field *field, const uint32_t *pixels, size_t n,
                                double angle, uint32_t *group)
 {
     bool changed = true;
@@ -351,8 +351,8 @@ static void group_by_all_pairs(const struct orl_field *field, const uint32_t *pi
         changed = false;
         for (size_t i = 0; i < n; i++)
             for (size_t k = 0; k < n; k++) {
-                const struct orl_vec3 a = orl_field_direction(field, pixels[i]);
-                const struct orl_vec3 b = orl_field_direction(field, pixels[k]);
+                const struct orl_vec3 a = orl_view_field_direction(field, pixels[i]);
+                const struct orl_vec3 b = orl_view_field_direction(field, pixels[k]);
                 const double chord = orl_length(orl_sub(a, b));
                 if (group[k] < group[i] && chord <= 2 * sin(angle / 2)) {
                     group[i] = group[k];
@@ -375,7 +375,7 @@ static void test_united_as_by_all_pairs(void **state)
         for (uint32_t i = 0; i < SIDE * SIDE; i++)
             if (scene.field.solid_angle[i] > 0 && orl_random_uniform(&random) < density)
                 pixels[n++] = i;
-        assert_int_equal(orl_unite(&scene.field, pixels, n, angle, fast, &groups), 0);
+        assert_int_equal(orl_pixels_cluster(&scene.field, pixels, n, angle, fast, &groups), 0);
         group_by_all_pairs(&scene.field, pixels, n, angle, slow);
         for (uint32_t i = 0; i < n; i++) {
             assert_true(fast[i] < groups);

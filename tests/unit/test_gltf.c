@@ -14,7 +14,7 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 #include "scene/parse/parse.h"
 
@@ -167,7 +167,7 @@ static size_t write_glb(const char *json, unsigned char ret_bytes[2 * JSON_BYTES
 
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
-static int parse(const char *name, const void *data, size_t size, struct orl_description *ret,
+static int parse(const char *name, const void *data, size_t size, struct orl_parsed_scene *ret,
                  struct orl_error *err)
 {
     const char *const mains[] = {"s.rad", name};
@@ -182,7 +182,7 @@ static int parse(const char *name, const void *data, size_t size, struct orl_des
 }
 
 static int parse_glb(const char *nodes, const char *primitives, const char *more,
-                     struct orl_description *ret, struct orl_error *err)
+                     struct orl_parsed_scene *ret, struct orl_error *err)
 {
     char json[JSON_BYTES], all[1024];
     unsigned char bytes[2 * JSON_BYTES];
@@ -191,9 +191,9 @@ static int parse_glb(const char *nodes, const char *primitives, const char *more
     return parse("m.glb", bytes, write_glb(json, bytes), ret, err);
 }
 
-static struct orl_description read_glb(const char *nodes, const char *primitives, const char *more)
+static struct orl_parsed_scene read_glb(const char *nodes, const char *primitives, const char *more)
 {
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     if (parse_glb(nodes, primitives, more, &d, &err) < 0)
         fail_msg("%s:%d: %s (%s)", err.file, err.line, err.message, err.hint);
@@ -203,7 +203,7 @@ static struct orl_description read_glb(const char *nodes, const char *primitives
 static void expect_refused(const char *nodes, const char *primitives, const char *more,
                            const char *words)
 {
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     assert_true(parse_glb(nodes, primitives, more, &d, &err) < 0);
     if (!strstr(err.message, words) || strcmp(err.file, "m.glb") != 0 || !err.hint[0])
@@ -211,7 +211,7 @@ static void expect_refused(const char *nodes, const char *primitives, const char
 }
 
 /* Checks corners to a float's last digit or two. */
-static void expect_corners(const struct orl_description *d, size_t surface, const double v[3][3])
+static void expect_corners(const struct orl_parsed_scene *d, size_t surface, const double v[3][3])
 {
     assert_int_equal(d->surfaces[surface].n_vertices, 3);
     for (uint32_t k = 0; k < 3; k++) {
@@ -232,7 +232,7 @@ static void test_upright(void **state)
     static const double v[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 0, 2}},
                                       {{0, 0, 2}, {1, 0, 0}, {1, 0, 2}}};
     (void)state;
-    struct orl_description d = read_glb(NODE, SQUARE, "");
+    struct orl_parsed_scene d = read_glb(NODE, SQUARE, "");
     assert_int_equal(d.n_surfaces, 2);
     assert_int_equal(d.n_warnings, 0);
     for (size_t i = 0; i < 2; i++) {
@@ -242,7 +242,7 @@ static void test_upright(void **state)
         assert_int_equal(d.surfaces[i].line, i + 1);
     }
     assert_string_equal(d.surfaces[1].name, "a_b.2");
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* Nested nodes; a mirroring node reverses the corners' order and keeps the front side. */
@@ -251,20 +251,20 @@ static void test_nodes(void **state)
     static const double turned[3][3] = {{1, -3, 4}, {1, -3, 3}, {3, -3, 4}};
     static const double mirrored[3][3] = {{0, 0, 4}, {-3, 0, 0}, {0, 0, 0}};
     (void)state;
-    struct orl_description d =
+    struct orl_parsed_scene d =
         read_glb("{\"translation\": [1, 4, 3], \"children\": [1]},"
                  "{\"mesh\": 0, \"rotation\": [0, 0, -0.70710678, 0.70710678]}",
                  SQUARE, "");
     expect_corners(&d, 0, turned);
     assert_true(fabs(d.surfaces[0].normal.y + 1) < 1e-6);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     d = read_glb("{\"mesh\": 0, \"scale\": [-3, 2, 1]}", SQUARE, "");
     expect_corners(&d, 0, mirrored);
     assert_true(fabs(d.surfaces[0].normal.y + 1) < 1e-6);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     d = read_glb("{\"mesh\": 0, \"matrix\": [0,-1,0,0, 1,0,0,0, 0,0,1,0, 1,4,3,1]}", SQUARE, "");
     expect_corners(&d, 0, turned);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* Strips and fans give the same square; lines give nothing; the default material is white. */
@@ -272,7 +272,7 @@ static void test_modes(void **state)
 {
     static const double first[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}};
     (void)state;
-    struct orl_description d =
+    struct orl_parsed_scene d =
         read_glb(NODE,
                  "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"mode\": 5},"
                  "{\"attributes\": {\"POSITION\": 0}, \"indices\": 4, \"mode\": 6},"
@@ -284,27 +284,27 @@ static void test_modes(void **state)
         assert_true(fabs(d.surfaces[i].normal.y + 1) < 1e-6);
         assert_string_equal(d.materials[d.surfaces[i].material].name, "white");
     }
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void expect_square(const char *uri)
 {
     static const double first[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}};
     char json[JSON_BYTES];
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     write_json(uri, NODE, SQUARE, ONE_SCENE, json);
     if (parse("m.gltf", json, strlen(json), &d, &err) < 0)
         fail_msg("%s: %s", err.file, err.message);
     assert_int_equal(d.n_surfaces, 2);
     expect_corners(&d, 0, first);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void expect_no_buffer(const char *uri, int code, const char *words)
 {
     char json[JSON_BYTES];
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     write_json(uri, NODE, SQUARE, ONE_SCENE, json);
     assert_int_equal(parse("m.gltf", json, strlen(json), &d, &err), code);
@@ -339,20 +339,20 @@ static void test_vertices(void **state)
                         whole[3][3] = {{0, 0, 1}, {1, 0, 0}, {1, 1, 1}},
                         replaced[3][3] = {{0, 0, 0}, {1, -3, 4}, {0, 0, 2}};
     (void)state;
-    struct orl_description d =
+    struct orl_parsed_scene d =
         read_glb(NODE, "{\"attributes\": {\"POSITION\": 8, \"NORMAL\": 9}, \"indices\": 2}",
                  "\"extensionsRequired\": [\"KHR_mesh_quantization\"],");
     assert_int_equal(d.n_surfaces, 2);
     assert_int_equal(d.n_warnings, 0);
     expect_corners(&d, 1, whole);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     d = read_glb(NODE, "{\"attributes\": {\"POSITION\": 10}, \"indices\": 16}", "");
     assert_int_equal(d.n_surfaces, 2);
     expect_corners(&d, 0, first);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     d = read_glb(NODE, "{\"attributes\": {\"POSITION\": 11}, \"indices\": 16}", "");
     expect_corners(&d, 0, replaced);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 #define COPIES(attributes)                                                                         \
@@ -365,13 +365,13 @@ static void test_copies(void **state)
     static const double first[3][3] = {{0, -1, 0}, {1, -1, 0}, {0, -1, 2}},
                         second[3][3] = {{1, -4, 4}, {1, -4, 3}, {3, -4, 4}};
     (void)state;
-    struct orl_description d =
+    struct orl_parsed_scene d =
         read_glb(COPIES("\"TRANSLATION\": 13, \"ROTATION\": 14, \"_ID\": 99"), SQUARE,
                  "\"extensionsRequired\": [\"EXT_mesh_gpu_instancing\"],");
     assert_int_equal(d.n_surfaces, 4);
     expect_corners(&d, 0, first);
     expect_corners(&d, 2, second);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     expect_refused(COPIES(""), SQUARE, "", "of no copy where it is");
     expect_refused(COPIES("\"TRANSLATION\": 13, \"SCALE\": 10"), SQUARE, "", "different counts");
     expect_refused(COPIES("\"TRANSLATION\": 15"), SQUARE, "", "more than 5000000 triangles");
@@ -393,10 +393,10 @@ static void test_scenes(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_description d = read_glb(nodes, SQUARE, cases[i].scenes);
+        struct orl_parsed_scene d = read_glb(nodes, SQUARE, cases[i].scenes);
         assert_int_equal(d.n_surfaces, cases[i].n);
         assert_true(fabs(d.surfaces[0].vertices[2].z - cases[i].height) < 1e-6);
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
     expect_refused(nodes, SQUARE, "\"scene\": 2, \"scenes\": [{\"nodes\": [0]}],", "no scenes[2]");
     expect_refused(nodes, SQUARE, "\"scenes\": [{\"nodes\": [0, 2]}],", "stands in two places");
@@ -416,9 +416,9 @@ static void test_depth(void **state)
         fputs("{\"mesh\":0}", f);
         assert_int_equal(fclose(f), 0);
         if (deep == 501) {
-            struct orl_description d = read_glb(nodes, SQUARE, "");
+            struct orl_parsed_scene d = read_glb(nodes, SQUARE, "");
             assert_int_equal(d.n_surfaces, 2);
-            orl_description_done(&d);
+            orl_parsed_scene_done(&d);
         } else {
             expect_refused(nodes, SQUARE, "", "more than 500 deep");
         }
@@ -431,14 +431,14 @@ static void test_warnings(void **state)
     static const char blended[] =
         "{\"attributes\": {\"POSITION\": 0}, \"indices\": 2, \"targets\": [{\"POSITION\": 0}]}";
     (void)state;
-    struct orl_description d = read_glb("{\"mesh\": 0, \"weights\": [0.5]}", blended, "");
+    struct orl_parsed_scene d = read_glb("{\"mesh\": 0, \"weights\": [0.5]}", blended, "");
     assert_int_equal(d.n_warnings, 1);
     assert_non_null(strstr(d.warnings[0], "shape is blended"));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     d = read_glb("{\"mesh\": 0, \"skin\": 0, \"weights\": [0]}", blended, "");
     assert_int_equal(d.n_warnings, 1);
     assert_non_null(strstr(d.warnings[0], "skeleton"));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_refused(void **state)
@@ -503,13 +503,13 @@ static void test_heads_of_text(void **state)
         {"{\"asset\": {\"version\": \"2.0\"}, \"asset\": 0}", "line 1, column"},
         {"{\"asset\": {\"version\": \"2.0\"}} {", "line 1, column"},
     };
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     (void)state;
     static const char marked[] = "\xef\xbb\xbf \n{\"asset\": {\"version\": \"2.0\"}} ";
     assert_int_equal(parse("m.gltf", marked, sizeof marked - 1, &d, &err), 0);
     assert_int_equal(d.n_warnings, 1); /* an empty file */
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_true(parse("m.gltf", cases[i].text, strlen(cases[i].text), &d, &err) < 0);
         if (!strstr(err.message, cases[i].words))
@@ -522,7 +522,7 @@ static void test_heads(void **state)
 {
     char json[JSON_BYTES];
     unsigned char bytes[2 * JSON_BYTES];
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     (void)state;
     write_json(NULL, NODE, SQUARE, ONE_SCENE, json);
@@ -550,11 +550,11 @@ static void test_cut(void **state)
     write_json(NULL, NODE, SQUARE, ONE_SCENE, json);
     const size_t size = write_glb(json, bytes);
     for (size_t cut = 0; cut < size; cut += 97) {
-        struct orl_description d;
+        struct orl_parsed_scene d;
         struct orl_error err;
         assert_true(parse("m.glb", bytes, cut, &d, &err) < 0 || d.n_surfaces == 0);
         if (err.message[0] == '\0')
-            orl_description_done(&d);
+            orl_parsed_scene_done(&d);
     }
 }
 

@@ -11,7 +11,7 @@
 #include <jansson.h>
 
 #include "honeybee/hbjson.h"
-#include "honeybee/project.h"
+#include "project/project.h"
 
 static json_t *load_model(void)
 {

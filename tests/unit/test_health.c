@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "photon/flight/trace.h"
+#include "photon/tracing/trace.h"
 #include "render/film/film.h"
 #include "render/gather/gather.h"
 #include "support/cli.h"
@@ -63,25 +63,25 @@ static void test_film(void **state)
 /* ---- Photons -----------------------------------------------------------------------------------
  */
 
-static struct orl_world *make_world(const char *text)
+static struct orl_lit_scene *make_lit_scene(const char *text)
 {
-    struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = scene_world(text, NULL, NULL, crew);
-    orl_crew_stop(crew);
-    return world;
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    struct orl_lit_scene *lit_scene = build_lit_scene(text, NULL, NULL, pool);
+    orl_thread_pool_stop(pool);
+    return lit_scene;
 }
 
 /* Traces one photon straight down onto the floor from the middle of the room. */
-static void trace_down(const struct orl_world *world, struct orl_rgb flux,
+static void trace_down(const struct orl_lit_scene *lit_scene, struct orl_rgb flux,
                        struct orl_deposits *deposits)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
-    const struct orl_flight flight = {.origin = {0, 0, -0.3},
-                                      .direction = {0, 0, -1},
-                                      .flux = flux,
-                                      .clarity = {1, 1, 1},
-                                      .from_port = true};
-    orl_trace_photon(world, &flight, false, 0, &random, deposits);
+    const struct orl_photon_ray photon_ray = {.origin = {0, 0, -0.3},
+                                              .direction = {0, 0, -1},
+                                              .flux = flux,
+                                              .medium_transmissivity = {1, 1, 1},
+                                              .from_port = true};
+    orl_trace_photon(lit_scene, &photon_ray, false, 0, &random, deposits);
 }
 
 static void expect_finite(const struct orl_deposits *deposits)
@@ -95,39 +95,39 @@ static void expect_finite(const struct orl_deposits *deposits)
 static void test_photons(void **state)
 {
     static const struct orl_rgb broken[3] = {{NAN, 1, 1}, {1, INFINITY, 1}, {1, 1, 1e300}};
-    struct orl_world *world = make_world(ROOM_GREY "!genbox w room 4 5 3 -i\n");
+    struct orl_lit_scene *lit_scene = make_lit_scene(ROOM_GREY "!genbox w room 4 5 3 -i\n");
     (void)state;
     for (int i = 0; i < 3; i++) {
         struct orl_deposits deposits = {0};
-        trace_down(world, broken[i], &deposits);
+        trace_down(lit_scene, broken[i], &deposits);
         assert_true(deposits.health.non_finite > 0);
         assert_int_equal(deposits.health.photons, 1);
         expect_finite(&deposits);
         free(deposits.photons);
     }
     /* A finite photon on a material with non-finite values lands, and its path ends. */
-    for (size_t i = 0; i < world->n_materials; i++)
-        world->materials[i].color.g = INFINITY;
+    for (size_t i = 0; i < lit_scene->n_materials; i++)
+        lit_scene->materials[i].color.g = INFINITY;
     struct orl_deposits deposits = {0};
-    trace_down(world, orl_gray(1), &deposits);
+    trace_down(lit_scene, orl_gray(1), &deposits);
     assert_int_equal(deposits.health.non_finite, 1);
     assert_int_equal(deposits.health.rays, 1);
     expect_finite(&deposits);
     free(deposits.photons);
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* A photon in a room without a ceiling that is assumed sealed: it counts as a leak, with its last
  * place. */
 static void test_leak(void **state)
 {
-    struct orl_world *world =
-        make_world(ROOM_GREY "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"
-                             "w polygon high 0 0 9 0 0 3 .1 0 3 0 .1 3\n");
+    struct orl_lit_scene *lit_scene =
+        make_lit_scene(ROOM_GREY "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"
+                                 "w polygon high 0 0 9 0 0 3 .1 0 3 0 .1 3\n");
     struct orl_deposits deposits = {0};
     (void)state;
-    world->open = false;
-    trace_down(world, orl_gray(1), &deposits);
+    lit_scene->open = false;
+    trace_down(lit_scene, orl_gray(1), &deposits);
     const struct orl_health health = orl_deposits_health(&deposits);
     assert_int_equal(deposits.count, 1);
     assert_int_equal(health.rays_leaked, 1);
@@ -136,7 +136,7 @@ static void test_leak(void **state)
     assert_true(fabs(health.leak_from.z - deposits.photons[0].position[2]) < 1e-4);
     assert_true(health.leak_towards.z > 0);
     free(deposits.photons);
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* ---- Gathering ---------------------------------------------------------------------------------
@@ -145,33 +145,34 @@ static void test_leak(void **state)
 /* One wall of the room has a broken material: its radiance counts as black. */
 static void test_gather(void **state)
 {
-    struct orl_world *world =
-        make_world(ROOM_SKY ROOM_GREY "void plastic x 0 0 5 .3 .3 .3 0 0\n"
-                                      "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"
-                                      "x polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n");
+    struct orl_lit_scene *lit_scene =
+        make_lit_scene(ROOM_SKY ROOM_GREY "void plastic x 0 0 5 .3 .3 .3 0 0\n"
+                                          "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"
+                                          "x polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n");
     const struct orl_photon_map *const maps[ORL_MAP_KINDS] = {NULL};
     struct orl_search *search = calloc(1, sizeof *search);
     struct orl_gather gather;
-    struct orl_footing footing;
+    struct orl_surface_point surface_point;
     (void)state;
     assert_non_null(search);
     assert_int_equal(
-        orl_gather_init(&gather, world, ORL_REST_GATHERED, maps, NULL, 1, NULL, search), 0);
+        orl_gather_init(&gather, lit_scene, ORL_INDIRECT_GATHERED, maps, NULL, 1, NULL, search), 0);
     gather.near = INFINITY; /* forces new lighting of all hits, so that albedo is used */
-    struct orl_place place = orl_gather_place(
-        &gather, orl_sub(orl_v3(2, 2, 0.5), world->geometry->center), orl_v3(0, 0, 1), &footing);
+    struct orl_shading_point place =
+        orl_gather_sensor_point(&gather, orl_sub(orl_v3(2, 2, 0.5), lit_scene->geometry->center),
+                                orl_v3(0, 0, 1), &surface_point);
     const double whole =
-        orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);
+        orl_luma(orl_gather_sensor(&gather, &place, &surface_point, 1024, 0, search).value);
     assert_int_equal(search->health.non_finite, 0);
-    for (size_t i = 0; i < world->n_materials; i++)
-        if (strcmp(world->materials[i].name, "x") == 0)
-            world->materials[i].color.b = NAN;
+    for (size_t i = 0; i < lit_scene->n_materials; i++)
+        if (strcmp(lit_scene->materials[i].name, "x") == 0)
+            lit_scene->materials[i].color.b = NAN;
     const double broken =
-        orl_luma(orl_gather_sensor(&gather, &place, &footing, 1024, 0, search).value);
+        orl_luma(orl_gather_sensor(&gather, &place, &surface_point, 1024, 0, search).value);
     assert_true(search->health.non_finite > 20);
     assert_true(isfinite(broken) && broken > 0.5 * whole && broken <= whole);
     orl_gather_done(&gather);
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
     free(search);
 }
 

@@ -13,7 +13,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "render/heat_map/heat_map.h"
 #include "render/heat_map/section.h"
 #include "support/scene_text.h"

@@ -11,21 +11,21 @@
 #include "render/gather/gather.h"
 #include "support/room.h"
 
-static struct orl_world *make_world(const char *text)
+static struct orl_lit_scene *make_lit_scene(const char *text)
 {
-    struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = scene_world(text, NULL, NULL, crew);
-    orl_crew_stop(crew);
-    return world;
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    struct orl_lit_scene *lit_scene = build_lit_scene(text, NULL, NULL, pool);
+    orl_thread_pool_stop(pool);
+    return lit_scene;
 }
 
 /* Sets up gathering without photon maps. */
-static void init(struct orl_gather *gather, const struct orl_world *world,
+static void init(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
                  struct orl_search *search)
 {
     const struct orl_photon_map *const maps[ORL_MAP_KINDS] = {NULL};
-    assert_int_equal(orl_gather_init(gather, world, ORL_REST_GATHERED, maps, NULL, 1, NULL, search),
-                     0);
+    assert_int_equal(
+        orl_gather_init(gather, lit_scene, ORL_INDIRECT_GATHERED, maps, NULL, 1, NULL, search), 0);
 }
 
 /* ---- A window -------------------------------------------------------------------------------- */
@@ -52,17 +52,17 @@ static double corner_factor(double x, double y)
  */
 static void test_window(void **state)
 {
-    struct orl_world *world = make_world(window);
+    struct orl_lit_scene *lit_scene = make_lit_scene(window);
     struct orl_search *search = calloc(1, sizeof *search);
     struct orl_gather gather;
     const double factor = 2 * (corner_factor(0.45, 0.15) - corner_factor(0.15, 0.15));
     const double truth = ORL_PI * (factor + (1 - factor) * 0.005);
-    const struct orl_place place = {.point = orl_neg(world->geometry->center),
-                                    .normal = orl_v3(0, 0, 1)};
+    const struct orl_shading_point place = {.point = orl_neg(lit_scene->geometry->center),
+                                            .normal = orl_v3(0, 0, 1)};
     double sum = 0, squares = 0, stated = 0;
     (void)state;
     assert_non_null(search);
-    init(&gather, world, search);
+    init(&gather, lit_scene, search);
     for (uint64_t i = 0; i < TIMES; i++) {
         struct orl_random random = orl_random_stream(1, ORL_PURPOSE_RECORD, i);
         const struct orl_hemisphere h =
@@ -70,7 +70,7 @@ static void test_window(void **state)
         const double off = orl_luma(h.irradiance) - truth;
         sum += off / TIMES;
         squares += off * off / TIMES;
-        stated += h.error_by_rays / TIMES;
+        stated += h.ray_error / TIMES;
     }
     const double rays = (double)search->health.rays / TIMES;
     const double by_chance = ORL_PI * 0.995 * sqrt(factor * (1 - factor) / rays);
@@ -81,7 +81,7 @@ static void test_window(void **state)
     assert_true(squares < stated * stated * (1 + 4 * sqrt(2.0 / TIMES)));
     assert_true(sqrt(squares) < 0.5 * by_chance);
     orl_gather_done(&gather);
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
     free(search);
 }
 
@@ -93,22 +93,24 @@ static void test_window(void **state)
  */
 static void test_facade(void **state)
 {
-    struct orl_world *world = make_world(ROOM_SKY ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE);
+    struct orl_lit_scene *lit_scene =
+        make_lit_scene(ROOM_SKY ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE);
     struct orl_search *search = calloc(1, sizeof *search);
     struct orl_gather gather;
-    const struct orl_place place = {.point = orl_sub(orl_v3(2, -8, 1.5), world->geometry->center),
-                                    .normal = orl_v3(0, 1, 0),
-                                    .outside = true};
+    const struct orl_shading_point place = {
+        .point = orl_sub(orl_v3(2, -8, 1.5), lit_scene->geometry->center),
+        .normal = orl_v3(0, 1, 0),
+        .outside = true};
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_RECORD, 0);
     (void)state;
     assert_non_null(search);
-    init(&gather, world, search);
+    init(&gather, lit_scene, search);
     const struct orl_hemisphere h =
         orl_gather_hemisphere(&gather, &place, 3 * ROWS, 2 * COLUMNS, NULL, &random, search);
     assert_true(search->health.rays > 10); /* some rays went in */
     assert_true(h.least_distance >= 8);
     orl_gather_done(&gather);
-    orl_world_free(world);
+    orl_lit_scene_free(lit_scene);
     free(search);
 }
 

@@ -54,17 +54,17 @@ static double scatter(struct orl_random *random)
 
 static void make_records(light_at *light, double noise, uint64_t seed, struct orl_icache *ret_cache)
 {
-    static struct orl_record records[COUNT];
+    static struct orl_irradiance_record records[COUNT];
     struct orl_random random = orl_random_stream(seed, ORL_PURPOSE_BENCH, 0);
     for (int i = 0; i < COUNT; i++) {
         const int row = i / SIDE;
         const double x = (i % SIDE + 0.5) * apart, y = (row + 0.5) * apart;
         const double value = light(x, y) * (1 + noise * scatter(&random));
-        records[i] = (struct orl_record){
+        records[i] = (struct orl_irradiance_record){
             .place = {.point = orl_v3(x - 0.5, y - 0.5, 1e-4), .normal = orl_v3(0, 0, 1)},
             .irradiance = orl_gray(value),
-            .error_by_photons = 0.03,
-            .error_by_rays = light(x, y) * noise,
+            .photon_error = 0.03,
+            .ray_error = light(x, y) * noise,
             .rays = RAYS,
             .radius = apart,
             .least = apart / ORL_ICACHE_ACCURACY};
@@ -79,16 +79,16 @@ static void fit(const char *scene, light_at *light, double noise, uint64_t seed,
                 struct orl_icache *ret_cache)
 {
     struct orl_geometry *geometry = scene_geometry(scene);
-    struct orl_crew *crew = orl_crew_start(threads);
+    struct orl_thread_pool *pool = orl_thread_pool_start(threads);
     make_records(light, noise, seed, ret_cache);
     for (size_t i = 0; i < COUNT; i++)
         ret_cache->records[i].place.point.z -= geometry->center.z;
-    assert_int_equal(orl_icache_fit(ret_cache, geometry, crew), 0);
-    orl_crew_stop(crew);
+    assert_int_equal(orl_icache_fit(ret_cache, geometry, pool), 0);
+    orl_thread_pool_stop(pool);
     orl_geometry_free(geometry);
 }
 
-static double truth(light_at *light, const struct orl_record *record)
+static double truth(light_at *light, const struct orl_irradiance_record *record)
 {
     return light(record->place.point.x + 0.5, record->place.point.y + 0.5);
 }
@@ -109,14 +109,14 @@ static void test_noise(void **state)
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
         fit(bare, slanting, 0.05, seed, 1, &cache);
         for (int i = 0; i < COUNT; i++) {
-            const struct orl_record *r = &cache.records[i];
+            const struct orl_irradiance_record *r = &cache.records[i];
             const double light = truth(slanting, r), off = r->irradiance.r / light - 1;
             mean += off / COUNT / SEEDS;
             if (fabs(r->place.point.x) > 0.2 || fabs(r->place.point.y) > 0.2)
                 continue;
             squares += off * off;
-            told += (r->error_by_photons * r->error_by_photons - 0.03 * 0.03) / light / light;
-            left += r->error_by_rays > 0;
+            told += (r->photon_error * r->photon_error - 0.03 * 0.03) / light / light;
+            left += r->ray_error > 0;
             n++;
         }
         orl_icache_done(&cache);
@@ -167,7 +167,7 @@ static void test_wall(void **state)
 }
 
 /* The crew's size changes no bit. */
-static void test_crew(void **state)
+static void test_thread_pool(void **state)
 {
     struct orl_icache one, three;
     (void)state;
@@ -175,7 +175,7 @@ static void test_crew(void **state)
     fit(bare, edge, 0.05, 1, 3, &three);
     for (int i = 0; i < COUNT; i++)
         assert_true(one.records[i].irradiance.r == three.records[i].irradiance.r &&
-                    one.records[i].error_by_photons == three.records[i].error_by_photons);
+                    one.records[i].photon_error == three.records[i].photon_error);
     orl_icache_done(&one);
     orl_icache_done(&three);
 }
@@ -186,7 +186,7 @@ int main(void)
         cmocka_unit_test(test_noise),
         cmocka_unit_test(test_edge),
         cmocka_unit_test(test_wall),
-        cmocka_unit_test(test_crew),
+        cmocka_unit_test(test_thread_pool),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "decode.h"
-#include "job_json.h"
+#include "job/job_json.h"
+#include "json/decode.h"
 
 #define ID "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
 
@@ -49,7 +49,7 @@ static void test_full_remote_document(void **state)
     assert_int_equal(job.technique, ORL_TECHNIQUE_GATHER);
     assert_int_equal(job.gather_samples, 64);
     assert_int_equal(job.pixel_samples, 1048576);
-    assert_int_equal(job.wishes[ORL_EFFECT_GLOSSY], ORL_WISH_FORCE);
+    assert_int_equal(job.overrides[ORL_EFFECT_GLOSSY], ORL_OVERRIDE_FORCE);
     assert_int_equal(job.n_sensors, 2);
     assert_true(job.sensors[1].position.x == 4.5 && job.sensors[1].direction.x == 1);
     assert_int_equal(job.n_views, 1);
@@ -105,7 +105,7 @@ static void test_local_document_and_defaults(void **state)
     assert_int_equal(job.gather_samples, 0);
     assert_int_equal(job.pixel_samples, 0);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
-        assert_int_equal(job.wishes[i], ORL_WISH_AUTO);
+        assert_int_equal(job.overrides[i], ORL_OVERRIDE_AUTO);
     assert_int_equal(job.seed, 1);
     orl_job_done(&job);
 }

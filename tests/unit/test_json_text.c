@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/json_read.h>
+#include <oriel/base/json_read.h>
 
-#include "encode.h"
+#include "json/encode.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */
@@ -98,12 +98,12 @@ static void test_reading_without_memory(void **state)
     char *text = orl_json_text(doc, JSON_COMPACT);
     assert_non_null(text);
     calls = 0;
-    json_decref(orl_json_reread(text));
+    json_decref(orl_json_read_stored(text));
     const int most = calls;
     assert_true(most > 100);
     for (int i = 0; i < most; i++) {
         failing = i, calls = 0;
-        json_t *read = orl_json_reread(text);
+        json_t *read = orl_json_read_stored(text);
         failing = -1;
         assert_true(read ? json_equal(read, doc) : errno == ENOMEM);
         json_decref(read);
@@ -119,7 +119,7 @@ static void test_reading(void **state)
 {
     json_error_t where;
     (void)state;
-    assert_null(orl_json_reread(NULL));
+    assert_null(orl_json_read_stored(NULL));
     assert_int_equal(errno, 0);
     assert_null(orl_json_read("{\"a\": 1,}", 9, 0, &where));
     assert_int_equal(errno, 0);

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "scene/parse/lamps.h"
+#include "scene/parse/luminaire/lamp_table.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
@@ -61,7 +61,7 @@ static void test_patterns(void **state)
     struct orl_lamp_table table = table_of(table_text);
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_lamp lamp = {.share = 0};
+        struct orl_lamp_entry lamp = {.share = 0};
         struct orl_error err = {0};
         const int code = orl_lamp_find(&table, cases[i].words, strlen(cases[i].words), &lamp, &err);
         if (code != (cases[i].share > 0) || lamp.share != cases[i].share)
@@ -74,7 +74,7 @@ static void test_patterns(void **state)
 static void test_color(void **state)
 {
     struct orl_lamp_table table = table_of(table_text);
-    struct orl_lamp lamp;
+    struct orl_lamp_entry lamp;
     (void)state;
     assert_int_equal(orl_lamp_find(&table, "deep red", 8, &lamp, NULL), 1);
     const double blue = (183 * 1. - 617 * .5 + 2883 / 6.) / 2449;
@@ -108,7 +108,7 @@ static void test_tables_that_are_wrong(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct orl_lamp_table table = table_of(cases[i].text);
-        struct orl_lamp lamp;
+        struct orl_lamp_entry lamp;
         struct orl_error err = {0};
         const int code = orl_lamp_find(&table, words, sizeof words - 1, &lamp, &err);
         if (code != cases[i].code || err.line != cases[i].line || strcmp(err.file, "lamp.tab") != 0)
@@ -122,7 +122,7 @@ static void test_names_of_names(void **state)
     (void)state;
     for (int n = 32; n <= 33; n++) {
         char text[2048], words[16];
-        struct orl_lamp lamp;
+        struct orl_lamp_entry lamp;
         struct orl_error err = {0};
         int at = snprintf(text, sizeof text, "/lamp 0$/ .3 .3 .7\n");
         for (int i = 1; i <= n; i++)

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
@@ -227,7 +227,7 @@ static void test_units_and_colors(void **state)
     "1 1 40\n" DOWN "0\n" ONE
 
 /* Runs !ies2rad with a luminaire in a folder, and its geometry if there is one. */
-static int read_looks(const char *command, const char *mgf, struct orl_description *ret,
+static int read_looks(const char *command, const char *mgf, struct orl_parsed_scene *ret,
                       struct orl_error *err)
 {
     static const char *const names[] = {"a.rad", "sub/lamp.ies", "sub/looks.mgf"};
@@ -246,7 +246,7 @@ static void test_geometry(void **state)
 {
     static const char mgf[] = "m shine =\n ed 3000\nv a =\n p 0 .1 0\nv b =\n p .1 0 0\nv c =\n "
                               "p 0 0 0\no bar\nf a b c\no\n";
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     (void)state;
     if (read_looks("!ies2rad -dc -m .8 sub/lamp.ies\n", mgf, &d, &err) < 0)
@@ -259,7 +259,7 @@ static void test_geometry(void **state)
     assert_true(fabs(shine->max_radius - 70) < 1e-4);
     assert_true(fabs(shine->color.g / (1.6 * 3000 / (179 * M_PI)) - 1) < 1e-5);
     assert_true(fabs(d.surfaces[1].vertices[0].y - 10) < 1e-9);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     assert_true(read_looks("!ies2rad sub/lamp.ies\n", "\nv a b\n", &d, &err) < 0);
     assert_string_equal(err.file, "sub/looks.mgf");
     assert_int_equal(err.line, 2);
@@ -268,7 +268,7 @@ static void test_geometry(void **state)
 /* If the geometry file is missing, the luminaire is a light without it. */
 static void test_geometry_is_missing(void **state)
 {
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     (void)state;
     assert_int_equal(read_looks("!xform -t 0 0 1 sub/lamp.ies\n", NULL, &d, &err), 0);
@@ -276,19 +276,19 @@ static void test_geometry_is_missing(void **state)
     assert_int_equal(d.materials[d.surfaces[0].material].kind, ORL_MATERIAL_LIGHT);
     assert_int_equal(d.n_warnings, 1);
     assert_non_null(strstr(d.warnings[0], "looks.mgf, is not there"));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* The radius of -i is in the scene's units, as in ies2rad. */
 static void test_radius(void **state)
 {
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     (void)state;
     assert_int_equal(read_looks("!ies2rad -dc -i 5 sub/lamp.ies\n", NULL, &d, &err), 0);
     assert_int_equal(d.surfaces[0].kind, ORL_SURFACE_SPHERE);
-    assert_true(fabs(d.surfaces[0].round->radius[0] - 5) < 1e-9);
-    orl_description_done(&d);
+    assert_true(fabs(d.surfaces[0].quadric->radius[0] - 5) < 1e-9);
+    orl_parsed_scene_done(&d);
     assert_int_equal(read_looks("!ies2rad -dc -i .01 sub/lamp.ies\n", NULL, &d, &err),
                      ORL_ERR_RANGE);
 }

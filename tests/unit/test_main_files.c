@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
-#include "main_files.h"
+#include "project/main_files.h"
 
 enum { MOST = 8 };
 

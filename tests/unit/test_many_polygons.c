@@ -14,9 +14,9 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "light/scene.h"
+#include "base/sampling/random.h"
 #include "process/sanitized.h"
+#include "scene/built/scene.h"
 #include "support/polygons.h"
 #include "support/scene_text.h"
 
@@ -43,8 +43,8 @@ static struct orl_scene *scene_of(const char *text)
 {
     struct orl_scene *scene = NULL;
     struct orl_error err = {0};
-    struct orl_description description = scene_parse_text(text, NULL, NULL);
-    assert_int_equal(orl_scene_new(&description, &scene, &err), 0);
+    struct orl_parsed_scene parsed_scene = scene_parse_text(text, NULL, NULL);
+    assert_int_equal(orl_scene_new(&parsed_scene, &scene, &err), 0);
     return scene;
 }
 
@@ -132,7 +132,7 @@ static void check_triangle(const struct orl_geometry *g, const struct orl_hit *h
 {
     double uv[2];
     struct orl_facet room;
-    const struct orl_facet *const f = orl_facet_own(g, hit->facet, &room);
+    const struct orl_facet *const f = orl_facet_get_own(g, hit->facet, &room);
     bool own = false;
     for (uint32_t i = 0; i < f->n_triangles; i++)
         own = own || orl_facet_triangle(f, i) == hit->triangle;

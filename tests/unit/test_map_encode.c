@@ -13,7 +13,7 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "photon/map/flux.h"
 #include "photon/map/map_encode.h"
 #include "support/cli.h"
@@ -23,7 +23,7 @@ enum { COUNT = 6000 };
 
 struct fixture {
     char folder[64];
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     struct orl_photon photons[COUNT];
 };
 
@@ -32,8 +32,8 @@ static int setup(void **state)
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
     cli_make_folder(f->folder);
-    f->crew = orl_crew_start(2);
-    assert_non_null(f->crew);
+    f->pool = orl_thread_pool_start(2);
+    assert_non_null(f->pool);
     *state = f;
     return sodium_init() < 0 ? -1 : 0;
 }
@@ -42,7 +42,7 @@ static int teardown(void **state)
 {
     struct fixture *f = *state;
     cli_remove_folder(f->folder);
-    orl_crew_stop(f->crew);
+    orl_thread_pool_stop(f->pool);
     free(f);
     return 0;
 }
@@ -73,7 +73,7 @@ static void write_map(struct fixture *f, const char *name, size_t first, size_t 
 {
     char path[128], earlier[128];
     struct orl_error err = {0};
-    struct orl_crew *crew = orl_crew_start(threads);
+    struct orl_thread_pool *pool = orl_thread_pool_start(threads);
     struct orl_photon_map *map = NULL;
     snprintf(path, sizeof path, "%s/%s", f->folder, name);
     snprintf(earlier, sizeof earlier, "%s/%s", f->folder, earlier_name ? earlier_name : "");
@@ -87,9 +87,9 @@ static void write_map(struct fixture *f, const char *name, size_t first, size_t 
                                         .extent = 37.3,
                                         .earlier = map};
     assert_int_equal(
-        orl_photon_map_write(path, f->photons + first, end - first, &build, crew, &err), 0);
+        orl_photon_map_write(path, f->photons + first, end - first, &build, pool, &err), 0);
     orl_photon_map_free(map);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 static void assert_same_files(const struct fixture *f, const char *a, const char *b)
@@ -173,15 +173,15 @@ static void test_one_place(void **state)
 static void check_cells(const struct fixture *f, double size, double extent)
 {
     struct orl_map_encoder p;
-    assert_int_equal(orl_map_encode_init(&p, NULL, f->photons, COUNT, 1, extent, f->crew), 0);
+    assert_int_equal(orl_map_encode_init(&p, NULL, f->photons, COUNT, 1, extent, f->pool), 0);
     const double least = (extent > 0 ? extent : 1) * 0x1p-32;
-    assert_true(p.cell <= 2 * size / (ORL_PLACE_CELLS - 1) || p.cell == least);
+    assert_true(p.cell <= 2 * size / (ORL_POSITION_CELLS - 1) || p.cell == least);
     for (size_t i = 0; i < COUNT; i++) {
         uint32_t cell[3];
         orl_map_encode_cell(&p, i, cell);
         for (int k = 0; k < 3; k++) {
             const double off = (f->photons[i].position[k] - p.low[k]) / p.cell - cell[k];
-            assert_true(cell[k] < ORL_PLACE_CELLS && off > -1e-6 && off < 1 + 1e-6);
+            assert_true(cell[k] < ORL_POSITION_CELLS && off > -1e-6 && off < 1 + 1e-6);
         }
     }
 }
@@ -204,7 +204,7 @@ static void test_cells_scale(void **state)
     struct fixture *f = *state;
     struct orl_map_encoder here, there;
     make_photons(f, 10, 1);
-    assert_int_equal(orl_map_encode_init(&here, NULL, f->photons, COUNT, 1, 8, f->crew), 0);
+    assert_int_equal(orl_map_encode_init(&here, NULL, f->photons, COUNT, 1, 8, f->pool), 0);
     for (int units = 0; units < 2; units++) {
         const float scale = units ? 2048 : 0.125F;
         struct orl_photon *scaled = malloc(sizeof f->photons);
@@ -214,7 +214,7 @@ static void test_cells_scale(void **state)
             for (int k = 0; k < 3; k++)
                 scaled[i].position[k] *= scale;
         assert_int_equal(
-            orl_map_encode_init(&there, NULL, scaled, COUNT, 1, 8 * (double)scale, f->crew), 0);
+            orl_map_encode_init(&there, NULL, scaled, COUNT, 1, 8 * (double)scale, f->pool), 0);
         for (size_t i = 0; i < COUNT; i++) {
             uint32_t a[3], b[3];
             orl_map_encode_cell(&here, i, a);
@@ -261,19 +261,19 @@ static void test_many(void **state)
     static const double sizes[] = {4, 1e-3, 3e4}, lights[] = {1e3, 1e-30, 0};
     struct fixture *f = *state;
     for (size_t k = 0; k < 3; k++) {
-        struct orl_map_encoder packing;
+        struct orl_map_encoder encoder;
         make_photons(f, sizes[k], lights[k]);
         for (size_t i = 3; i < COUNT; i += 7)
             memset(f->photons[i].flux, 0, sizeof f->photons[i].flux);
         f->photons[1].flux[2] = 1e-44F;
         assert_int_equal(
-            orl_map_encode_init(&packing, NULL, f->photons, COUNT, 5, k == 2 ? 0 : 3, f->crew), 0);
-        assert_true(orl_map_encode_is_near(&packing));
-        for (size_t i = 0; i + ORL_PACKED_AT_ONCE <= COUNT; i += ORL_PACKED_AT_ONCE) {
-            struct orl_photon_words many[ORL_PACKED_AT_ONCE];
-            orl_map_encode_words_many(&packing, i, many);
-            for (size_t j = 0; j < ORL_PACKED_AT_ONCE; j++) {
-                const struct orl_photon_words one = orl_map_encode_words(&packing, i + j);
+            orl_map_encode_init(&encoder, NULL, f->photons, COUNT, 5, k == 2 ? 0 : 3, f->pool), 0);
+        assert_true(orl_map_encode_is_near(&encoder));
+        for (size_t i = 0; i + ORL_ENCODED_AT_ONCE <= COUNT; i += ORL_ENCODED_AT_ONCE) {
+            struct orl_photon_words many[ORL_ENCODED_AT_ONCE];
+            orl_map_encode_words_many(&encoder, i, many);
+            for (size_t j = 0; j < ORL_ENCODED_AT_ONCE; j++) {
+                const struct orl_photon_words one = orl_map_encode_words(&encoder, i + j);
                 assert_memory_equal(&one, &many[j], sizeof one);
             }
         }

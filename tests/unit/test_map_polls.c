@@ -15,9 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/images.h"
-#include "photon/density/records.h"
-#include "photon/map/facing.h"
+#include "light/virtual_suns.h"
+#include "photon/density/precomputed_irradiance.h"
+#include "photon/map/normal_code.h"
 #include "render/gather/gather.h"
 #include "render/gather/icache.h"
 #include "support/scene_text.h"
@@ -25,7 +25,7 @@
 static atomic_int polls;     /* polls since the count began */
 static atomic_int cancel_at; /* the poll from which on the result is true; negative: never */
 
-/* Replaces core/base/cancel.c: the core's polls call this. */
+/* Replaces core/base/threads/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     if (!cancel)
@@ -42,8 +42,8 @@ static const char scene[] = "void plastic w 0 0 5 .5 .5 .5 0 0\n"
 
 /* The inputs of a photon map; equal for each build. */
 struct bench {
-    struct orl_world *world;
-    struct orl_crew *crew;
+    struct orl_lit_scene *lit_scene;
+    struct orl_thread_pool *pool;
     struct orl_photon *photons;
     struct orl_photon_map *map;
     struct orl_search *search;
@@ -54,35 +54,35 @@ typedef int (*making)(const struct bench *bench);
 static int make_map(const struct bench *bench)
 {
     const struct orl_map_build build = {
-        .kind = "global", .emitted = 1, .seed = 1, .extent = bench->world->geometry->radius};
+        .kind = "global", .emitted = 1, .seed = 1, .extent = bench->lit_scene->geometry->radius};
     struct orl_photon_map *map = NULL;
     struct orl_error err;
-    const int code = orl_photon_map_make(bench->photons, PHOTONS, &build, bench->crew, &map, &err);
+    const int code = orl_photon_map_build(bench->photons, PHOTONS, &build, bench->pool, &map, &err);
     orl_photon_map_free(map);
     return code;
 }
 
-static int make_gather(const struct bench *bench, enum orl_rest rest)
+static int make_gather(const struct bench *bench, enum orl_indirect_mode indirect)
 {
     const struct orl_photon_map *maps[ORL_MAP_KINDS] = {
         [ORL_MAP_GLOBAL] = bench->map, [ORL_MAP_CAUSTIC] = bench->map};
     struct orl_gather gather;
-    int code =
-        orl_gather_init(&gather, bench->world, rest, maps, NULL, 1, bench->crew, bench->search);
+    int code = orl_gather_init(&gather, bench->lit_scene, indirect, maps, NULL, 1, bench->pool,
+                               bench->search);
     if (code == 0)
-        code = orl_gather_for_views(&gather, bench->crew);
+        code = orl_gather_for_views(&gather, bench->pool);
     orl_gather_done(&gather);
     return code;
 }
 
 static int make_final_gather(const struct bench *bench)
 {
-    return make_gather(bench, ORL_REST_GATHERED);
+    return make_gather(bench, ORL_INDIRECT_GATHERED);
 }
 
 static int make_density(const struct bench *bench)
 {
-    return make_gather(bench, ORL_REST_DENSITY);
+    return make_gather(bench, ORL_INDIRECT_DENSITY);
 }
 
 /* Runs neighbour clamping; a cancelled run leaves the radii unchanged. */
@@ -92,13 +92,13 @@ static int hold_records_back(const struct bench *bench)
     struct orl_icache cache;
     orl_icache_init(&cache, 1);
     for (int i = 0; i < COUNT; i++) {
-        const struct orl_record record = {
+        const struct orl_irradiance_record record = {
             .place = {.point = orl_v3(i % 20, i / 20, 0), .normal = orl_v3(0, 0, 1)},
             .radius = 1 + i % 7 * 4};
         assert_int_equal(orl_icache_add(&cache, &record, 1), 0);
     }
     assert_int_equal(orl_icache_index(&cache), 0);
-    const int code = orl_icache_hold_back(&cache, bench->crew);
+    const int code = orl_icache_clamp_neighbours(&cache, bench->pool);
     for (int i = 0; i < COUNT && code < 0; i++)
         assert_true(cache.records[i].radius == 1 + i % 7 * 4);
     orl_icache_done(&cache);
@@ -109,14 +109,14 @@ static void set_up(struct bench *bench)
 {
     struct orl_random random = orl_random_stream(1, ORL_PURPOSE_BENCH, 0);
     assert_true(sodium_init() >= 0);
-    bench->world = scene_world(scene, NULL, NULL, NULL);
-    bench->crew = orl_crew_new(1);
+    bench->lit_scene = build_lit_scene(scene, NULL, NULL, NULL);
+    bench->pool = orl_thread_pool_new(1);
     bench->photons = malloc(PHOTONS * sizeof *bench->photons);
     bench->search = calloc(1, sizeof *bench->search);
     for (uint32_t i = 0; i < PHOTONS; i++) {
         const double u[2] = {orl_random_uniform(&random), orl_random_uniform(&random)};
         struct orl_vec3 point, normal;
-        orl_facet_sample(bench->world->geometry, i % FACETS, u, &point, &normal);
+        orl_facet_sample(bench->lit_scene->geometry, i % FACETS, u, &point, &normal);
         bench->photons[i] =
             (struct orl_photon){.position = {(float)point.x, (float)point.y, (float)point.z},
                                 .flux = {1, 1, 1},
@@ -124,17 +124,17 @@ static void set_up(struct bench *bench)
                                 .normal = orl_normal_encode(normal)};
     }
     const struct orl_map_build build = {
-        .kind = "global", .emitted = 1, .seed = 1, .extent = bench->world->geometry->radius};
+        .kind = "global", .emitted = 1, .seed = 1, .extent = bench->lit_scene->geometry->radius};
     struct orl_error err;
     assert_int_equal(
-        orl_photon_map_make(bench->photons, PHOTONS, &build, bench->crew, &bench->map, &err), 0);
+        orl_photon_map_build(bench->photons, PHOTONS, &build, bench->pool, &bench->map, &err), 0);
 }
 
 static void tear_down(struct bench *bench)
 {
     orl_photon_map_free(bench->map);
-    orl_world_free(bench->world);
-    orl_crew_free(bench->crew);
+    orl_lit_scene_free(bench->lit_scene);
+    orl_thread_pool_free(bench->pool);
     free(bench->photons);
     free(bench->search);
 }
@@ -142,7 +142,7 @@ static void tear_down(struct bench *bench)
 static int make_with(making make, const struct bench *bench, int at)
 {
     static const atomic_bool never;
-    orl_crew_heed(bench->crew, &never);
+    orl_thread_pool_set_cancel(bench->pool, &never);
     atomic_store(&polls, 0);
     atomic_store(&cancel_at, at);
     const int code = make(bench);
@@ -187,18 +187,20 @@ static void test_lights(void **state)
     for (int i = 0; i < MIRRORS; i++)
         length += (size_t)snprintf(text + length, sizeof text - length,
                                    "m polygon p%d 0 0 9 %d 0 0 %d.5 0 0 %d 1 0\n", i, i, i, i);
-    struct bench bench = {.world = scene_world(text, NULL, NULL, NULL), .crew = orl_crew_new(1)};
-    struct orl_images images;
+    struct bench bench = {.lit_scene = build_lit_scene(text, NULL, NULL, NULL),
+                          .pool = orl_thread_pool_new(1)};
+    struct orl_virtual_suns images;
     static const atomic_bool never;
-    orl_crew_heed(bench.crew, &never);
+    orl_thread_pool_set_cancel(bench.pool, &never);
     atomic_store(&polls, 0);
     atomic_store(&cancel_at, MIRRORS / 2);
-    assert_int_equal(orl_images_build(&images, bench.world, bench.crew), ORL_ERR_CANCELLED);
-    orl_images_done(&images);
+    assert_int_equal(orl_virtual_suns_build(&images, bench.lit_scene, bench.pool),
+                     ORL_ERR_CANCELLED);
+    orl_virtual_suns_done(&images);
     assert_int_equal(atomic_load(&polls), MIRRORS / 2 + 1);
     atomic_store(&cancel_at, -1);
-    orl_world_free(bench.world);
-    orl_crew_free(bench.crew);
+    orl_lit_scene_free(bench.lit_scene);
+    orl_thread_pool_free(bench.pool);
 }
 
 int main(void)

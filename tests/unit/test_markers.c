@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 #include "scene/parse/parse.h"
 
@@ -29,7 +29,7 @@ static const char marks[] = "mark polygon a 0 0 9  1 2 3  1 4 3  0 2 3\n"
                             "!xform -t 10 0 0 more.rad\n";
 static const char more[] = "mark polygon d 0 0 9  1 2 3  1 4 3  0 2 3\n";
 
-static int parse(const char *line, struct orl_description *ret_description, struct orl_error *err)
+static int parse(const char *line, struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err)
 {
     static const char *const names[] = {"a.rad", "tip.rad", "marks.rad", "more.rad"};
     char text[1024];
@@ -40,7 +40,7 @@ static int parse(const char *line, struct orl_description *ret_description, stru
                                         {more, sizeof more - 1, NULL}};
     struct orl_memory_files memory = {names, contents, 4};
     const struct orl_files files = orl_files_from_memory(&memory);
-    return orl_scene_parse(names, 1, &files, ret_description, err);
+    return orl_scene_parse(names, 1, &files, ret_parsed_scene, err);
 }
 
 struct place {
@@ -90,7 +90,7 @@ static void test_places(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
-        struct orl_description d = {0};
+        struct orl_parsed_scene d = {0};
         struct orl_error err = {0};
         if (parse(good[i].line, &d, &err) < 0)
             fail_msg("%s: %s", good[i].line, err.message);
@@ -103,13 +103,13 @@ static void test_places(void **state)
             assert_string_equal(d.materials[s->material].name, p->material);
             /* xform prints angles with six decimals of a degree, over a length of 5. */
             if (s->kind != ORL_SURFACE_POLYGON &&
-                (orl_length(orl_sub(s->round->center[0], at)) > 1e-7 ||
-                 fabs(s->round->radius[0] - p->radius) > 1e-9))
+                (orl_length(orl_sub(s->quadric->center[0], at)) > 1e-7 ||
+                 fabs(s->quadric->radius[0] - p->radius) > 1e-9))
                 fail_msg("%s: %s at %.12g %.12g %.12g, %.12g", good[i].line, s->name,
-                         s->round->center[0].x, s->round->center[0].y, s->round->center[0].z,
-                         s->round->radius[0]);
+                         s->quadric->center[0].x, s->quadric->center[0].y, s->quadric->center[0].z,
+                         s->quadric->radius[0]);
         }
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 
@@ -136,7 +136,7 @@ static void test_refused(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
-        struct orl_description d = {0};
+        struct orl_parsed_scene d = {0};
         struct orl_error err = {0};
         const int code = parse(refused[i].line, &d, &err);
         if (code != refused[i].code || !strstr(err.message, refused[i].message))

@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/bsdf.h>
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/bsdf/bsdf.h>
 
-#include "annual/phases/matrix_file.h"
-#include "bsdf/basis.h"
+#include "annual/matrices/matrix_file.h"
+#include "bsdf/matrix/basis.h"
 #include "support/scene_text.h"
 
 #define TOP "#?RADIANCE\nrfluxmtx -I+\n"
@@ -138,7 +138,7 @@ static void test_product(void **state)
     float a[12], b[12], expected[12] = {0};
     struct orl_rgb_matrix product;
     struct orl_error err = {0};
-    struct orl_crew *crew = orl_crew_start(2);
+    struct orl_thread_pool *pool = orl_thread_pool_start(2);
     (void)state;
     for (int i = 0; i < 12; i++) {
         a[i] = (float)(i + 1);
@@ -151,11 +151,11 @@ static void test_product(void **state)
                     expected[3 * (2 * r + c) + i] +=
                         a[3 * (2 * r + k) + i] * b[3 * (2 * k + c) + i];
     const struct orl_rgb_matrix left = {2, 2, a}, right = {2, 2, b};
-    assert_int_equal(orl_rgb_matrix_multiply(&left, &right, crew, &product, &err), 0);
+    assert_int_equal(orl_rgb_matrix_multiply(&left, &right, pool, &product, &err), 0);
     for (int i = 0; i < 12; i++)
         assert_true(product.values[i] == expected[i]);
     orl_rgb_matrix_done(&product);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* The light of a column is transmitted as by the BSDF's transmittance; a single value is the

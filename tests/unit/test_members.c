@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "members.h"
-#include "study_json.h"
+#include "job/study_json.h"
+#include "json/members.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "scene/generate/mgf.h"
+#include "scene/generate/mgf/mgf.h"
 
 /* Number of realloc calls. Sanitizers replace the allocator: no calls are counted. */
 static unsigned reallocations;

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "light/scene.h"
+#include "scene/built/scene.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
@@ -45,7 +45,7 @@ static void run_scene(const char *scene, enum orl_technique technique, double re
                                   .sensors = sensors,
                                   .n_sensors = SENSORS,
                                   .technique = technique,
-                                  .wishes = scene_wish_maps,
+                                  .overrides = scene_wish_maps,
                                   .samples = 1024,
                                   .global = 50000,
                                   .caustic = 20000,
@@ -150,7 +150,7 @@ static void test_directed(void **state)
 /* ---- Files ------------------------------------------------------------------------------------
  */
 
-static int parse(const char *text, struct orl_description *ret, struct orl_error *err)
+static int parse(const char *text, struct orl_parsed_scene *ret, struct orl_error *err)
 {
     static const char *const names[] = {"a.rad"};
     const struct orl_file contents[] = {{text, strlen(text), NULL}};
@@ -192,33 +192,33 @@ static void test_refused(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_description description = {0};
+        struct orl_parsed_scene parsed_scene = {0};
         struct orl_error err = {0};
-        const int code = parse(cases[i].text, &description, &err);
+        const int code = parse(cases[i].text, &parsed_scene, &err);
         if (code == 0 || !strstr(err.message, cases[i].message))
             fail_msg("case %zu: %d %s", i, code, err.message);
-        orl_description_done(&description);
+        orl_parsed_scene_done(&parsed_scene);
     }
 }
 
 /* A texture between a mixture and a surface applies to all components. */
 static void test_texture(void **state)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse(MATERIALS
                            "void mixfunc m 4 b g .5 . 0 0\nvoid mixfunc n 4 m p .5 . 0 0\n"
                            "n texfunc x 4 0 0 .1 . 0 0\nx " FLOOR,
-                           &description, &err),
+                           &parsed_scene, &err),
                      0);
-    const struct orl_material *const x = &description.materials[description.surfaces[0].material];
+    const struct orl_material *const x = &parsed_scene.materials[parsed_scene.surfaces[0].material];
     assert_non_null(x->texture);
     assert_ptr_equal(x->mixed[0].texture, x->texture);
     assert_ptr_equal(x->mixed[0].mixed[0].texture, x->texture);
     assert_null(x->mixed[0].mixed[1].texture);
     assert_ptr_equal(x->mixed[1].texture, x->texture);
-    orl_description_done(&description);
+    orl_parsed_scene_done(&parsed_scene);
 }
 
 /* Nine nested mixtures are too many; eight are accepted. A mixture in an array is stored once. */
@@ -227,17 +227,17 @@ static void test_bounds(void **state)
     char text[4096] = MATERIALS "void mixfunc m0 4 p b .5 . 0 0\n", more[128];
     (void)state;
     for (int i = 1; i < 9; i++) {
-        struct orl_description description = {0};
+        struct orl_parsed_scene parsed_scene = {0};
         struct orl_error err = {0};
         char whole[4400];
         snprintf(more, sizeof more, "void mixfunc m%d 4 m%d p Px . 0 0\n", i, i - 1);
         strcat(text, more);
         snprintf(whole, sizeof whole, "%s%sm%d " FLOOR, text, more, i);
-        const int code = parse(whole, &description, &err);
+        const int code = parse(whole, &parsed_scene, &err);
         assert_int_equal(code, i < 7 ? 0 : ORL_ERR_UNSUPPORTED);
         if (code == 0)
-            assert_int_equal(description.n_patterns, i + 2);
-        orl_description_done(&description);
+            assert_int_equal(parsed_scene.n_patterns, i + 2);
+        orl_parsed_scene_done(&parsed_scene);
         if (code < 0)
             break;
     }

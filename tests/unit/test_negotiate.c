@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "http/negotiate.h"
+#include "http/request/negotiate.h"
 
 static void test_weights(void **state)
 {

@@ -82,7 +82,7 @@ static struct orl_daylight sky_of(const struct orl_weather *weather, size_t row)
     struct orl_daylight sky = {0};
     struct orl_error err = {0};
     double diffuse;
-    if (orl_daylight_of_row(weather, &weather->rows[row], &sky, &diffuse, &err) < 0)
+    if (orl_daylight_from_row(weather, &weather->rows[row], &sky, &diffuse, &err) < 0)
         fail_msg("%s", err.message);
     return sky;
 }

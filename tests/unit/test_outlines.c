@@ -15,10 +15,10 @@
 
 #include <cmocka.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "base/random.h"
-#include "scene/geometry/triangulate.h"
+#include "base/sampling/random.h"
+#include "scene/geometry/triangulation/triangulate.h"
 #include "support/outline.h"
 #include "support/scene_text.h"
 
@@ -381,9 +381,9 @@ static void test_no_leaks(void **state)
         char *text = scene_of(&o, &frame);
         struct orl_geometry *g = scene_geometry(text);
         for (size_t i = 0; i < 30 * orl_geometry_triangles_end(g); i++) {
-            if (orl_triangle_is_none(g, i / 30))
+            if (orl_triangle_is_unused(g, i / 30))
                 continue;
-            const struct orl_triangle t = orl_triangle_of(g, i / 30);
+            const struct orl_triangle t = orl_triangle_get(g, i / 30);
             const struct orl_vec3 a = i % 3 == 0 ? t.a : t.b, b = i % 3 == 1 ? t.c : t.a;
             const double share = i % 5 == 0 ? 0 : uniform(&random);
             const struct orl_vec3 p = orl_madd(a, orl_sub(b, a), share);

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "support/scene_text.h"
 
@@ -53,13 +53,13 @@ static char *write_scene(void)
 }
 
 /* Returns true if some of many uniform directions leave the scene unobstructed. */
-static bool sees_out(const struct orl_world *world, struct orl_vec3 point)
+static bool sees_out(const struct orl_lit_scene *lit_scene, struct orl_vec3 point)
 {
     for (int i = 0; i < RAYS; i++) {
         const double z = 1 - (2 * i + 1.0) / RAYS, s = sqrt(1 - z * z);
         const double phi = 2.399963229728653 * i;
-        if (!orl_geometry_occluded(world->geometry, point, orl_v3(s * cos(phi), s * sin(phi), z),
-                                   INFINITY))
+        if (!orl_geometry_occluded(lit_scene->geometry, point,
+                                   orl_v3(s * cos(phi), s * sin(phi), z), INFINITY))
             return true;
     }
     return false;
@@ -67,29 +67,29 @@ static bool sees_out(const struct orl_world *world, struct orl_vec3 point)
 
 static void test_outside(void **state)
 {
-    struct orl_crew *crew = orl_crew_start(2);
+    struct orl_thread_pool *pool = orl_thread_pool_start(2);
     char *const text = write_scene();
-    struct orl_world *world = scene_world(text, NULL, NULL, crew);
-    const struct orl_vec3 center = world->geometry->center;
+    struct orl_lit_scene *lit_scene = build_lit_scene(text, NULL, NULL, pool);
+    const struct orl_vec3 center = lit_scene->geometry->center;
     unsigned blind = 0;
     (void)state;
-    assert_int_equal(world->n_ports, 1);
-    assert_false(world->open);
-    assert_true(orl_world_is_outside(world, orl_sub(orl_v3(0, -3, 1), center)));
+    assert_int_equal(lit_scene->n_ports, 1);
+    assert_false(lit_scene->open);
+    assert_true(orl_lit_scene_is_outside(lit_scene, orl_sub(orl_v3(0, -3, 1), center)));
     for (int i = 0; i < COLUMNS; i++)
         for (int k = 0; k < ROWS; k++) {
             const double x = -0.8 + 0.2 * i, z = 1.1 + 0.1 * k;
             const struct orl_vec3 between = orl_sub(orl_v3(x, -0.08, z), center);
-            blind += !sees_out(world, between);
-            assert_true(orl_world_is_outside(world, between));
+            blind += !sees_out(lit_scene, between);
+            assert_true(orl_lit_scene_is_outside(lit_scene, between));
             assert_false(
-                orl_world_is_outside(world, orl_sub(orl_v3(x, 0.05 + 0.4 * i, z), center)));
+                orl_lit_scene_is_outside(lit_scene, orl_sub(orl_v3(x, 0.05 + 0.4 * i, z), center)));
         }
     print_message("from %u of %d places between slats and pane no ray leaves the scene\n", blind,
                   COLUMNS * ROWS);
     assert_true(blind > 0);
-    orl_world_free(world);
-    orl_crew_stop(crew);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_stop(pool);
     free(text);
 }
 

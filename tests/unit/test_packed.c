@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
-#include "light/scene.h"
+#include "base/sampling/random.h"
+#include "scene/built/scene.h"
+#include "scene/geometry/instances.h"
 #include "scene/geometry/packed.h"
-#include "scene/geometry/placed.h"
 #include "support/grove.h"
 #include "support/meshes.h"
 #include "support/scene_text.h"
@@ -56,7 +56,7 @@ static char *write_leaf(char *at, int i, struct orl_random *random)
 }
 
 struct forest {
-    struct orl_description description;
+    struct orl_parsed_scene parsed_scene;
     struct orl_geometry *geometry;
 };
 
@@ -71,8 +71,8 @@ static struct forest forest_of(void)
     for (int i = 0; i < LEAVES; i++)
         at = write_leaf(at, i, &random);
     *at = '\0';
-    forest.description = scene_parse_text(text, NULL, NULL);
-    assert_int_equal(orl_geometry_new(&forest.description, &forest.geometry, &err), 0);
+    forest.parsed_scene = scene_parse_text(text, NULL, NULL);
+    assert_int_equal(orl_geometry_new(&forest.parsed_scene, &forest.geometry, &err), 0);
     assert_non_null(forest.geometry->packed);
     free(text);
     return forest;
@@ -81,7 +81,7 @@ static struct forest forest_of(void)
 static void drop(struct forest *forest)
 {
     orl_geometry_free(forest->geometry);
-    orl_description_done(&forest->description);
+    orl_parsed_scene_done(&forest->parsed_scene);
 }
 
 /* ---- Comparison with the files --------------------------------------------------------------- */
@@ -98,7 +98,7 @@ static void check_corner(struct orl_vec3 is, struct orl_vec3 ought)
 static void check_polygon(const struct orl_geometry *g, uint32_t facet, const struct orl_surface *s)
 {
     struct orl_facet own;
-    const struct orl_facet *const f = orl_facet_own(g, facet, &own);
+    const struct orl_facet *const f = orl_facet_get_own(g, facet, &own);
     const struct orl_facet_outline outline = orl_outline_of_facet(g, facet);
     double reach = 0, area = 0;
     assert_int_equal(outline.n, s->n_vertices);
@@ -108,7 +108,7 @@ static void check_polygon(const struct orl_geometry *g, uint32_t facet, const st
         reach = fmax(reach, fmax(fabs(at.x), fmax(fabs(at.y), fabs(at.z))));
     }
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(f, i));
+        const struct orl_triangle t = orl_triangle_get(g, orl_facet_triangle(f, i));
         area += orl_triangle_area(&t);
         assert_int_equal(orl_triangle_facet(g, orl_facet_triangle(f, i)), facet);
     }
@@ -123,15 +123,15 @@ static void check_round(const struct orl_facet *f, const struct orl_geometry *g,
 {
     const double area = s->kind == ORL_SURFACE_SPHERE ? ORL_PI : ORL_PI * 0.25 * 0.25;
     assert_true(fabs(f->area / area - 1) < 1e-6);
-    assert_true(orl_length(orl_sub(orl_add(f->round->center[0], g->center), s->round->center[0])) <
-                1e-12);
+    assert_true(orl_length(orl_sub(orl_add(f->quadric->center[0], g->center),
+                                   s->quadric->center[0])) < 1e-12);
     assert_int_equal(f->n_triangles, 0);
 }
 
 static void test_facets(void **state)
 {
     struct forest forest = forest_of();
-    const struct orl_description *const d = &forest.description;
+    const struct orl_parsed_scene *const d = &forest.parsed_scene;
     const struct orl_geometry *const g = forest.geometry;
     bool *const seen = calloc(d->n_surfaces, sizeof *seen);
     (void)state;
@@ -141,7 +141,7 @@ static void test_facets(void **state)
     for (uint32_t i = 0; i < g->n_facets; i++) {
         const uint32_t surface = orl_facet_surface(g, i);
         struct orl_facet own;
-        const struct orl_facet *const f = orl_facet_own(g, i, &own);
+        const struct orl_facet *const f = orl_facet_get_own(g, i, &own);
         assert_true(surface < d->n_surfaces && !seen[surface]);
         seen[surface] = true;
         const struct orl_surface *const s = &d->surfaces[surface];
@@ -212,7 +212,7 @@ static void test_rays(void **state)
         if (orl_facet_kind(g, hit.facet) != ORL_SURFACE_POLYGON)
             continue;
         const struct orl_vec3 away = orl_normalize(vector_of(&random, 1));
-        if (orl_geometry_intersect(g, orl_hit_leave(g, &hit, away), away, INFINITY, &next))
+        if (orl_geometry_intersect(g, orl_hit_ray_origin(g, &hit, away), away, INFINITY, &next))
             assert_true(next.facet != hit.facet);
     }
     print_message("%d leaves met of %d rays at them\n", met, RAYS);
@@ -236,8 +236,8 @@ static void check_copy(const struct orl_geometry *whole, uint32_t every)
     assert_true((part->packed != NULL) == (every == 2));
     for (uint32_t i = 0; i < whole->n_facets; i++) {
         struct orl_facet rooms[2];
-        const struct orl_facet *const was = orl_facet_own(whole, i, &rooms[0]);
-        const struct orl_facet *const is = orl_facet_own(part, i, &rooms[1]);
+        const struct orl_facet *const was = orl_facet_get_own(whole, i, &rooms[0]);
+        const struct orl_facet *const is = orl_facet_get_own(part, i, &rooms[1]);
         assert_int_equal(orl_facet_surface(part, i), orl_facet_surface(whole, i));
         assert_int_equal(is->kind, was->kind);
         assert_true(is->area == (keep[i] ? was->area : 0));
@@ -246,8 +246,8 @@ static void check_copy(const struct orl_geometry *whole, uint32_t every)
         assert_true(is->offset == was->offset);
         assert_true(orl_length(orl_sub(is->normal, was->normal)) < 1e-15);
         for (uint32_t k = 0; k < was->n_triangles; k++) {
-            const struct orl_triangle a = orl_triangle_of(whole, orl_facet_triangle(was, k));
-            const struct orl_triangle b = orl_triangle_of(part, orl_facet_triangle(is, k));
+            const struct orl_triangle a = orl_triangle_get(whole, orl_facet_triangle(was, k));
+            const struct orl_triangle b = orl_triangle_get(part, orl_facet_triangle(is, k));
             assert_memory_equal(&a, &b, sizeof a);
         }
     }
@@ -268,7 +268,7 @@ static void test_copies(void **state)
 
 static struct orl_scene *scene_of(const struct grove *grove, const char *text)
 {
-    struct orl_description d = grove_read(grove, text);
+    struct orl_parsed_scene d = grove_read(grove, text);
     struct orl_scene *scene = NULL;
     struct orl_error err = {0};
     assert_int_equal(orl_scene_new(&d, &scene, &err), 0);
@@ -302,9 +302,9 @@ static void test_places(void **state)
         if (!one || !other || fabs(a.distance - b.distance) > 1e-5)
             continue;
         met++;
-        struct orl_curved room;
-        assert_int_equal(orl_facet_at(s, a.facet, &room).kind, orl_facet_kind(e, b.facet));
-        assert_ptr_equal(&shared->description.materials[orl_facet_material(s, a.facet)],
+        struct orl_quadric room;
+        assert_int_equal(orl_instance_facet(s, a.facet, &room).kind, orl_facet_kind(e, b.facet));
+        assert_ptr_equal(&shared->parsed_scene.materials[orl_facet_material(s, a.facet)],
                          orl_scene_material(shared, a.facet));
         assert_int_equal(orl_facet_material(s, a.facet), orl_facet_material(e, b.facet));
         assert_true(orl_length(orl_sub(a.normal, b.normal)) < 1e-6);

@@ -6,15 +6,15 @@
 
 #include <cmocka.h>
 
-#include "parts/limits.h"
+#include "distributed/part_limits.h"
 
-static const struct orl_limit_basis usual = {
-    .load_s = 30, .pace = 1, .threads = 4, .memory_bytes = 1000UL << 20};
+static const struct orl_part_limits_input usual = {
+    .load_s = 30, .time_ratio = 1, .threads = 4, .memory_bytes = 1000UL << 20};
 
-static void assert_limits(struct orl_part_needs needs, struct orl_limit_basis basis,
+static void assert_limits(struct orl_part_needs needs, struct orl_part_limits_input input,
                           uint32_t minutes, uint32_t mib)
 {
-    const struct orl_part_limits limits = orl_part_limits(&needs, &basis);
+    const struct orl_part_limits limits = orl_part_limits(&needs, &input);
     assert_int_equal(limits.minutes, minutes);
     assert_int_equal(limits.mib, mib);
 }
@@ -29,7 +29,7 @@ static void test_a_part_of_two_hours(void **state)
 
 static void test_small_parts_get_the_least(void **state)
 {
-    struct orl_limit_basis small = usual;
+    struct orl_part_limits_input small = usual;
     (void)state;
     small.memory_bytes = 1;
     assert_limits((struct orl_part_needs){1, 0}, small, ORL_PART_LEAST_MINUTES, ORL_PART_LEAST_MIB);
@@ -45,10 +45,10 @@ static void test_what_is_not_known_is_not_limited(void **state)
  * do not reduce them. */
 static void test_parts_that_have_ended_count(void **state)
 {
-    struct orl_limit_basis slow = usual, fast = usual;
+    struct orl_part_limits_input slow = usual, fast = usual;
     (void)state;
-    slow.pace = 3;
-    fast.pace = 0.1;
+    slow.time_ratio = 3;
+    fast.time_ratio = 0.1;
     assert_limits((struct orl_part_needs){7200, 0}, slow, 724, 1536);
     assert_limits((struct orl_part_needs){7200, 0}, fast, 244, 1536);
 }
@@ -56,7 +56,7 @@ static void test_parts_that_have_ended_count(void **state)
 /* Without a known memory use of the job, the limit covers this process and the piece. */
 static void test_memory_by_this_process(void **state)
 {
-    struct orl_limit_basis unknown = usual;
+    struct orl_part_limits_input unknown = usual;
     (void)state;
     unknown.memory_bytes = 0;
     const struct orl_part_needs much = {0, 4096UL << 20};

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/paths.h>
+#include <oriel/job/paths.h>
 
 #include "support/plan_query.h"
 #include "support/scene_text.h"
@@ -30,8 +30,8 @@ static void test_table_is_complete(void **state)
                 const unsigned found = orl_path_strategies(
                     (enum orl_technique)t, (enum orl_path_class)c, (enum orl_path_receiver)r);
                 const bool photons = t > ORL_TECHNIQUE_BACKWARD;
-                assert_int_equal(found == 0, c == ORL_PATHS_MIST && photons);
-                assert_true(!(found & ORL_FIND_BY_CHANCE) || found == ORL_FIND_BY_CHANCE);
+                assert_int_equal(found == 0, c == ORL_PATHS_VOLUME && photons);
+                assert_true(!(found & ORL_PATHS_BY_CHANCE) || found == ORL_PATHS_BY_CHANCE);
             }
 }
 
@@ -117,7 +117,7 @@ static const struct {
     uint32_t has, has_not;
     enum orl_technique of_sensors, of_views;
 } scenes[] = {
-    {ALL_SKY WALL, SET(SKY) | SET(DIFFUSE), SET(DIRECT) | SET(CURVED) | SET(MIST),
+    {ALL_SKY WALL, SET(SKY) | SET(DIFFUSE), SET(DIRECT) | SET(CURVED) | SET(VOLUME),
      ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
     {SOUTH_SUN WALL, SET(DIRECT) | SET(DIFFUSE), SET(SKY) | SET(FLAT_MIRRORS),
      ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER},
@@ -136,7 +136,7 @@ static const struct {
      ORL_TECHNIQUE_GATHER},
     {SOUTH_SUN WALL ROUGH, SET(LOBES), SET(NARROW_LOBES) | SET(CURVED), ORL_TECHNIQUE_BACKWARD,
      ORL_TECHNIQUE_GATHER},
-    {SOUTH_SUN WALL MIST, SET(MIST), SET(CURVED), ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_BACKWARD},
+    {SOUTH_SUN WALL MIST, SET(VOLUME), SET(CURVED), ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_BACKWARD},
 };
 
 static void check_scene(size_t i)
@@ -192,7 +192,7 @@ static void test_left_out_on_demand(void **state)
 {
     const struct orl_plan plan = plan_of(&(struct plan_query){.text = SOUTH_SUN WALL BALL,
                                                               .effect = ORL_EFFECT_CAUSTICS_MIRROR,
-                                                              .wish = ORL_WISH_SKIP},
+                                                              .override = ORL_OVERRIDE_SKIP},
                                          NULL);
     (void)state;
     assert_int_equal(plan.paths & SET(CURVED), 0);

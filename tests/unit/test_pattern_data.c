@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/scene.h"
 #include "render/film/exr.h"
+#include "scene/built/scene.h"
 #include "scene/grid/grid.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
@@ -57,7 +57,7 @@ static struct orl_file data(char text[MOST], const char *head, int n, int step, 
     return (struct orl_file){text, (size_t)length, NULL};
 }
 
-static int parse(const char *text, const struct orl_file *first, struct orl_description *ret,
+static int parse(const char *text, const struct orl_file *first, struct orl_parsed_scene *ret,
                  struct orl_error *err)
 {
     static const char *const names[] = {"a.rad", "x",     "p.hdr", "a.dat", "r.dat",
@@ -84,10 +84,11 @@ static int parse(const char *text, const struct orl_file *first, struct orl_desc
 
 static struct orl_scene *load(const char *text, const struct orl_file *first)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
-    if (parse(text, first, &description, &err) < 0 || orl_scene_new(&description, &scene, &err) < 0)
+    if (parse(text, first, &parsed_scene, &err) < 0 ||
+        orl_scene_new(&parsed_scene, &scene, &err) < 0)
         fail_msg("%s:%d %s: %s", err.file, err.line, err.primitive, err.message);
     return scene;
 }
@@ -251,7 +252,7 @@ static void check_refused(const char *file, int code, const char *words, int lin
     static const char text[] = "void brightdata w 5 noop x f.cal u v 0 0\n"
                                "w plastic floor 0 0 5 .5 .5 .5 0 0\n" FLOOR;
     const struct orl_file x = {file, strlen(file), NULL};
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     assert_int_equal(parse(text, &x, &d, &err), code);
     if (!strstr(err.message, words))
@@ -263,7 +264,7 @@ static void check_refused(const char *file, int code, const char *words, int lin
 
 static void test_errors(void **state)
 {
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     (void)state;
     check_refused("0 1", ORL_ERR_SYNTAX, "number of its axes", 1);
@@ -300,7 +301,7 @@ static void test_mixtures(void **state)
     } cases[] = {{"void light b 0 0 3 .2 .2 .2", "of unlike materials"},
                  {"void dielectric b 0 0 5 .2 .2 .2 1.5 0", "of unlike materials"},
                  {"void brightfunc b 2 Px . 0 0", "'b' is none"}};
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     char text[8192];
     (void)state;
@@ -333,8 +334,8 @@ static void test_mixture_twice(void **state)
                                 .normal = {0, 0, 1},
                                 .front = true};
     (void)state;
-    assert_int_equal(scene->description.n_patterns, 1);
-    assert_int_equal(scene->description.n_materials, 3);
+    assert_int_equal(scene->parsed_scene.n_patterns, 1);
+    assert_int_equal(scene->parsed_scene.n_materials, 3);
     const struct orl_rgb diffuse = orl_material_diffuse(m, &hit);
     assert_true(fabs(diffuse.r - .95 * .2) < 1e-6 && fabs(diffuse.g - .95 * .4) < 1e-6 &&
                 fabs(diffuse.b - .95 * .5) < 1e-6);
@@ -349,7 +350,7 @@ static void test_keys(void **state)
         "w plastic floor 0 0 5 .5 .5 .5 0 0\n" FLOOR "void brightdata z 4 half x f.cal v 0 0\n"
         "w plastic other 0 0 5 .5 .5 .4 0 0\n";
     static const char *const contents[] = {"1 0 1 2 .5 .6", "1 0 1 2 .5 .7", "1 0 1 2 .5 .6 "};
-    struct orl_description d[3] = {{0}};
+    struct orl_parsed_scene d[3] = {{0}};
     struct orl_error err = {0};
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -361,7 +362,7 @@ static void test_keys(void **state)
     assert_true(memcmp(d[0].digest, d[1].digest, sizeof d[0].digest) != 0);
     assert_true(memcmp(d[0].digest, d[2].digest, sizeof d[0].digest) != 0);
     for (int i = 0; i < 3; i++)
-        orl_description_done(&d[i]);
+        orl_parsed_scene_done(&d[i]);
 }
 
 /* ---- Jobs -------------------------------------------------------------------------------------
@@ -403,7 +404,7 @@ static void test_lamps(void **state)
                                 .sensors = sensors,
                                 .n_sensors = SENSORS,
                                 .technique = techniques[t],
-                                .wishes = scene_wish_maps,
+                                .overrides = scene_wish_maps,
                                 .samples = 4096,
                                 .threads = 1};
         scene_run_lx(&job, lx[0]);
@@ -445,7 +446,7 @@ static void test_skies(void **state)
                                          .sensors = sensors,
                                          .n_sensors = 2,
                                          .technique = techniques[t],
-                                         .wishes = scene_wish_maps,
+                                         .overrides = scene_wish_maps,
                                          .samples = 16384,
                                          .threads = 2},
                      lx);
@@ -463,8 +464,8 @@ static void test_small_bright(void **state)
                                "f glow g 0 0 4 1 1 1 0\ng source heaven 0 0 4 0 0 1 180\n" RED;
     struct orl_scene *const scene = load(text, NULL);
     (void)state;
-    assert_int_equal(scene->description.n_warnings, 1);
-    assert_non_null(strstr(scene->description.warnings[0], "light of source heaven"));
+    assert_int_equal(scene->parsed_scene.n_warnings, 1);
+    assert_non_null(strstr(scene->parsed_scene.warnings[0], "light of source heaven"));
     orl_scene_release(scene);
 }
 
@@ -476,13 +477,13 @@ static void test_pictures_without_magic(void **state)
     static const char text[] = "void colorpict p 7 red green blue x . Px Py 0 0\n"
                                "p plastic m 0 0 5 .5 .5 .5 0 0\nm sphere s 0 0 4 0 0 0 1\n";
     const struct orl_file file = {bytes, sizeof bytes - 1, NULL};
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err = {0};
     (void)state;
     if (parse(text, &file, &d, &err) < 0)
         fail_msg("%s", err.message);
     assert_non_null(d.materials[d.surfaces[0].material].pattern);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 int main(void)

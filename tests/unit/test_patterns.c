@@ -12,16 +12,16 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "light/scene.h"
+#include "scene/built/scene.h"
 #include "scene/material/bounds.h"
-#include "scene/material/pattern.h"
+#include "scene/material/patterns/pattern.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
 
 /* ---- Values -----------------------------------------------------------------------------------
  */
 
-static int parse(const char *text, const char *function, struct orl_description *ret,
+static int parse(const char *text, const char *function, struct orl_parsed_scene *ret,
                  struct orl_error *err)
 {
     static const char *const names[] = {"a.rad", "part.rad", "f.cal"};
@@ -36,11 +36,11 @@ static int parse(const char *text, const char *function, struct orl_description 
 
 static struct orl_scene *load(const char *text, const char *function)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
-    if (parse(text, function, &description, &err) < 0 ||
-        orl_scene_new(&description, &scene, &err) < 0)
+    if (parse(text, function, &parsed_scene, &err) < 0 ||
+        orl_scene_new(&parsed_scene, &scene, &err) < 0)
         fail_msg("%s", err.message);
     return scene;
 }
@@ -110,9 +110,9 @@ static void test_cut(void **state)
     check_color(seen(scene, 2.5, 1, 0, -1), 0, 0, 0);
     check_color(seen(scene, 1.5, 1, 0, -1), .8, .4, .2);
     check_color(seen(scene, .5, 1, 0, -1), .4, .2, .1);
-    assert_int_equal(scene->description.n_warnings, 1);
+    assert_int_equal(scene->parsed_scene.n_warnings, 1);
     int without = 0;
-    assert_int_equal(sscanf(scene->description.warnings[0],
+    assert_int_equal(sscanf(scene->parsed_scene.warnings[0],
                             "a.rad:1: the function of brightfunc f has no value at %d of 1024 "
                             "places",
                             &without),
@@ -130,12 +130,12 @@ static void test_bounds(void **state)
                                "tiled sphere ball 0 0 4 -50 -50 0 1e-6\n";
     struct orl_scene *const scene = load(text, "value = if(Px-3, 1.5, Px/3);");
     const struct orl_material *const material = orl_scene_material(scene, 0);
-    const struct orl_hit hit = orl_hit_anywhere(orl_v3(0, 0, 1), true);
+    const struct orl_hit hit = orl_hit_surface_mean(orl_v3(0, 0, 1), true);
     (void)state;
     const double mean = .5 * (.25 * 1.5 + .75 * .5);
     assert_true(fabs(orl_material_diffuse(material, &hit).g - mean) < .002);
-    assert_true(fabs(orl_material_diffuse_most(material) - .75) < 1e-9);
-    assert_true(fabs(orl_material_albedo_most(material, true, 1, ORL_LOBE_ALL) - .75) < 1e-9);
+    assert_true(fabs(orl_material_max_diffuse(material) - .75) < 1e-9);
+    assert_true(fabs(orl_material_max_albedo(material, true, 1, ORL_LOBE_ALL) - .75) < 1e-9);
     orl_scene_release(scene);
 }
 
@@ -144,12 +144,12 @@ static void test_endless(void **state)
 {
     static const char text[] = "\nvoid brightfunc f 2 value f.cal 0 0\n"
                                "f plastic tiled 0 0 5 .8 .4 .2 0 0\n!xform part.rad\n";
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
     (void)state;
-    assert_int_equal(parse(text, "value = g(Px); g(x) = g(x + 1);", &description, &err), 0);
-    assert_int_equal(orl_scene_new(&description, &scene, &err), ORL_ERR_LIMIT);
+    assert_int_equal(parse(text, "value = g(Px); g(x) = g(x + 1);", &parsed_scene, &err), 0);
+    assert_int_equal(orl_scene_new(&parsed_scene, &scene, &err), ORL_ERR_LIMIT);
     assert_string_equal(err.file, "a.rad");
     assert_int_equal(err.line, 2);
     assert_string_equal(err.primitive, "brightfunc f");
@@ -160,14 +160,14 @@ static void test_file_errors(void **state)
 {
     static const char text[] = "void brightfunc f 2 value f.cal 0 0\n"
                                "f plastic tiled 0 0 5 .8 .4 .2 0 0\n!xform part.rad\n";
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(parse(text, "a = 1;\nvalue = a +;", &description, &err), ORL_ERR_SYNTAX);
+    assert_int_equal(parse(text, "a = 1;\nvalue = a +;", &parsed_scene, &err), ORL_ERR_SYNTAX);
     assert_string_equal(err.file, "f.cal");
     assert_int_equal(err.line, 2);
     assert_string_equal(err.primitive, "brightfunc f");
-    assert_int_equal(parse(text, "a = 1;\nvalue = b + a;", &description, &err), ORL_ERR_NOT_FOUND);
+    assert_int_equal(parse(text, "a = 1;\nvalue = b + a;", &parsed_scene, &err), ORL_ERR_NOT_FOUND);
     assert_string_equal(err.file, "f.cal");
     assert_int_equal(err.line, 2);
 }
@@ -181,7 +181,7 @@ static void test_keys(void **state)
                                "f plastic tiled 0 0 5 .8 .4 .2 0 0\n!xform part.rad\n"
                                "void brightfunc f 2 value f.cal 0 1 2\n";
     static const char *const functions[] = {"value = .5;", "value = .6;", "value = .5; "};
-    struct orl_description d[3] = {{0}};
+    struct orl_parsed_scene d[3] = {{0}};
     struct orl_error err = {0};
     (void)state;
     for (int i = 0; i < 3; i++)
@@ -191,7 +191,7 @@ static void test_keys(void **state)
     assert_true(memcmp(d[0].digest, d[1].digest, sizeof d[0].digest) != 0);
     assert_true(memcmp(d[0].digest, d[2].digest, sizeof d[0].digest) != 0);
     for (int i = 0; i < 3; i++)
-        orl_description_done(&d[i]);
+        orl_parsed_scene_done(&d[i]);
 }
 
 /* ---- Jobs -------------------------------------------------------------------------------------
@@ -226,7 +226,7 @@ static void run_scene(const char *scene, enum orl_technique technique, uint32_t 
                                   .sensors = sensors,
                                   .n_sensors = SENSORS,
                                   .technique = technique,
-                                  .wishes = scene_wish_maps,
+                                  .overrides = scene_wish_maps,
                                   .global = 100000,
                                   .samples = 4096,
                                   .threads = threads};

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
 #include <zlib.h>
 
 #include "support/scene_text.h"
@@ -17,7 +17,8 @@
 
 static const unsigned char red[3] = {255, 0, 51};
 
-static void draw_text(const char *path, const char *text, const struct orl_canvas_letters *letters)
+static void draw_text(const char *path, const char *text,
+                      const struct orl_canvas_text_style *letters)
 {
     static const double x[] = {10, 20, 20}, y[] = {10, 10, 30};
     struct orl_canvas *canvas = NULL;
@@ -58,7 +59,7 @@ static void assert_says(const char *text, const char *wanted)
 /* Every object is at its offset in the table, and the table is at the offset given at the end. */
 static void test_structure(void **state)
 {
-    const struct orl_canvas_letters letters = {.size = 10};
+    const struct orl_canvas_text_style letters = {.size = 10};
     const char *path = scratch_path("page.pdf");
     size_t size;
     (void)state;
@@ -86,9 +87,11 @@ static void test_structure(void **state)
 
 static void test_what_is_drawn(void **state)
 {
-    const struct orl_canvas_letters plain = {.size = 7.2, .align = ORL_CANVAS_LEFT},
-                                    up = {
-                                        .size = 7.2, .upright = true, .bold = true, .rimmed = true};
+    const struct orl_canvas_text_style plain = {.size = 7.2, .align = ORL_CANVAS_LEFT},
+                                       up = {.size = 7.2,
+                                             .upright = true,
+                                             .bold = true,
+                                             .rimmed = true};
     const char *path = scratch_path("page.pdf");
     (void)state;
     draw_text(path, "a (b) \\ c", &plain);
@@ -108,7 +111,7 @@ static void test_what_is_drawn(void **state)
 
 /* Latin-1 by its codes, some more letters, signs of Symbol; other characters become boxes, control
  * characters blanks. */
-static void test_letters(void **state)
+static void test_stroke_font(void **state)
 {
     static const struct {
         const char *text, *codes;
@@ -120,7 +123,7 @@ static void test_letters(void **state)
         {"\xff\xc3", "/F3 10.000 Tf (oo) Tj ET"},
         {"", "Tm ET"},
     };
-    const struct orl_canvas_letters letters = {.size = 7.2};
+    const struct orl_canvas_text_style letters = {.size = 7.2};
     const char *path = scratch_path("page.pdf");
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -134,7 +137,7 @@ static void test_letters(void **state)
 /* No text is wider than the space it was laid out with; right-aligned text ends at its place. */
 static void test_no_text_is_wider_than_laid_out(void **state)
 {
-    const struct orl_canvas_letters right = {.size = 7.2, .align = ORL_CANVAS_RIGHT};
+    const struct orl_canvas_text_style right = {.size = 7.2, .align = ORL_CANVAS_RIGHT};
     const char *path = scratch_path("page.pdf"), *wide = "WWWWWWWWWW";
     double squeezed, left, y;
     (void)state;
@@ -171,7 +174,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_structure, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_drawn, scratch_set_up, scratch_tear_down),
-        cmocka_unit_test_setup_teardown(test_letters, scratch_set_up, scratch_tear_down),
+        cmocka_unit_test_setup_teardown(test_stroke_font, scratch_set_up, scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_no_text_is_wider_than_laid_out, scratch_set_up,
                                         scratch_tear_down),
         cmocka_unit_test_setup_teardown(test_a_folder_that_is_not_there, scratch_set_up,

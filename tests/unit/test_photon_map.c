@@ -15,10 +15,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/checksum.h"
-#include "base/random.h"
-#include "photon/map/facing.h"
+#include "base/io/checksum.h"
+#include "base/sampling/random.h"
 #include "photon/map/map_layout.h"
+#include "photon/map/normal_code.h"
 #include "photon/map/zorder.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
@@ -60,10 +60,10 @@ static struct orl_photon *make_photons(size_t count, uint64_t seed)
 static void build_map(const char *path, struct orl_photon *photons, size_t count,
                       const struct orl_map_build *build, uint32_t threads)
 {
-    struct orl_crew *crew = orl_crew_start(threads);
+    struct orl_thread_pool *pool = orl_thread_pool_start(threads);
     struct orl_error err;
-    assert_int_equal(orl_photon_map_write(path, photons, count, build, crew, &err), 0);
-    orl_crew_stop(crew);
+    assert_int_equal(orl_photon_map_write(path, photons, count, build, pool, &err), 0);
+    orl_thread_pool_stop(pool);
 }
 
 static void write_map(const char *path, struct orl_photon *photons, size_t count, uint64_t emitted,
@@ -99,7 +99,8 @@ static void test_places_lead_to_leaves(void **state)
         for (size_t i = 0; i < counts[c]; i++) {
             const uint32_t *words = map->places + i / ORL_MAP_LEAF * ORL_LEAF_WORDS;
             uint32_t cell[3];
-            orl_place_unpack(words[i % ORL_MAP_LEAF], words[i % ORL_MAP_LEAF + ORL_MAP_LEAF], cell);
+            orl_position_unpack(words[i % ORL_MAP_LEAF], words[i % ORL_MAP_LEAF + ORL_MAP_LEAF],
+                                cell);
             const uint64_t code = orl_zorder_code(cell, map->normals[i]);
             const uint64_t leaf = orl_zorder_find(&order, code);
             assert_true(leaf == i / ORL_MAP_LEAF ||
@@ -250,7 +251,7 @@ static void test_normals(void **state)
 /* ---- Bytes ------------------------------------------------------------------------------------
  */
 
-static void test_same_bytes_for_any_crew(void **state)
+static void test_same_bytes_for_any_pool_size(void **state)
 {
     enum { COUNT = 200000, VARIANTS = 4 };
     static const uint32_t threads[VARIANTS] = {1, 2, 7, 1};
@@ -261,7 +262,7 @@ static void test_same_bytes_for_any_crew(void **state)
         struct orl_photon *photons = make_photons(COUNT, 5);
         /* A build that consumes its photons gives the same map. */
         const struct orl_map_build build = {
-            .kind = "global", .emitted = COUNT, .seed = 5, .spend = i % 2 == 1};
+            .kind = "global", .emitted = COUNT, .seed = 5, .free_photons = i % 2 == 1};
         build_map(scratch_path("map"), photons, COUNT, &build, threads[i]);
         bytes[i] = scene_read_bytes(scratch_path("map"), &size[i]);
         free(photons);
@@ -406,11 +407,11 @@ static void test_not_files(void **state)
     assert_int_equal(orl_photon_map_open(scratch_path("absent"), false, &map, &err), ORL_ERR_IO);
     assert_int_equal(orl_photon_map_open(scratch_path(""), false, &map, &err), ORL_ERR_CORRUPT);
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     assert_int_equal(
-        orl_photon_map_write(scratch_path("no/such/folder"), NULL, 0, &build, crew, &err),
+        orl_photon_map_write(scratch_path("no/such/folder"), NULL, 0, &build, pool, &err),
         ORL_ERR_IO);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 int main(void)
@@ -421,7 +422,7 @@ int main(void)
         cmocka_unit_test(test_sums_are_kept),
         cmocka_unit_test(test_wild_fluxes_sum),
         cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_same_bytes_for_any_crew),
+        cmocka_unit_test(test_same_bytes_for_any_pool_size),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_flipped_bits),
         cmocka_unit_test(test_wrong_headers),

@@ -13,13 +13,13 @@
 
 #include <cmocka.h>
 
-#include <oriel/skies.h>
+#include <oriel/job/skies.h>
 
 #include "support/cli.h"
 #include "support/room.h"
 #include "support/year.h"
 
-/* The margin of the limits (limits.c), and the greatest allowed overestimate. */
+/* The margin of the limits (part_limits.c), and the greatest allowed overestimate. */
 static const double least = 1.0 / 8, most = 60;
 
 struct fixture {
@@ -46,20 +46,20 @@ static double cpu_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int divide_pieces(void *ctx, const struct orl_piece *pieces, size_t n, bool *ret_here,
-                         const struct orl_pieces_watch *watch, struct orl_error *err)
+static int divide_pieces(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
+                         const struct orl_job_tasks_watch *watch, struct orl_error *err)
 {
     struct fixture *f = ctx;
     (void)watch, (void)err;
     for (size_t i = 0; i < n; i++) {
         ret_here[i] = true;
-        assert_true(pieces[i].core_s > 0);
-        if (strcmp(pieces[i].kind, "rows") == 0)
+        assert_true(tasks[i].core_s > 0);
+        if (strcmp(tasks[i].kind, "rows") == 0)
             f->until_s = cpu_s();
-        if (strcmp(pieces[i].kind, f->kind) != 0)
+        if (strcmp(tasks[i].kind, f->kind) != 0)
             continue;
-        f->first_s = f->n++ > 0 ? f->first_s : pieces[i].core_s;
-        f->core_s += pieces[i].core_s;
+        f->first_s = f->n++ > 0 ? f->first_s : tasks[i].core_s;
+        f->core_s += tasks[i].core_s;
     }
     return 0;
 }
@@ -110,7 +110,7 @@ static void run_skies(struct fixture *f, enum orl_technique technique, double re
     struct orl_map_store store;
     struct orl_error err = {0};
     struct orl_job job;
-    const struct orl_pieces pieces = {f, "a job", divide_pieces, NULL};
+    const struct orl_job_tasks tasks = {f, "a job", divide_pieces, NULL};
     atomic_bool cancel = false;
     orl_job_init(&job);
     fill_skies(skies);
@@ -127,10 +127,10 @@ static void run_skies(struct fixture *f, enum orl_technique technique, double re
     job.n_skies = 2;
     snprintf(state.folder, sizeof state.folder, "%s", f->kept);
     orl_shared_store_init(&state, &store);
-    const struct orl_run_env env = {.crew = orl_crew_start(1),
+    const struct orl_run_env env = {.pool = orl_thread_pool_start(1),
                                     .files = &files,
                                     .store = &store,
-                                    .pieces = &pieces,
+                                    .tasks = &tasks,
                                     .output_folder = f->folder,
                                     .cancel = &cancel,
                                     .now_s = now_s,
@@ -140,7 +140,7 @@ static void run_skies(struct fixture *f, enum orl_technique technique, double re
     if (orl_run_skies(&job, &env, &under, &err) < 0)
         fail_msg("%s", err.message);
     assert_within(f, cpu_s() - before);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     orl_shared_store_done(&state);
 }
 
@@ -162,7 +162,7 @@ static void test_skies_by_paths_with_an_accuracy(void **state)
 static void run_year(struct fixture *f, enum orl_annual_technique technique)
 {
     static const struct orl_sensor sensors[] = {{{2, 2, 0.8}, {0, 0, 1}}};
-    const struct orl_pieces pieces = {f, "a job", divide_pieces, NULL};
+    const struct orl_job_tasks tasks = {f, "a job", divide_pieces, NULL};
     const struct year_run run = {.scene = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE,
                                  .site = {50, 10, 1},
                                  .sensors = sensors,
@@ -170,7 +170,7 @@ static void run_year(struct fixture *f, enum orl_annual_technique technique)
                                  .samples = 64,
                                  .technique = technique,
                                  .kept_in = f->kept,
-                                 .pieces = &pieces};
+                                 .tasks = &tasks};
     struct orl_annual_result year;
     f->kind = "annual";
     f->began_s = cpu_s();

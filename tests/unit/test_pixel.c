@@ -19,7 +19,7 @@ static void places(void **state)
         uint32_t rows = 0, columns = 0;
         for (uint32_t i = set; i < set + 4; i++) {
             double x, y;
-            orl_pixel_place(i, &x, &y);
+            orl_pixel_ray_position(i, &x, &y);
             const uint32_t column = (uint32_t)(4 * x), row = (uint32_t)(4 * y);
             columns |= 1U << column;
             rows |= 1U << row;
@@ -36,15 +36,15 @@ static void places(void **state)
 static double edge_pixel(double angle, double offset, double dark, uint32_t *ret_rays)
 {
     struct orl_pixel_rays tally = {.rays = 0};
-    for (uint32_t i = 0; i < ORL_PIXEL_FIRST_RAYS || i < orl_pixel_wants(&tally); i++) {
+    for (uint32_t i = 0; i < ORL_PIXEL_FIRST_RAYS || i < orl_pixel_rays_needed(&tally); i++) {
         double x, y;
-        orl_pixel_place(i, &x, &y);
+        orl_pixel_ray_position(i, &x, &y);
         const double side = (x - 0.5) * cos(angle) + (y - 0.5) * sin(angle) - offset;
-        const struct orl_shade shade = {.radiance = orl_gray(side < 0 ? 1 : dark)};
-        orl_pixel_add(&tally, &shade);
+        const struct orl_ray_radiance ray_radiance = {.radiance = orl_gray(side < 0 ? 1 : dark)};
+        orl_pixel_add(&tally, &ray_radiance);
     }
     *ret_rays = tally.rays;
-    return orl_luma(orl_pixel_settle(&tally).value);
+    return orl_luma(orl_pixel_resolve(&tally).value);
 }
 
 /*

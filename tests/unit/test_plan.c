@@ -174,13 +174,13 @@ static void test_techniques(void **state)
     plan = plan_of(&(struct plan_query){.text = SKY SUN ROOM,
                                         .view = true,
                                         .effect = ORL_EFFECT_FINAL_GATHER,
-                                        .wish = ORL_WISH_SKIP},
+                                        .override = ORL_OVERRIDE_SKIP},
                    NULL);
     assert_int_equal(plan.technique, ORL_TECHNIQUE_DIRECT);
     assert_false(plan.effects[ORL_EFFECT_FINAL_GATHER].simulated);
     plan = plan_of(&(struct plan_query){.text = SKY SUN ROOM,
                                         .effect = ORL_EFFECT_FINAL_GATHER,
-                                        .wish = ORL_WISH_FORCE},
+                                        .override = ORL_OVERRIDE_FORCE},
                    NULL);
     assert_int_equal(plan.technique, ORL_TECHNIQUE_GATHER);
     plan = plan_of(
@@ -204,13 +204,17 @@ static void test_wishes(void **state)
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
         const enum orl_effect effect = (enum orl_effect)i;
         const bool fixed = effect == ORL_EFFECT_GLARE || effect == ORL_EFFECT_BINS;
-        const struct orl_plan forced = plan_of(
-            &(struct plan_query){.text = SKY ROOM, .effect = effect, .wish = ORL_WISH_FORCE}, NULL);
-        const struct orl_plan skipped = plan_of(
-            &(struct plan_query){.text = all_of_it, .effect = effect, .wish = ORL_WISH_SKIP}, NULL);
+        const struct orl_plan forced = plan_of(&(struct plan_query){.text = SKY ROOM,
+                                                                    .effect = effect,
+                                                                    .override = ORL_OVERRIDE_FORCE},
+                                               NULL);
+        const struct orl_plan skipped = plan_of(&(struct plan_query){.text = all_of_it,
+                                                                     .effect = effect,
+                                                                     .override = ORL_OVERRIDE_SKIP},
+                                                NULL);
         const struct orl_plan planned = plan_text(all_of_it, NULL);
-        assert_int_equal(forced.effects[i].wish, ORL_WISH_FORCE);
-        assert_int_equal(skipped.effects[i].wish, ORL_WISH_SKIP);
+        assert_int_equal(forced.effects[i].override, ORL_OVERRIDE_FORCE);
+        assert_int_equal(skipped.effects[i].override, ORL_OVERRIDE_SKIP);
         assert_int_equal(forced.effects[i].simulated, !fixed);
         /* Light straight through panes uses shadow rays: it cannot be left out. */
         assert_int_equal(skipped.effects[i].simulated, effect == ORL_EFFECT_CAUSTICS_GLASS);
@@ -224,30 +228,34 @@ static void test_skips_are_done(void **state)
 {
     struct plan_left left;
     (void)state;
-    plan_of(
-        &(struct plan_query){.text = all_of_it, .effect = ORL_EFFECT_SUN, .wish = ORL_WISH_SKIP},
-        &left);
+    plan_of(&(struct plan_query){.text = all_of_it,
+                                 .effect = ORL_EFFECT_SUN,
+                                 .override = ORL_OVERRIDE_SKIP},
+            &left);
     assert_int_equal(left.suns, 0);
-    plan_of(
-        &(struct plan_query){.text = all_of_it, .effect = ORL_EFFECT_SKY, .wish = ORL_WISH_SKIP},
-        &left);
+    plan_of(&(struct plan_query){.text = all_of_it,
+                                 .effect = ORL_EFFECT_SKY,
+                                 .override = ORL_OVERRIDE_SKIP},
+            &left);
     assert_int_equal(left.domes, 0);
-    plan_of(
-        &(struct plan_query){.text = all_of_it, .effect = ORL_EFFECT_LAMPS, .wish = ORL_WISH_SKIP},
-        &left);
+    plan_of(&(struct plan_query){.text = all_of_it,
+                                 .effect = ORL_EFFECT_LAMPS,
+                                 .override = ORL_OVERRIDE_SKIP},
+            &left);
     assert_int_equal(left.emitters, 0);
     plan_of(&(struct plan_query){.text = all_of_it,
                                  .effect = ORL_EFFECT_EXTERIOR,
-                                 .wish = ORL_WISH_SKIP},
+                                 .override = ORL_OVERRIDE_SKIP},
             &left);
     assert_true(left.omit.exterior);
-    plan_of(
-        &(struct plan_query){.text = all_of_it, .effect = ORL_EFFECT_PORTS, .wish = ORL_WISH_SKIP},
-        &left);
+    plan_of(&(struct plan_query){.text = all_of_it,
+                                 .effect = ORL_EFFECT_PORTS,
+                                 .override = ORL_OVERRIDE_SKIP},
+            &left);
     assert_true(left.silent);
     plan_of(&(struct plan_query){.text = SKY ROOM,
                                  .effect = ORL_EFFECT_EXTERIOR,
-                                 .wish = ORL_WISH_FORCE},
+                                 .override = ORL_OVERRIDE_FORCE},
             &left);
     assert_false(left.clear);
 }

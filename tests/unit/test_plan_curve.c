@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/crew.h>
-#include <oriel/files.h>
-#include <oriel/skies.h>
+#include <oriel/base/files.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/job/skies.h>
 
 #include "support/cli.h"
 #include "support/scratch.h"
@@ -37,7 +37,7 @@ struct planned {
     double step_s, now;
     unsigned plans;
     bool has_curve;
-    struct orl_curve curve;
+    struct orl_accuracy_curve curve;
 };
 
 static double now_s(void *ctx)
@@ -47,7 +47,7 @@ static double now_s(void *ctx)
 }
 
 static int record_plan(void *ctx, const char *sky, const struct orl_result *result,
-                       const struct orl_curve *curve, struct orl_error *err)
+                       const struct orl_accuracy_curve *curve, struct orl_error *err)
 {
     struct planned *planned = ctx;
     (void)sky, (void)result, (void)err;
@@ -73,7 +73,7 @@ static struct planned plan(const char *wall, double step_s)
     const struct orl_files files = orl_files_from_folder(scratch_path(""));
     struct planned planned = {.step_s = step_s};
     atomic_bool cancel = false;
-    const struct orl_run_env env = {.crew = orl_crew_start(1),
+    const struct orl_run_env env = {.pool = orl_thread_pool_start(1),
                                     .files = &files,
                                     .output_folder = scratch_path(""),
                                     .cancel = &cancel,
@@ -86,7 +86,7 @@ static struct planned plan(const char *wall, double step_s)
     cli_write_file(scratch_path(""), "l.cal", lobes);
     if (orl_plan_skies(&job, &env, 1, record_plan, &planned, &err) < 0)
         fail_msg("%s", err.message);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     assert_int_equal(planned.plans, 1);
     return planned;
 }

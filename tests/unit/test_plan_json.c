@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "decode.h"
-#include "job_json.h"
-#include "plan_json.h"
+#include "job/job_json.h"
+#include "job/plan_json.h"
+#include "json/decode.h"
 
 #define ID "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
 
@@ -32,13 +32,13 @@ static int decode(const char *effects, struct orl_job *job, struct orl_error *er
 }
 
 /* Decodes valid effects and frees the job. */
-static void wishes_of(const char *effects, enum orl_wish ret_wishes[ORL_EFFECT_COUNT])
+static void wishes_of(const char *effects, enum orl_effect_override ret_wishes[ORL_EFFECT_COUNT])
 {
     struct orl_job job;
     struct orl_error err = {0};
     if (decode(effects, &job, &err) < 0)
         fail_msg("%s: %s", effects, err.message);
-    memcpy(ret_wishes, job.wishes, sizeof job.wishes);
+    memcpy(ret_wishes, job.overrides, sizeof job.overrides);
     orl_job_done(&job);
 }
 
@@ -46,14 +46,14 @@ static void test_every_effect_by_its_name(void **state)
 {
     (void)state;
     for (int effect = 0; effect < ORL_EFFECT_COUNT; effect++)
-        for (int wish = 0; wish < ORL_WISH_COUNT; wish++) {
-            enum orl_wish wishes[ORL_EFFECT_COUNT];
+        for (int override = 0; override < ORL_OVERRIDE_COUNT; override++) {
+            enum orl_effect_override overrides[ORL_EFFECT_COUNT];
             char text[128];
             snprintf(text, sizeof text, "{\"%s\":\"%s\"}", orl_effect_name((enum orl_effect)effect),
-                     orl_wish_name((enum orl_wish)wish));
-            wishes_of(text, wishes);
+                     orl_effect_override_name((enum orl_effect_override) override));
+            wishes_of(text, overrides);
             for (int other = 0; other < ORL_EFFECT_COUNT; other++)
-                assert_int_equal(wishes[other], other == effect ? wish : ORL_WISH_AUTO);
+                assert_int_equal(overrides[other], other == effect ? override : ORL_OVERRIDE_AUTO);
         }
 }
 
@@ -62,28 +62,28 @@ static void test_caustics_stands_for_three(void **state)
     (void)state;
     static const struct {
         const char *text;
-        enum orl_wish mirror, bsdf, glass;
+        enum orl_effect_override mirror, bsdf, glass;
     } cases[] = {
-        {"{\"caustics\":\"skip\"}", ORL_WISH_SKIP, ORL_WISH_SKIP, ORL_WISH_SKIP},
-        {"{\"caustics\":\"force\"}", ORL_WISH_FORCE, ORL_WISH_FORCE, ORL_WISH_FORCE},
+        {"{\"caustics\":\"skip\"}", ORL_OVERRIDE_SKIP, ORL_OVERRIDE_SKIP, ORL_OVERRIDE_SKIP},
+        {"{\"caustics\":\"force\"}", ORL_OVERRIDE_FORCE, ORL_OVERRIDE_FORCE, ORL_OVERRIDE_FORCE},
         /* The specific member wins, first or last, with any value. */
-        {"{\"caustics\":\"skip\",\"caustics_bsdf\":\"force\"}", ORL_WISH_SKIP, ORL_WISH_FORCE,
-         ORL_WISH_SKIP},
-        {"{\"caustics_bsdf\":\"force\",\"caustics\":\"skip\"}", ORL_WISH_SKIP, ORL_WISH_FORCE,
-         ORL_WISH_SKIP},
-        {"{\"caustics_mirror\":\"auto\",\"caustics\":\"skip\"}", ORL_WISH_AUTO, ORL_WISH_SKIP,
-         ORL_WISH_SKIP},
-        {"{\"caustics\":\"auto\",\"caustics_glass\":\"skip\"}", ORL_WISH_AUTO, ORL_WISH_AUTO,
-         ORL_WISH_SKIP},
-        {"{}", ORL_WISH_AUTO, ORL_WISH_AUTO, ORL_WISH_AUTO},
+        {"{\"caustics\":\"skip\",\"caustics_bsdf\":\"force\"}", ORL_OVERRIDE_SKIP,
+         ORL_OVERRIDE_FORCE, ORL_OVERRIDE_SKIP},
+        {"{\"caustics_bsdf\":\"force\",\"caustics\":\"skip\"}", ORL_OVERRIDE_SKIP,
+         ORL_OVERRIDE_FORCE, ORL_OVERRIDE_SKIP},
+        {"{\"caustics_mirror\":\"auto\",\"caustics\":\"skip\"}", ORL_OVERRIDE_AUTO,
+         ORL_OVERRIDE_SKIP, ORL_OVERRIDE_SKIP},
+        {"{\"caustics\":\"auto\",\"caustics_glass\":\"skip\"}", ORL_OVERRIDE_AUTO,
+         ORL_OVERRIDE_AUTO, ORL_OVERRIDE_SKIP},
+        {"{}", ORL_OVERRIDE_AUTO, ORL_OVERRIDE_AUTO, ORL_OVERRIDE_AUTO},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        enum orl_wish wishes[ORL_EFFECT_COUNT];
-        wishes_of(cases[i].text, wishes);
-        assert_int_equal(wishes[ORL_EFFECT_CAUSTICS_MIRROR], cases[i].mirror);
-        assert_int_equal(wishes[ORL_EFFECT_CAUSTICS_BSDF], cases[i].bsdf);
-        assert_int_equal(wishes[ORL_EFFECT_CAUSTICS_GLASS], cases[i].glass);
-        assert_int_equal(wishes[ORL_EFFECT_SUN], ORL_WISH_AUTO);
+        enum orl_effect_override overrides[ORL_EFFECT_COUNT];
+        wishes_of(cases[i].text, overrides);
+        assert_int_equal(overrides[ORL_EFFECT_CAUSTICS_MIRROR], cases[i].mirror);
+        assert_int_equal(overrides[ORL_EFFECT_CAUSTICS_BSDF], cases[i].bsdf);
+        assert_int_equal(overrides[ORL_EFFECT_CAUSTICS_GLASS], cases[i].glass);
+        assert_int_equal(overrides[ORL_EFFECT_SUN], ORL_OVERRIDE_AUTO);
     }
 }
 
@@ -138,7 +138,7 @@ static struct orl_plan example(void)
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
         struct orl_decision *d = &plan.effects[i];
         d->simulated = i % 2 == 0;
-        d->wish = (enum orl_wish)(i % ORL_WISH_COUNT);
+        d->override = (enum orl_effect_override)(i % ORL_OVERRIDE_COUNT);
         d->unit = (enum orl_bound_unit)(i % 3);
         d->bound = 0.5 + i;
         d->saved_s = 0.25 * i;
@@ -172,7 +172,7 @@ static void check_decision(const json_t *told, enum orl_effect effect,
                         orl_effect_name(effect));
     assert_int_equal(json_is_true(json_object_get(told, "simulated")), decision->simulated);
     assert_string_equal(json_string_value(json_object_get(told, "wish")),
-                        orl_wish_name(decision->wish));
+                        orl_effect_override_name(decision->override));
     assert_string_equal(json_string_value(json_object_get(told, "why")), decision->why);
     assert_true(json_number_value(json_object_get(told, "saved_s")) == decision->saved_s);
     assert_true(json_number_value(json_object_get(told, "cost_s")) == decision->cost_s);

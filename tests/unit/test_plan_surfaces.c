@@ -120,7 +120,7 @@ static void test_caustics_of_paths(void **state)
     const struct orl_plan plan = plan_of(&(struct plan_query){.text = SKY SUN ROOM DISH,
                                                               .technique = ORL_TECHNIQUE_BACKWARD,
                                                               .effect = ORL_EFFECT_CAUSTICS_MIRROR,
-                                                              .wish = ORL_WISH_SKIP},
+                                                              .override = ORL_OVERRIDE_SKIP},
                                          NULL);
     (void)state;
     assert_true(plan.effects[ORL_EFFECT_CAUSTICS_MIRROR].simulated);
@@ -161,7 +161,7 @@ static void test_interreflection(void **state)
     assert_in_range(plan.most_reflections, 7, 9);
     plan = plan_of(&(struct plan_query){.text = SKY ROOM,
                                         .effect = ORL_EFFECT_INTERREFLECTION,
-                                        .wish = ORL_WISH_SKIP,
+                                        .override = ORL_OVERRIDE_SKIP,
                                         .technique = ORL_TECHNIQUE_DIRECT},
                    &left);
     /* With photons for direct light, first landings still count as the sky's direct light. */
@@ -182,7 +182,7 @@ static void test_glossy(void **state)
     plan = plan_of(&(struct plan_query){.text = SKY ROOM "void plastic s 0 0 5 .5 .5 .5 .02 .1\n"
                                                          "s ring spot 0 0 8 2 4 .001 0 0 1 0 .01\n",
                                         .effect = ORL_EFFECT_GLOSSY,
-                                        .wish = ORL_WISH_SKIP},
+                                        .override = ORL_OVERRIDE_SKIP},
                    &left);
     assert_true(!plan.effects[ORL_EFFECT_GLOSSY].simulated && left.omit.glossy);
     assert_true(plan.effects[ORL_EFFECT_GLOSSY].bound > 1);
@@ -204,9 +204,10 @@ static void test_color(void **state)
     plan_expect_simulated(red, ORL_EFFECT_COLOR);
     plan_expect_simulated("void glow g 0 0 4 .9 1 1.1 0\ng source sky 0 0 4 0 0 1 180\n" ROOM,
                           ORL_EFFECT_COLOR);
-    plan = plan_of(
-        &(struct plan_query){.text = red, .effect = ORL_EFFECT_COLOR, .wish = ORL_WISH_SKIP},
-        &left);
+    plan = plan_of(&(struct plan_query){.text = red,
+                                        .effect = ORL_EFFECT_COLOR,
+                                        .override = ORL_OVERRIDE_SKIP},
+                   &left);
     assert_true(plan.channels == 1 && left.omit.bleached);
     assert_true(plan.effects[ORL_EFFECT_COLOR].bound > 0);
 }
@@ -226,9 +227,10 @@ static void test_clear_solids(void **state)
     plan_expect_simulated(pure, ORL_EFFECT_REFRACTION);
     plan_expect_simulated(bead, ORL_EFFECT_MEDIA);
     plan_expect_simulated(bead, ORL_EFFECT_CAUSTICS_MIRROR);
-    plan = plan_of(
-        &(struct plan_query){.text = bead, .effect = ORL_EFFECT_REFRACTION, .wish = ORL_WISH_SKIP},
-        &left);
+    plan = plan_of(&(struct plan_query){.text = bead,
+                                        .effect = ORL_EFFECT_REFRACTION,
+                                        .override = ORL_OVERRIDE_SKIP},
+                   &left);
     assert_true(left.omit.refraction && plan.effects[ORL_EFFECT_REFRACTION].bound > 1);
 }
 

@@ -15,22 +15,22 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <oriel/annual_report.h>
-#include <oriel/npy.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/npy.h>
 
-#include "base/sort.h"
-#include "goniometer/forest.h"
+#include "base/memory/sort.h"
+#include "bsdf/make/trees/tree_builder.h"
 #include "photon/map/map.h"
 #include "run/stages.h"
-#include "scene/generate/solids.h"
-#include "scene/geometry/coincident.h"
+#include "scene/generate/solid/solids.h"
+#include "scene/geometry/coincidence/coincident.h"
 #include "support/scratch.h"
 
 static int polls;
 static int cancel_at; /* the poll from which on the result is true; negative: never */
 static const atomic_bool flag;
 
-/* Replaces core/base/cancel.c: the core's polls call this. */
+/* Replaces core/base/threads/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     return cancel && polls++ >= cancel_at && cancel_at >= 0;
@@ -185,20 +185,21 @@ static void test_reports(void **state)
 {
     struct orl_annual_request request;
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     struct orl_error err = {0};
     (void)state;
     name_grids(&request);
     make_year(&result);
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    wishes.targets = calloc(1, sizeof *wishes.targets);
-    assert_non_null(wishes.targets);
-    assert_int_equal(orl_annual_target_parse("sDA300/50 >= 55 %", wishes.targets, &err), 0);
-    wishes.n_targets = 1;
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    report_request.targets = calloc(1, sizeof *report_request.targets);
+    assert_non_null(report_request.targets);
+    assert_int_equal(orl_annual_target_parse("sDA300/50 >= 55 %", report_request.targets, &err), 0);
+    report_request.n_targets = 1;
     begin_count(-1);
-    assert_int_equal(
-        orl_annual_report_make(&request, &result, &wishes, NULL, &flag, NULL, &report, &err), 0);
+    assert_int_equal(orl_annual_report_make(&request, &result, &report_request, NULL, &flag, NULL,
+                                            &report, &err),
+                     0);
     const int all = polls;
     expect_series(&report, &result);
     orl_annual_report_done(&report);
@@ -206,12 +207,12 @@ static void test_reports(void **state)
     assert_true(all >= (1 + 3 * 2) * YEAR_SENSORS);
     for (int at = 0; at < all; at += all / 20) {
         begin_count(at);
-        assert_int_equal(
-            orl_annual_report_make(&request, &result, &wishes, NULL, &flag, NULL, &report, &err),
-            ORL_ERR_CANCELLED);
+        assert_int_equal(orl_annual_report_make(&request, &result, &report_request, NULL, &flag,
+                                                NULL, &report, &err),
+                         ORL_ERR_CANCELLED);
         assert_int_equal(polls, at + 1);
     }
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
 }
 
 /* Sensors in the document itself: a poll at each grid. */
@@ -237,9 +238,9 @@ static void test_grids(void **state)
 
 static void test_trees(void **state)
 {
-    enum { FAN = ORL_GONIO_FAN_MOST, BRANCHES = 1 + FAN };
+    enum { FAN = ORL_GONIO_MAX_BRANCHING, BRANCHES = 1 + FAN };
     struct orl_gonio_branch branches[BRANCHES] = {{{{0}}}};
-    const struct orl_gonio_forest forest = {.rank = 4, .branches = branches, .count = BRANCHES};
+    const struct orl_gonio_builder forest = {.rank = 4, .branches = branches, .count = BRANCHES};
     const struct orl_gonio_node root = {.branch = 1};
     size_t sizes[2];
     (void)state;
@@ -249,7 +250,7 @@ static void test_trees(void **state)
         char *text = NULL;
         FILE *out = open_memstream(&text, &sizes[k]);
         begin_count(k == 0 ? -1 : BRANCHES / 2);
-        orl_gonio_forest_write(&forest, root, false, &flag, out);
+        orl_gonio_builder_write(&forest, root, false, &flag, out);
         assert_int_equal(fclose(out), 0);
         free(text);
         assert_int_equal(polls, BRANCHES);
@@ -366,16 +367,16 @@ static void test_sorting(void **state)
 enum { SIDE = 200, TRIANGLES = SIDE * SIDE };
 
 /* Lays adjacent triangles in one plane. */
-static void lay_triangles(struct orl_description *d)
+static void lay_triangles(struct orl_parsed_scene *d)
 {
     static struct orl_vec3 corners[TRIANGLES][3];
     static struct orl_material grey = {.kind = ORL_MATERIAL_PLASTIC};
     static char name[] = "t";
-    *d = (struct orl_description){.materials = &grey,
-                                  .n_materials = 1,
-                                  .surfaces = calloc(TRIANGLES, sizeof *d->surfaces),
-                                  .n_surfaces = TRIANGLES,
-                                  .cancel = &flag};
+    *d = (struct orl_parsed_scene){.materials = &grey,
+                                   .n_materials = 1,
+                                   .surfaces = calloc(TRIANGLES, sizeof *d->surfaces),
+                                   .n_surfaces = TRIANGLES,
+                                   .cancel = &flag};
     assert_non_null(d->surfaces);
     for (int i = 0; i < TRIANGLES; i++) {
         const int row = i / SIDE;
@@ -397,7 +398,7 @@ static void lay_triangles(struct orl_description *d)
 static void test_places(void **state)
 {
     enum { STEPS = 20 };
-    struct orl_description d;
+    struct orl_parsed_scene d;
     struct orl_error err;
     int all = 0;
     (void)state;
@@ -405,7 +406,7 @@ static void test_places(void **state)
         lay_triangles(&d);
         const int at = k == 0 ? -1 : all * (k - 1) / STEPS;
         begin_count(at);
-        assert_int_equal(orl_coincident_settle(&d, &err), k == 0 ? 0 : ORL_ERR_CANCELLED);
+        assert_int_equal(orl_coincident_resolve(&d, &err), k == 0 ? 0 : ORL_ERR_CANCELLED);
         if (k == 0)
             all = polls;
         assert_true(k == 0 || polls <= at + 8); /* polls while it returns */
@@ -421,18 +422,18 @@ static void test_maps(void **state)
 {
     const struct orl_map_build build = {.kind = "global", .emitted = 1, .seed = 1};
     struct orl_photon photon = {.flux = {1, 1, 1}};
-    struct orl_crew *crew = orl_crew_new(1);
+    struct orl_thread_pool *pool = orl_thread_pool_new(1);
     struct orl_photon_map *map = NULL;
     struct orl_error err;
     (void)state;
     begin_count(-1);
-    assert_int_equal(orl_photon_map_write(scratch_path("map"), &photon, 1, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_write(scratch_path("map"), &photon, 1, &build, pool, &err), 0);
     assert_int_equal(orl_photon_map_read(scratch_path("map"), &flag, &map, &err), 0);
     orl_photon_map_free(map);
     begin_count(0);
     assert_int_equal(orl_photon_map_read(scratch_path("map"), &flag, &map, &err),
                      ORL_ERR_CANCELLED);
-    orl_crew_free(crew);
+    orl_thread_pool_free(pool);
 }
 
 int main(void)

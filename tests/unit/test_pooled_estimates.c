@@ -9,9 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
+#include "run/estimate/round_cost.h"
 #include "run/goals/pooled_estimates.h"
-#include "run/goals/round_cost.h"
 
 /* Returns a standard normal number, by Box and Muller. */
 static double normal(struct orl_random *random)
@@ -37,77 +37,78 @@ static void test_weighted_means(void **state)
 {
     static const double first[2] = {1, 10}, second[2] = {5, 10}, errors[2][2] = {{3, 1}, {1, 1}};
     static const double biases[2][2] = {{2, 0}, {1, 0}};
-    struct orl_pooled pool;
+    struct orl_pooled_estimates pooled;
     double ret[2];
     (void)state;
-    assert_int_equal(orl_pooled_init(&pool, 2, 0, NULL), 0);
-    assert_false(orl_pooled_errors(&pool, 0, ret));
-    orl_pooled_add(&pool, &(struct orl_round_findings){first, errors[0], biases[0], 15, 1, NULL});
-    assert_true(orl_pooled_errors(&pool, 0, ret));
+    assert_int_equal(orl_pooled_init(&pooled, 2, 0, NULL), 0);
+    assert_false(orl_pooled_errors(&pooled, 0, ret));
+    orl_pooled_add(&pooled, &(struct orl_round_values){first, errors[0], biases[0], 15, 1, NULL});
+    assert_true(orl_pooled_errors(&pooled, 0, ret));
     assert_near(ret[0], 3, 1e-15);
-    orl_pooled_add(&pool, &(struct orl_round_findings){second, errors[1], biases[1], 15, 3, NULL});
-    assert_near(pool.mean[0], 4, 1e-15);
-    assert_near(pool.bias[0], 1.25, 1e-15);
-    assert_true(orl_pooled_errors(&pool, 0, ret));
+    orl_pooled_add(&pooled, &(struct orl_round_values){second, errors[1], biases[1], 15, 3, NULL});
+    assert_near(pooled.mean[0], 4, 1e-15);
+    assert_near(pooled.bias[0], 1.25, 1e-15);
+    assert_true(orl_pooled_errors(&pooled, 0, ret));
     assert_near(ret[0], sqrt(1 * 9 + 9 * 1) / 4, 1e-15);
     assert_near(ret[1], sqrt(1 * 1 + 9 * 1) / 4, 1e-15);
     /* Welch: (1 + 3)^2 / (1 / 15 + 9 / 15). */
-    assert_near(orl_pooled_degrees(&pool), 16 * 15 / 10.0, 1e-15);
-    orl_pooled_done(&pool);
+    assert_near(orl_pooled_degrees(&pooled), 16 * 15 / 10.0, 1e-15);
+    orl_pooled_done(&pooled);
 }
 
-/* Three groups over two rounds: means, and the error of their mean, by hand. */
+/* Three batches over two rounds: means, and the error of their mean, by hand. */
 static void test_groups_that_go_on(void **state)
 {
     static const double values[2] = {2, 6}, errors[2] = {9, 9};
-    static const double groups[2][3] = {{1, 2, 3}, {9, 6, 3}};
-    struct orl_pooled pool;
+    static const double batches[2][3] = {{1, 2, 3}, {9, 6, 3}};
+    struct orl_pooled_estimates pooled;
     double ret;
     (void)state;
-    assert_int_equal(orl_pooled_init(&pool, 1, 3, NULL), 0);
-    assert_false(orl_pooled_errors(&pool, 0, &ret));
+    assert_int_equal(orl_pooled_init(&pooled, 1, 3, NULL), 0);
+    assert_false(orl_pooled_errors(&pooled, 0, &ret));
     for (int r = 0; r < 2; r++)
-        orl_pooled_add(&pool, &(struct orl_round_findings){.value = &values[r],
+        orl_pooled_add(&pooled, &(struct orl_round_values){.value = &values[r],
                                                            .error = &errors[r],
-                                                           .degrees = 2,
-                                                           .effort = 1 + 2 * r,
-                                                           .groups = groups[r]});
-    assert_near(pool.mean[0], 5, 1e-15);
-    assert_true(orl_pooled_errors(&pool, 0, &ret));
+                                                           .degrees_of_freedom = 2,
+                                                           .weight = 1 + 2 * r,
+                                                           .batches = batches[r]});
+    assert_near(pooled.mean[0], 5, 1e-15);
+    assert_true(orl_pooled_errors(&pooled, 0, &ret));
     assert_near(ret, sqrt((4 + 0 + 4) / 3.0 / 2), 1e-15); /* sums of 7, 5 and 3 */
-    assert_near(orl_pooled_degrees(&pool), 2, 1e-15);
-    orl_pooled_done(&pool);
+    assert_near(orl_pooled_degrees(&pooled), 2, 1e-15);
+    orl_pooled_done(&pooled);
 }
 
 enum { VALUES = 4000 };
 
-/* Fills in rounds of normal errors with variance 1 / effort; the reported variance is `factor`
+/* Fills in rounds of normal errors with variance 1 / weight; the reported variance is `factor`
  * times that. */
-static void fill_pool(struct orl_pooled *pool, const double *efforts, int rounds, double factor)
+static void fill_pooled(struct orl_pooled_estimates *pooled, const double *weights, int rounds,
+                        double factor)
 {
     double *value = malloc(VALUES * sizeof *value), *error = malloc(VALUES * sizeof *error);
-    assert_true(value && error && orl_pooled_init(pool, VALUES, 0, NULL) == 0);
+    assert_true(value && error && orl_pooled_init(pooled, VALUES, 0, NULL) == 0);
     for (int r = 0; r < rounds; r++) {
         struct orl_random random = numbers((uint64_t)r);
         for (int i = 0; i < VALUES; i++) {
-            const double deviation = (1 + i % 4) / sqrt(efforts[r]);
+            const double deviation = (1 + i % 4) / sqrt(weights[r]);
             value[i] = 100 * (1 + i % 4) + deviation * normal(&random);
             error[i] = factor * deviation;
         }
-        orl_pooled_add(pool, &(struct orl_round_findings){value, factor > 0 ? error : NULL, NULL,
-                                                          15, efforts[r], NULL});
+        orl_pooled_add(pooled, &(struct orl_round_values){value, factor > 0 ? error : NULL, NULL,
+                                                          15, weights[r], NULL});
     }
     free(value);
     free(error);
 }
 
 /* Returns the mean of (reported error / true error)^2. */
-static double ratio(const struct orl_pooled *pool)
+static double ratio(const struct orl_pooled_estimates *pooled)
 {
     double *errors = malloc(VALUES * sizeof *errors), sum = 0;
-    assert_true(orl_pooled_errors(pool, 1e-3, errors));
+    assert_true(orl_pooled_errors(pooled, 1e-3, errors));
     for (int i = 0; i < VALUES; i++)
-        sum += errors[i] * errors[i] * pool->effort / ((1 + i % 4) * (1 + i % 4)) / VALUES;
+        sum += errors[i] * errors[i] * pooled->weight / ((1 + i % 4) * (1 + i % 4)) / VALUES;
     free(errors);
     return sum;
 }
@@ -119,30 +120,30 @@ static double ratio(const struct orl_pooled *pool)
  */
 static void test_errors_from_the_spread(void **state)
 {
-    static const double efforts[2] = {1, 7};
-    struct orl_pooled pool;
+    static const double weights[2] = {1, 7};
+    struct orl_pooled_estimates pooled;
     double errors[VALUES];
     (void)state;
-    fill_pool(&pool, efforts, 2, 0);
-    assert_near(ratio(&pool), 1, 0.067);
-    assert_near(orl_pooled_degrees(&pool), 5, 1e-15);
-    orl_pooled_errors(&pool, 1e-3, errors);
+    fill_pooled(&pooled, weights, 2, 0);
+    assert_near(ratio(&pooled), 1, 0.067);
+    assert_near(orl_pooled_degrees(&pooled), 5, 1e-15);
+    orl_pooled_errors(&pooled, 1e-3, errors);
     for (int i = 0; i < VALUES; i++)
         assert_true(errors[i] > 0.85 * (1 + i % 4) / sqrt(8));
-    orl_pooled_done(&pool);
+    orl_pooled_done(&pooled);
 }
 
 /* If rounds report too small errors, the pool corrects them. The dispersion of 3 x 4000 squares
  * scatters by sqrt(2 / 12000) = 1.3 %; bounds are three times that. */
 static void test_rounds_that_tell_too_little(void **state)
 {
-    static const double efforts[4] = {1, 2, 4, 2};
-    struct orl_pooled honest, boastful;
+    static const double weights[4] = {1, 2, 4, 2};
+    struct orl_pooled_estimates honest, boastful;
     (void)state;
-    fill_pool(&honest, efforts, 4, 1);
+    fill_pooled(&honest, weights, 4, 1);
     assert_near(orl_pooled_dispersion(&honest), 1, 0.04);
     assert_near(ratio(&honest), 1, 1e-12);
-    fill_pool(&boastful, efforts, 4, 0.5);
+    fill_pooled(&boastful, weights, 4, 0.5);
     assert_near(orl_pooled_dispersion(&boastful), 4, 0.04);
     assert_near(ratio(&boastful), 1, 0.04);
     orl_pooled_done(&honest);
@@ -238,8 +239,11 @@ static void test_errors_that_scatter(void **state)
 {
     enum { DRAWS = 6000, DEGREES = 15 };
     double value[SENSORS], error[SENSORS];
-    const struct orl_estimates estimates = {
-        .value = value, .error = error, .count = SENSORS, .floor = 1e-3, .degrees = DEGREES};
+    const struct orl_estimates estimates = {.value = value,
+                                            .error = error,
+                                            .count = SENSORS,
+                                            .floor = 1e-3,
+                                            .degrees_of_freedom = DEGREES};
     struct orl_random random = numbers(98);
     int within = 0;
     (void)state;
@@ -339,18 +343,18 @@ static void test_seconds(void **state)
 {
     const struct orl_work work = {
         .technique = ORL_TECHNIQUE_GATHER, .photons = {4096, 4096}, .least = 256, .most = 16384};
-    const struct orl_pace pace = {.before_s = 2,
-                                  .photons = 1000,
-                                  .photon_s = 1, /* 1 ms each, two a sample */
-                                  .samples = 500,
-                                  .render_s = 1, /* 2 ms each */
-                                  .rounds = 2,
-                                  .beside_s = 1};
+    const struct orl_throughput throughput = {.setup_s = 2,
+                                              .photons = 1000,
+                                              .photon_s = 1, /* 1 ms each, two a sample */
+                                              .samples = 500,
+                                              .render_s = 1, /* 2 ms each */
+                                              .rounds = 2,
+                                              .other_s = 1};
     (void)state;
-    assert_near(orl_pace_round_s(&pace, &work, 256), 0.5 + 0.004 * 256, 1e-12);
-    assert_near(orl_pace_run_s(&pace, &work, 4000), 2 + 3 * 0.5 + 0.004 * (256 + 2048 + 1776),
-                1e-12);
-    assert_near(orl_pace_samples(&pace, &work, 4.5, 1e9), 1000, 0.016);
+    assert_near(orl_throughput_round_s(&throughput, &work, 256), 0.5 + 0.004 * 256, 1e-12);
+    assert_near(orl_throughput_run_s(&throughput, &work, 4000),
+                2 + 3 * 0.5 + 0.004 * (256 + 2048 + 1776), 1e-12);
+    assert_near(orl_throughput_samples(&throughput, &work, 4.5, 1e9), 1000, 0.016);
 }
 
 int main(void)

@@ -9,7 +9,7 @@
 #include <jansson.h>
 #include <string.h>
 
-#include "problem.h"
+#include "json/problem.h"
 
 static void test_there_and_back(void **state)
 {
@@ -66,7 +66,7 @@ static void test_every_code_has_a_status(void **state)
 }
 
 /* Errors of the client are 4xx, those of the server 5xx. */
-static void test_blame(void **state)
+static void test_crash_record(void **state)
 {
     (void)state;
     static const int theirs[] = {ORL_ERR_SYNTAX,    ORL_ERR_UNSUPPORTED, ORL_ERR_RANGE,
@@ -119,7 +119,7 @@ int main(void)
         cmocka_unit_test(test_there_and_back),
         cmocka_unit_test(test_absent_members_are_absent),
         cmocka_unit_test(test_every_code_has_a_status),
-        cmocka_unit_test(test_blame),
+        cmocka_unit_test(test_crash_record),
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_text_that_is_not_utf8),
         cmocka_unit_test(test_other_documents_leave_fields_empty),

@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
-#include "base/circle.h"
-#include "base/random.h"
-#include "base/sobol.h"
+#include "base/sampling/random.h"
+#include "base/sampling/sincos.h"
+#include "base/sampling/sobol.h"
 
 static int compare_words(const void *a, const void *b)
 {
@@ -234,13 +234,13 @@ static void test_blocks(void **state)
     }
 }
 
-/* orl_circle_near is within an ulp of 1, and so is orl_circle_turn over the whole turn. */
+/* orl_sincos_small is within an ulp of 1, and so is orl_sincos_turn over the whole turn. */
 static void test_circle(void **state)
 {
     (void)state;
     for (int i = 0; i <= 1000000; i++) {
         const double turn = i / 1e6, angle = (i / 5e5 - 1) * ORL_PI / 4;
-        const struct orl_circle c = orl_circle_turn(turn), n = orl_circle_near(angle);
+        const struct orl_sincos c = orl_sincos_turn(turn), n = orl_sincos_small(angle);
         assert_true(fabs(c.cosine - cos(2 * ORL_PI * turn)) < 1e-15);
         assert_true(fabs(c.sine - sin(2 * ORL_PI * turn)) < 1e-15);
         assert_true(fabs(n.cosine - cos(angle)) < 3e-16 && fabs(n.sine - sin(angle)) < 3e-16);

@@ -14,18 +14,18 @@
 #include <stdatomic.h>
 
 #include <math.h>
-#include <oriel/bsdf_fit.h>
-#include <oriel/crew.h>
-#include <oriel/run.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/bsdf/bsdf_fit.h>
+#include <oriel/job/run.h>
 
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
-#include "decode.h"
 #include "fixtures/bsdf_make.h"
+#include "job/job_request_json.h"
 #include "support/cli.h"
 #include "support/extent.h"
 #include "support/scene_text.h"
-#include "task_json.h"
+#include "json/decode.h"
 
 /* ---- Every poll ------------------------------------------------------------------------------ */
 
@@ -46,7 +46,7 @@ static uintptr_t place_of_caller(void)
     return hash;
 }
 
-/* Replaces core/base/cancel.c: the core's polls call this. */
+/* Replaces core/base/threads/cancel.c: the core's polls call this. */
 bool orl_is_cancelled(const atomic_bool *cancel)
 {
     if (!cancel)
@@ -172,7 +172,7 @@ static void test_everything(void **state)
 struct bsdf {
     const char *data;
     size_t size;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
 };
 
 static int read_bsdf(const void *what, const atomic_bool *cancel, struct orl_error *err)
@@ -183,7 +183,7 @@ static int read_bsdf(const void *what, const atomic_bool *cancel, struct orl_err
                                      .data = file->data,
                                      .size = file->size,
                                      .cancel = cancel,
-                                     .crew = file->crew};
+                                     .pool = file->pool};
     const int code = orl_bsdf_load(&xml, &bsdf, err);
     assert_int_equal(bsdf != NULL, code == 0);
     orl_bsdf_unref(bsdf);
@@ -236,16 +236,16 @@ static void test_blocks_side_by_side(void **state)
 {
     struct text tree = pad_with_blanks(make_tree_file(3));
     struct orl_error err;
-    struct bsdf file = {tree.data, tree.size, orl_crew_start(3)};
+    struct bsdf file = {tree.data, tree.size, orl_thread_pool_start(3)};
     int code = ORL_ERR_CANCELLED, at = 0;
     (void)state;
-    assert_non_null(file.crew);
+    assert_non_null(file.pool);
     for (; code != 0; at++) {
         code = read_with(read_bsdf, &file, at, &err);
         assert_true(code == 0 || (code == ORL_ERR_CANCELLED && err.line == 0));
     }
     assert_in_range(at, 5, 1000);
-    orl_crew_stop(file.crew);
+    orl_thread_pool_stop(file.pool);
     free(tree.data);
 }
 
@@ -296,20 +296,20 @@ static int fit_measured(const void *what, const atomic_bool *cancel, struct orl_
     const struct folder *folder = what;
     struct orl_memory_files memory = {folder->names, folder->contents, folder->count};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_crew *crew = orl_crew_new(1);
-    const struct orl_bsdf_make_env env = {.files = &files, .crew = crew, .cancel = cancel};
+    struct orl_thread_pool *pool = orl_thread_pool_new(1);
+    const struct orl_bsdf_make_env env = {.files = &files, .pool = pool, .cancel = cancel};
     char name[] = "data.csv", *names[] = {name};
     struct orl_bsdf_fit_request request;
-    struct orl_bsdf_fitted fitted = {0};
-    assert_non_null(crew);
+    struct orl_bsdf_fit_result fitted = {0};
+    assert_non_null(pool);
     orl_bsdf_fit_request_init(&request);
     request.files = names;
     request.n_files = 1;
     request.resolution = 4;
     const int code = orl_bsdf_fit(&request, &env, &fitted, err);
     assert_int_equal(fitted.xml != NULL, code == 0);
-    orl_bsdf_fitted_done(&fitted);
-    orl_crew_free(crew);
+    orl_bsdf_fit_result_done(&fitted);
+    orl_thread_pool_free(pool);
     return code;
 }
 
@@ -340,15 +340,15 @@ static void test_measured(void **state)
 static int read_job(const void *what, const atomic_bool *cancel, struct orl_error *err)
 {
     const struct text *text = what;
-    struct orl_task task;
+    struct orl_job_request job_request;
     json_t *doc = NULL;
-    orl_json_heed(cancel);
+    orl_json_set_cancel(cancel);
     int code = orl_json_parse("job.json", text->data, text->size, &doc, err);
     if (code == 0)
-        code = orl_task_from_json(doc, ORL_JOB_REMOTE, &task, NULL, err);
+        code = orl_job_request_from_json(doc, ORL_JOB_REMOTE, &job_request, NULL, err);
     if (code == 0)
-        orl_task_done(&task);
-    orl_json_heed(NULL);
+        orl_job_request_done(&job_request);
+    orl_json_set_cancel(NULL);
     json_decref(doc);
     return code;
 }

@@ -16,7 +16,7 @@
 
 #include "http/context.h"
 #include "http/http_server.h"
-#include "http/reply.h"
+#include "http/response/reply.h"
 #include "support/http_wire.h"
 
 /* ---- A server with one route, in a child process --------------------------------------------- */
@@ -67,11 +67,11 @@ static void on_swept(struct orl_server *server)
     (void)server;
 }
 
-static struct orl_room *find_room(struct orl_server *server)
+static struct orl_quota *find_upload_quota(struct orl_server *server)
 {
-    static struct orl_room room;
+    static struct orl_quota upload_quota;
     (void)server;
-    return &room;
+    return &upload_quota;
 }
 
 static uint64_t budget_bytes(const struct orl_server *server)
@@ -87,11 +87,11 @@ static void serve(int out)
         {.method = "GET", .path = "/twice", .handler = handle_twice},
     };
     static const struct orl_routes routes = {table, 2};
-    static const struct orl_http_calls calls = {.room = find_room,
+    static const struct orl_http_calls calls = {.upload_quota = find_upload_quota,
                                                 .budget = budget_bytes,
-                                                .worked = on_worked,
-                                                .swept = on_swept,
-                                                .served = on_served};
+                                                .work_done = on_worked,
+                                                .on_tick = on_swept,
+                                                .on_served = on_served};
     static const struct orl_config config = {.idle_timeout_s = 60, .address_connections = 8};
     static const struct orl_log log;
     static const struct orl_folders folders;

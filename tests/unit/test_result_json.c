@@ -10,10 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "bsdf_json.h"
-#include "plan_json.h"
-#include "result_json.h"
-#include "scene_json.h"
+#include "bsdf_json/bsdf_json.h"
+#include "job/plan_json.h"
+#include "result/result_json.h"
+#include "result/scene_json.h"
 
 static struct orl_result example(void)
 {
@@ -89,11 +89,11 @@ static void test_plan(void **state)
     result.plan.technique = result.plan.sensor_technique = ORL_TECHNIQUE_DIRECT;
     json_t *plan = orl_plan_to_json(&result.plan);
     json_t *doc = orl_result_to_json(&result, "succeeded");
-    const struct orl_curve curve = {.technique = ORL_TECHNIQUE_BACKWARD,
-                                    .threads = 2,
-                                    .points = {{1.5, 0.25}, {4, 0.125}},
-                                    .n_points = 2,
-                                    .model = "so"};
+    const struct orl_accuracy_curve curve = {.technique = ORL_TECHNIQUE_BACKWARD,
+                                             .threads = 2,
+                                             .points = {{1.5, 0.25}, {4, 0.125}},
+                                             .n_points = 2,
+                                             .model = "so"};
     json_t *planned = orl_planned_to_json(&result, NULL);
     json_t *drawn = orl_planned_to_json(&result, &curve);
     json_t *expected = json_loads("{\"technique\":\"backward\",\"threads\":2,\"model\":\"so\","

@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "parts/runner.h"
+#include "distributed/runner.h"
 #include "support/cli.h"
 
 static const char sbatch[] = "#!/bin/sh\n"
@@ -73,7 +73,7 @@ static void open_runner(struct fixture *f, const char *const *words, size_t n_wo
                                          .words = words,
                                          .n_words = n_words,
                                          .now_s = now_s,
-                                         .patience_s = 100,
+                                         .outage_limit_s = 100,
                                          .command_s = 0.5};
     if (f->runner.done)
         f->runner.done(f->runner.ctx);
@@ -113,26 +113,27 @@ static int tear_down(void **state)
 
 static int start(struct fixture *f)
 {
-    static const struct orl_part_order orders[] = {{0, {30, 512}}, {1, {30, 512}}, {2, {60, 512}}};
-    return f->runner.start(f->runner.ctx, "wave1", orders, 3, 3, &f->err);
+    static const struct orl_part_request requests[] = {
+        {0, {30, 512}}, {1, {30, 512}}, {2, {60, 512}}};
+    return f->runner.start(f->runner.ctx, "wave1", requests, 3, 3, &f->err);
 }
 
-static int look_at_parts(struct fixture *f, struct orl_part_seen seen[3])
+static int poll_parts(struct fixture *f, struct orl_part_status status[3])
 {
-    return f->runner.look(f->runner.ctx, "wave1", seen, 3, &f->err);
+    return f->runner.poll(f->runner.ctx, "wave1", status, 3, &f->err);
 }
 
 /* Waits a second, so that the runner queries Slurm. */
 static void assert_states(struct fixture *f, enum orl_part_state a, enum orl_part_state b,
                           enum orl_part_state c)
 {
-    struct orl_part_seen seen[3];
+    struct orl_part_status status[3];
     clock_s += 1.1;
-    if (look_at_parts(f, seen))
+    if (poll_parts(f, status))
         fail_msg("%s", f->err.message);
-    assert_int_equal(seen[0].state, a);
-    assert_int_equal(seen[1].state, b);
-    assert_int_equal(seen[2].state, c);
+    assert_int_equal(status[0].state, a);
+    assert_int_equal(status[1].state, b);
+    assert_int_equal(status[2].state, c);
 }
 
 static int count_lines(const struct fixture *f, const char *name)
@@ -184,22 +185,22 @@ static void test_limits_have_bounds(void **state)
     static const char *const short_words[] = {"--partition=short"};
     static const char *const timed_words[] = {"--time=5", "-plong"};
     struct fixture *f = *state;
-    struct orl_part_seen seen[3];
+    struct orl_part_status status[3];
     open_runner(f, short_words, 1);
     cli_write_file(f->folder, "partitions", "short|10:00|1000\n");
     assert_int_equal(start(f), 0);
     assert_holds(f, "sinfo.args", "--partition=short");
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=10 --mem=512M ");
-    assert_int_equal(look_at_parts(f, seen), 0);
-    assert_int_equal(seen[2].limits.minutes, 10);
-    assert_int_equal(seen[2].task, 77);
+    assert_int_equal(poll_parts(f, status), 0);
+    assert_int_equal(status[2].limits.minutes, 10);
+    assert_int_equal(status[2].task, 77);
     forget(f, "sbatch.args");
     open_runner(f, timed_words, 2);
     cli_write_file(f->folder, "partitions", "long|infinite|1\n");
     assert_int_equal(start(f), 0);
     assert_holds(f, "sbatch.args", "--array=0-1%4 --time=5 -plong ");
-    assert_int_equal(look_at_parts(f, seen), 0);
-    assert_int_equal(seen[2].limits.minutes, 0);
+    assert_int_equal(poll_parts(f, status), 0);
+    assert_int_equal(status[2].limits.minutes, 0);
 }
 
 static enum orl_part_end end_of(struct fixture *f, uint32_t number)
@@ -235,7 +236,7 @@ static void test_a_refusal_ends_it(void **state)
     assert_non_null(strstr(f->err.message, "invalid partition specified"));
 }
 
-/* A wave that cannot be submitted waits, and is submitted when Slurm is back. */
+/* A round that cannot be submitted waits, and is submitted when Slurm is back. */
 static void test_slurm_is_away_at_the_start(void **state)
 {
     struct fixture *f = *state;
@@ -262,23 +263,23 @@ static void test_sbatch_hangs(void **state)
     forget(f, "sbatch.hangs");
     cli_write_file(f->folder, "queue", "0|R\n1|PD\n");
     clock_s += 1.1;
-    struct orl_part_seen seen[3];
-    assert_int_equal(look_at_parts(f, seen), 0);
-    assert_int_equal(seen[0].state, ORL_PART_RUNNING);
-    assert_int_equal(seen[1].state, ORL_PART_WAITING);
+    struct orl_part_status status[3];
+    assert_int_equal(poll_parts(f, status), 0);
+    assert_int_equal(status[0].state, ORL_PART_RUNNING);
+    assert_int_equal(status[1].state, ORL_PART_WAITING);
     assert_int_equal(count_lines(f, "sbatch.args"), 2);
     assert_holds(f, "sbatch.args", "--array=2%4 ");
 }
 
-static void test_patience_ends(void **state)
+static void test_outage_limit(void **state)
 {
     struct fixture *f = *state;
-    struct orl_part_seen seen[3];
+    struct orl_part_status status[3];
     assert_int_equal(start(f), 0);
     cli_write_file(f->folder, "squeue.says", away);
     assert_states(f, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN, ORL_PART_UNKNOWN);
     clock_s += 101;
-    assert_int_equal(look_at_parts(f, seen), ORL_ERR_IO);
+    assert_int_equal(poll_parts(f, status), ORL_ERR_IO);
     assert_non_null(strstr(f->err.message, "has not answered for 100 s: slurm_load_jobs error"));
     assert_non_null(strstr(f->err.hint, "scontrol ping"));
 }
@@ -287,11 +288,11 @@ static void test_patience_ends(void **state)
 static void test_slurm_is_not_asked_all_the_time(void **state)
 {
     struct fixture *f = *state;
-    struct orl_part_seen seen[3];
+    struct orl_part_status status[3];
     assert_int_equal(start(f), 0);
     for (int i = 0; i < 10000; i++) {
         clock_s += 0.1;
-        assert_int_equal(look_at_parts(f, seen), 0);
+        assert_int_equal(poll_parts(f, status), 0);
     }
     const int asked = count_lines(f, "squeue.args");
     if (asked < 20 || asked > 210)
@@ -329,7 +330,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_refusal_ends_it, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_slurm_is_away_at_the_start, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_sbatch_hangs, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_patience_ends, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_outage_limit, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_slurm_is_not_asked_all_the_time, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_cancel_goes_on_until_all_are_gone, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_cancel_gives_up, set_up, tear_down),

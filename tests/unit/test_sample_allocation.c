@@ -7,9 +7,9 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "run/goals/sample_allocation.h"
 
 enum { SENSORS = 60 };

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
 
 static struct orl_scanner scanner_of(const char *text, unsigned options)
 {

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
@@ -207,12 +207,12 @@ static int parse_memory(const char *const *names, const struct orl_file *content
 {
     struct orl_memory_files memory = {names, contents, count};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
-    const int code = orl_scene_parse(names, 1, &files, &description, err);
+    struct orl_parsed_scene parsed_scene = {0};
+    const int code = orl_scene_parse(names, 1, &files, &parsed_scene, err);
     /* Outputs stay unchanged on failure. */
     if (code < 0)
-        assert_null(description.arena);
-    orl_description_done(&description);
+        assert_null(parsed_scene.arena);
+    orl_parsed_scene_done(&parsed_scene);
     return code;
 }
 
@@ -301,7 +301,7 @@ static void test_windows_paths(void **state)
         {text, sizeof text - 1, NULL}, {RED, sizeof RED - 1, NULL}, {bsdf, strlen(bsdf), NULL}};
     struct orl_memory_files memory = {names, file, 3};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), ORL_ERR_NOT_FOUND);
     assert_int_equal(err.line, 5);
@@ -354,13 +354,13 @@ static void test_empty_file_beside(void **state)
     const struct orl_file file[] = {{"", 0, NULL}, {RED, sizeof RED - 1, NULL}};
     struct orl_memory_files memory = {names, file, 2};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(orl_scene_parse(names, 2, &files, &d, &err), 0);
     assert_int_equal(d.n_warnings, 1);
     assert_string_equal(d.warnings[0], "a.rad: the file is empty");
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* Every prefix of a valid scene either parses or is refused with a place; none crashes. */
@@ -499,13 +499,13 @@ static void what_is_found_in_the_end_is_no_error(void **state)
                                             {part, sizeof part - 1, NULL}};
         struct orl_memory_files memory = {names, contents, 2};
         const struct orl_files files = orl_files_from_memory(&memory);
-        struct orl_description d = {0};
+        struct orl_parsed_scene d = {0};
         struct orl_error err = {0};
         assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), 0);
         assert_int_equal(d.n_surfaces, 1);
         assert_int_equal(err.code, 0);
         assert_string_equal(err.message, "");
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 

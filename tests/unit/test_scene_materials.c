@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 #include "fixtures/bsdf_make.h"
 #include "scene/material/scatter.h"
@@ -30,7 +30,7 @@ static bool same_rgb(struct orl_rgb c, double r, double g, double b)
 
 static void test_reflectors(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         scene_parse_text("void trans t 0 0 7 .8 .7 .6 .1 .2 .5 .4\n"
                          "void plastic2 p 4 1 2 2 . 0 6 .5 .4 .3 .02 .1 .2\n"
                          "void metal2 m 6 1 0 0 . -rz 90 0 6 .5 .4 .3 .9 .1 .2\n"
@@ -45,20 +45,20 @@ static void test_reflectors(void **state)
     assert_true(near(m[0].transmitted, .5) && near(m[0].transmitted_specular, .4));
     assert_int_equal(m[1].kind, ORL_MATERIAL_PLASTIC);
     assert_true(near(m[1].roughness[0], .1) && near(m[1].roughness[1], .2));
-    assert_true(near(m[1].grain.x, 1.0 / 3) && near(m[1].grain.y, 2.0 / 3));
+    assert_true(near(m[1].anisotropy_axis.x, 1.0 / 3) && near(m[1].anisotropy_axis.y, 2.0 / 3));
     assert_int_equal(m[2].kind, ORL_MATERIAL_METAL);
-    assert_true(near(m[2].grain.x, 0) && near(m[2].grain.y, 1));
+    assert_true(near(m[2].anisotropy_axis.x, 0) && near(m[2].anisotropy_axis.y, 1));
     assert_int_equal(m[3].kind, ORL_MATERIAL_TRANS);
     assert_true(near(m[3].transmitted, .6) && near(m[3].transmitted_specular, .7));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_clear_materials(void **state)
 {
-    struct orl_description d = scene_parse_text("void dielectric d 0 0 5 .9 .8 .7 1.5 0\n"
-                                                "void interface i 0 0 8 .9 .8 .7 1.5 1 .5 1 1.33\n"
-                                                "void mirror m 0 0 3 .9 .8 1\n",
-                                                NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text("void dielectric d 0 0 5 .9 .8 .7 1.5 0\n"
+                                                 "void interface i 0 0 8 .9 .8 .7 1.5 1 .5 1 1.33\n"
+                                                 "void mirror m 0 0 3 .9 .8 1\n",
+                                                 NULL, NULL);
     const struct orl_material *m = d.materials;
     (void)state;
     assert_int_equal(m[0].kind, ORL_MATERIAL_DIELECTRIC);
@@ -70,13 +70,13 @@ static void test_clear_materials(void **state)
     assert_int_equal(m[2].kind, ORL_MATERIAL_MIRROR);
     assert_true(same_rgb(m[2].color, .9, .8, 1));
     assert_int_equal(d.n_warnings, 0);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* A window declared as a mirror, so that Radiance finds the suns in it, becomes its glass. */
 static void test_mirrors_are_what_they_are_seen_as(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         scene_parse_text("void glass g 0 0 3 .9 .8 .7\n"
                          "void brightfunc f 2 1-abs(Rdot) . 0 0\n"
                          "f mirror m 1 g 0 3 1 1 1\n"
@@ -93,30 +93,31 @@ static void test_mirrors_are_what_they_are_seen_as(void **state)
     assert_int_equal(d.n_warnings, 3); /* two mirrors, and a surface of void */
     assert_non_null(strstr(d.warnings[0], "mirror m at"));
     assert_non_null(strstr(d.warnings[0], "it is 'g'"));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_lights(void **state)
 {
-    struct orl_description d = scene_parse_text("void glass g 0 0 3 .9 .9 .9\n"
-                                                "void spotlight s 0 0 7 1 2 3 60 0 0 -2\n"
-                                                "void illum a 0 0 3 1 2 3\n"
-                                                "void illum b 1 void 0 3 1 2 3\n"
-                                                "void illum c 1 g 0 3 1 2 3\n"
-                                                "void illum d 1 c 0 3 1 2 3\n",
-                                                NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text("void glass g 0 0 3 .9 .9 .9\n"
+                                                 "void spotlight s 0 0 7 1 2 3 60 0 0 -2\n"
+                                                 "void illum a 0 0 3 1 2 3\n"
+                                                 "void illum b 1 void 0 3 1 2 3\n"
+                                                 "void illum c 1 g 0 3 1 2 3\n"
+                                                 "void illum d 1 c 0 3 1 2 3\n",
+                                                 NULL, NULL);
     const struct orl_material *m = d.materials;
     (void)state;
     assert_int_equal(m[1].kind, ORL_MATERIAL_SPOTLIGHT);
-    assert_true(near(m[1].focus, 2) && near(m[1].aim.z, -1) && near(m[1].cos_cone, sqrt(.75)));
+    assert_true(near(m[1].focus, 2) && near(m[1].beam_axis.z, -1) &&
+                near(m[1].cos_cone, sqrt(.75)));
     assert_int_equal(m[2].kind, ORL_MATERIAL_ILLUM);
     assert_int_equal(m[2].seen_as, ORL_SEEN_AS_NOTHING);
     assert_int_equal(m[3].seen_as, ORL_SEEN_AS_NOTHING);
     assert_int_equal(m[4].seen_as, 0);
     assert_int_equal(m[5].seen_as, 0);
     for (int i = 1; i < 6; i++)
-        assert_true(orl_material_is_lamp(&m[i]) && orl_material_shines(&m[i]));
-    orl_description_done(&d);
+        assert_true(orl_material_is_lamp(&m[i]) && orl_material_emits(&m[i]));
+    orl_parsed_scene_done(&d);
 }
 
 /* Materials that are accepted but not simulated as written give a warning. */
@@ -128,10 +129,10 @@ static void test_warnings(void **state)
         {"void illum i 0 0 3 1 1 1\n", "suns and lamps alone pass"}};
     (void)state;
     for (int i = 0; i < 3; i++) {
-        struct orl_description d = scene_parse_text(texts[i][0], NULL, NULL);
+        struct orl_parsed_scene d = scene_parse_text(texts[i][0], NULL, NULL);
         assert_int_equal(d.n_warnings, 1);
         assert_non_null(strstr(d.warnings[0], texts[i][1]));
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 
@@ -148,15 +149,15 @@ static void test_transforms(void **state)
                                         {materials, sizeof materials - 1, NULL}};
     struct orl_memory_files memory = {names, contents, 2};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), 0);
     assert_true(near(d.materials[0].media[0].transmissivity.g, pow(.5, .1)));
-    assert_true(near(d.materials[1].focus, 20) && near(d.materials[1].aim.y, 1));
+    assert_true(near(d.materials[1].focus, 20) && near(d.materials[1].beam_axis.y, 1));
     assert_true(near(d.materials[2].max_radius, 30));
-    assert_true(near(d.materials[3].grain.y, 1));
-    orl_description_done(&d);
+    assert_true(near(d.materials[3].anisotropy_axis.y, 1));
+    orl_parsed_scene_done(&d);
 }
 
 /* All of Radiance's types of primitive: those read here, and those refused by name, with a hint. */
@@ -177,7 +178,7 @@ static void test_every_type_has_an_answer(void **state)
     (void)state;
     assert_int_equal(sizeof read / sizeof *read, 59);
     for (size_t i = 0; i < 59; i++) {
-        struct orl_description d = {0};
+        struct orl_parsed_scene d = {0};
         struct orl_error err = {0};
         char text[64];
         snprintf(text, sizeof text, "\nvoid %s x\n", read[i]);
@@ -210,11 +211,12 @@ static void test_bytes_of_bsdfs(void **state)
                  "void plastic grey 0 0 5 .5 .5 .5 0 0\n%s"
                  "grey polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
                  bsdfs[i]);
-        struct orl_world *world = scene_world(text, i > 0 ? "a.xml" : NULL, file.data, NULL);
-        bytes[i] = orl_scene_bytes(world->scene);
+        struct orl_lit_scene *lit_scene =
+            build_lit_scene(text, i > 0 ? "a.xml" : NULL, file.data, NULL);
+        bytes[i] = orl_scene_bytes(lit_scene->scene);
         if (i == 1)
-            orl_bsdf_describe(world->scene->description.materials[1].bsdf, &info);
-        orl_world_free(world);
+            orl_bsdf_describe(lit_scene->scene->parsed_scene.materials[1].bsdf, &info);
+        orl_lit_scene_free(lit_scene);
     }
     assert_true(info.bytes > 64);
     assert_int_equal(bytes[1] - bytes[0], sizeof(struct orl_material) + info.bytes);

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
-#include <oriel/run.h>
+#include <oriel/base/files.h>
+#include <oriel/job/run.h>
 
 #include "scene/parse/parse.h"
 
@@ -33,7 +33,7 @@ static const char uniform_xml[] =
 
 /* Parses files given as pairs of name and text; the first count_main are the main ones. */
 static int parse_files(const char *const (*pairs)[2], size_t count, size_t count_main,
-                       struct orl_description *ret_description, struct orl_error *err)
+                       struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err)
 {
     const char *names[8];
     struct orl_file contents[8];
@@ -44,21 +44,21 @@ static int parse_files(const char *const (*pairs)[2], size_t count, size_t count
         names[i] = pairs[i][0];
         contents[i] = (struct orl_file){pairs[i][1], strlen(pairs[i][1]), NULL};
     }
-    return orl_scene_parse(names, count_main, &files, ret_description, err);
+    return orl_scene_parse(names, count_main, &files, ret_parsed_scene, err);
 }
 
 /* Parses one valid text. */
-static struct orl_description parse(const char *text)
+static struct orl_parsed_scene parse(const char *text)
 {
     const char *const pairs[1][2] = {{"a.rad", text}};
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
-    if (parse_files(pairs, 1, 1, &description, &err) < 0) {
+    if (parse_files(pairs, 1, 1, &parsed_scene, &err) < 0) {
         char message[1024];
         orl_error_format(&err, message, sizeof message);
         fail_msg("%s", message);
     }
-    return description;
+    return parsed_scene;
 }
 
 static void assert_vec(struct orl_vec3 v, double x, double y, double z)
@@ -73,7 +73,7 @@ static void assert_vec(struct orl_vec3 v, double x, double y, double z)
 
 struct good {
     const char *name, *text;
-    size_t surfaces, materials, distants, skies, warnings;
+    size_t surfaces, materials, distant_sources, skies, warnings;
 };
 
 static const struct good good_scenes[] = {
@@ -124,14 +124,14 @@ static void test_good_scenes(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof good_scenes / sizeof *good_scenes; i++) {
         const struct good *good = good_scenes + i;
-        struct orl_description d = parse(good->text);
+        struct orl_parsed_scene d = parse(good->text);
         if (d.n_surfaces != good->surfaces || d.n_materials != good->materials ||
-            d.n_distants != good->distants || d.n_skies != good->skies ||
+            d.n_distant_sources != good->distant_sources || d.n_skies != good->skies ||
             d.n_warnings != good->warnings)
             fail_msg("%s: %zu surfaces, %zu materials, %zu distants, %zu skies, %zu warnings",
-                     good->name, d.n_surfaces, d.n_materials, d.n_distants, d.n_skies,
+                     good->name, d.n_surfaces, d.n_materials, d.n_distant_sources, d.n_skies,
                      d.n_warnings);
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 
@@ -139,7 +139,7 @@ static void test_good_scenes(void **state)
 
 static void test_materials(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse("void plastic p 0 0 5 .1 .2 .3 .04 .05\n"
               "void glass g 0 0 3 .7 .8 .9\nvoid glass h 0 0 4 .7 .8 .9 1.4\n"
               "void glow w 0 0 4 1 2 3 -1\n");
@@ -151,51 +151,51 @@ static void test_materials(void **state)
     assert_true(d.materials[1].transmissivity.b == .9 && d.materials[1].ior == 1.52);
     assert_true(d.materials[2].ior == 1.4);
     assert_true(d.materials[3].color.b == 3 && d.materials[3].max_radius == -1);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_latest_definition_counts(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse(RED "red" SQUARE "void metal red 0 0 5 .3 .3 .3 1 0\nred" SQUARE);
     (void)state;
     assert_int_equal(d.materials[d.surfaces[0].material].kind, ORL_MATERIAL_PLASTIC);
     assert_int_equal(d.materials[d.surfaces[1].material].kind, ORL_MATERIAL_METAL);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* A mistake that Radiance takes for a source without light: it is dark here too, with a warning. */
 static void test_a_pattern_alone_is_dark(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse("!gensky -ang 40 10 -s\nskyfunc source sky 0 0 4 0 0 1 180\n"
               "skyfunc glow ground 0 0 4 1 1 1 0\nground source earth 0 0 4 0 0 -1 180\n");
     (void)state;
-    assert_int_equal(d.n_distants, 1);
-    assert_string_equal(d.distants[0].name, "earth");
+    assert_int_equal(d.n_distant_sources, 1);
+    assert_string_equal(d.distant_sources[0].name, "earth");
     assert_int_equal(d.n_warnings, 1);
     assert_non_null(strstr(d.warnings[0], ":2: source sky gives no light, as in Radiance: its "
                                           "modifier 'skyfunc' is a pattern"));
     assert_non_null(strstr(d.warnings[0], "skyfunc glow sky_glow 0 0 4 1 1 1 0"));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_aliases(void **state)
 {
-    struct orl_description d = parse("!gensky -ang 40 10 -s\n" GLOW "skyfunc alias lit g\n"
-                                     "inherit alias same lit\nvoid alias plain lit\n");
+    struct orl_parsed_scene d = parse("!gensky -ang 40 10 -s\n" GLOW "skyfunc alias lit g\n"
+                                      "inherit alias same lit\nvoid alias plain lit\n");
     (void)state;
     assert_int_equal(d.n_materials, 4);
     assert_int_equal(d.materials[1].sky, 0);
     assert_string_equal(d.materials[2].name, "same");
     assert_int_equal(d.materials[2].sky, 0);
     assert_int_equal(d.materials[3].sky, -1);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_surfaces(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse(RED "red polygon p 0 0 12 0 0 0  0 1 0  0 1 1  0 0 1\n"
                   "\n\nred cone c 0 0 8 1 2 3 4 5 6 .5 0\nred ring r 0 0 8 1 1 1 0 0 -5 2 1\n");
     (void)state;
@@ -205,18 +205,19 @@ static void test_surfaces(void **state)
     assert_string_equal(d.surfaces[0].file, "a.rad");
     assert_int_equal(d.surfaces[0].line, 2);
     assert_int_equal(d.surfaces[1].line, 5);
-    assert_vec(d.surfaces[1].round->center[1], 4, 5, 6);
-    assert_true(d.surfaces[1].round->radius[0] == .5 && d.surfaces[1].round->radius[1] == 0);
+    assert_vec(d.surfaces[1].quadric->center[1], 4, 5, 6);
+    assert_true(d.surfaces[1].quadric->radius[0] == .5 && d.surfaces[1].quadric->radius[1] == 0);
     assert_vec(d.surfaces[2].normal, 0, 0, -1);
-    assert_true(d.surfaces[2].round->radius[0] == 1 && d.surfaces[2].round->radius[1] == 2);
-    orl_description_done(&d);
+    assert_true(d.surfaces[2].quadric->radius[0] == 1 && d.surfaces[2].quadric->radius[1] == 2);
+    orl_parsed_scene_done(&d);
 }
 
 /* A square with a square hole, joined by a seam: ten corners in, ten corners out, 8 of area 9. */
 static void test_keyhole_is_kept(void **state)
 {
-    struct orl_description d = parse(RED "red polygon p 0 0 30  0 0 1  3 0 1  3 3 1  0 3 1  0 0 1\n"
-                                         "  1 1 1  1 2 1  2 2 1  2 1 1  1 1 1\n");
+    struct orl_parsed_scene d =
+        parse(RED "red polygon p 0 0 30  0 0 1  3 0 1  3 3 1  0 3 1  0 0 1\n"
+                  "  1 1 1  1 2 1  2 2 1  2 1 1  1 1 1\n");
     (void)state;
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.surfaces[0].n_vertices, 10);
@@ -224,34 +225,34 @@ static void test_keyhole_is_kept(void **state)
     assert_vec(d.surfaces[0].vertices[4], 0, 0, 1);
     assert_vec(d.surfaces[0].vertices[7], 2, 2, 1);
     assert_int_equal(d.n_warnings, 0);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_far_polygon_is_kept(void **state)
 {
     /* A square of 1 cm, 100 km away: the normal must stay accurate. */
-    struct orl_description d = parse(RED "red polygon p 0 0 12 1e5 1e5 1e5  1e5 100000.01 1e5\n"
-                                         "1e5 100000.01 100000.01  1e5 1e5 100000.01\n");
+    struct orl_parsed_scene d = parse(RED "red polygon p 0 0 12 1e5 1e5 1e5  1e5 100000.01 1e5\n"
+                                          "1e5 100000.01 100000.01  1e5 1e5 100000.01\n");
     (void)state;
     assert_int_equal(d.n_surfaces, 1);
     assert_vec(d.surfaces[0].normal, 1, 0, 0);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_numbers(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse(RED "red sphere s 0 0 4 +.5 -1.25e-3 12345678901234567890123e-20 0.1\n"
                   "void glow g 0 0 4 1e22 5. 9007199254740993 3.0000000000000004\n");
     (void)state;
-    assert_true(d.surfaces[0].round->center[0].x == .5 &&
-                d.surfaces[0].round->center[0].y == -1.25e-3);
-    assert_true(d.surfaces[0].round->center[0].z == 123.45678901234567890123);
-    assert_true(d.surfaces[0].round->radius[0] == 0.1);
+    assert_true(d.surfaces[0].quadric->center[0].x == .5 &&
+                d.surfaces[0].quadric->center[0].y == -1.25e-3);
+    assert_true(d.surfaces[0].quadric->center[0].z == 123.45678901234567890123);
+    assert_true(d.surfaces[0].quadric->radius[0] == 0.1);
     assert_true(d.materials[1].color.r == 1e22 && d.materials[1].color.g == 5);
     assert_true(d.materials[1].color.b == 9007199254740992.0);
     assert_true(d.materials[1].max_radius == 3.0000000000000004);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* ---- Commands -----------------------------------------------------------------------------------
@@ -261,7 +262,7 @@ static void test_genbox_faces_outwards(void **state)
 {
     (void)state;
     for (int inverted = 0; inverted < 2; inverted++) {
-        struct orl_description d =
+        struct orl_parsed_scene d =
             parse(inverted ? RED "!genbox red b 1 2 3 -i\n" : RED "!genbox red b 1 2 3\n");
         const struct orl_vec3 middle = orl_v3(.5, 1, 1.5);
         for (size_t i = 0; i < 6; i++) {
@@ -271,13 +272,13 @@ static void test_genbox_faces_outwards(void **state)
             assert_int_equal(s->line, 2);
         }
         assert_string_equal(d.surfaces[0].name, "b.1540");
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 
 static void test_xform_arrays(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse(RED "!genbox red b 1 1 1 | xform -n x -a 2 -t 10 0 0 -a 2 -t 0 10 0 -i 1 -t 0 0 5\n");
     (void)state;
     assert_int_equal(d.n_surfaces, 24);
@@ -285,14 +286,14 @@ static void test_xform_arrays(void **state)
     assert_string_equal(d.surfaces[18].name, "x.1.1.b.1540");
     assert_vec(d.surfaces[6].vertices[3], 0, 10, 5);
     assert_vec(d.surfaces[18].vertices[3], 10, 10, 5);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* Surfaces without extent are dropped with a warning, as by oconv; the last three have an extent
  * and stay. */
 static void test_no_extent(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse(RED "red sphere a 0 0 4 0 0 0 0\nred bubble b 0 0 4 0 0 0 0\n"
                   "red cylinder c 0 0 7 0 0 0 0 0 0 1\nred tube e 0 0 7 0 0 0 0 0 1 0\n"
                   "red cone f 0 0 8 0 0 0 0 0 1 0 0\nred cup g 0 0 8 1 1 1 1 1 1 1 2\n"
@@ -305,15 +306,15 @@ static void test_no_extent(void **state)
     assert_string_equal(d.surfaces[0].name, "s");
     assert_string_equal(d.surfaces[1].name, "k");
     assert_string_equal(d.surfaces[2].name, "r");
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* The corners of a square of 4, one of them lifted by 0.8, are 0.4 apart along its mean normal. */
 static void test_bent_polygons(void **state)
 {
-    struct orl_description d = parse(RED "red polygon p 0 0 12 0 0 0 4 0 0 4 4 .8 0 4 0\n"
-                                         "red polygon q 0 0 12 0 0 0 4 0 0 4 4 .1 0 4 0\n"
-                                         "red polygon r 0 0 12 0 0 0 4 0 0 4 4 .001 0 4 0\n");
+    struct orl_parsed_scene d = parse(RED "red polygon p 0 0 12 0 0 0 4 0 0 4 4 .8 0 4 0\n"
+                                          "red polygon q 0 0 12 0 0 0 4 0 0 4 4 .1 0 4 0\n"
+                                          "red polygon r 0 0 12 0 0 0 4 0 0 4 4 .001 0 4 0\n");
     (void)state;
     assert_int_equal(d.n_surfaces, 3);
     assert_int_equal(d.n_warnings, 1);
@@ -321,21 +322,21 @@ static void test_bent_polygons(void **state)
         d.warnings[0], "and 1 others: its corners do not lie in one plane, by up to 0.396: light "
                        "meets the triangles that it is cut into, and all of these have its mean "
                        "normal"));
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* '#' works as in a shell: at the beginning of a word ends a command; within a word it is an
  * ordinary character. */
 static void test_command_comments(void **state)
 {
-    struct orl_description d =
+    struct orl_parsed_scene d =
         parse(RED "!genbox red b 1 1 1 | xform -n a#b -t 1 0 0 # by hand; see 'plan\n"
                   "!genbox red c 1 1 1 #\n");
     (void)state;
     assert_int_equal(d.n_surfaces, 12);
     assert_string_equal(d.surfaces[0].name, "a#b.b.1540");
     assert_vec(d.surfaces[6].vertices[0], 1, 0, 0);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_xform_mirror(void **state)
@@ -345,7 +346,7 @@ static void test_xform_mirror(void **state)
         {"part.rad", "red polygon p 0 0 9 1 0 0  1 1 0  1 0 1\nred sphere s 0 0 4 1 0 0 3\n"
                      "red ring r 0 0 8 1 0 0 1 0 0 0 1\ng source d 0 0 4 1 1 0 10\n"
                      "void glow h 0 0 4 1 1 1 3\n"}};
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse_files(pairs, 2, 1, &d, &err), 0);
@@ -353,18 +354,18 @@ static void test_xform_mirror(void **state)
     assert_vec(d.surfaces[0].normal, -1, 0, 0);
     assert_vec(d.surfaces[0].vertices[2], -1, 0, 0);
     assert_int_equal(d.surfaces[1].kind, ORL_SURFACE_SPHERE);
-    assert_vec(d.surfaces[1].round->center[0], -1, 0, 0);
-    assert_true(d.surfaces[1].round->radius[0] == 6);
+    assert_vec(d.surfaces[1].quadric->center[0], -1, 0, 0);
+    assert_true(d.surfaces[1].quadric->radius[0] == 6);
     assert_vec(d.surfaces[2].normal, -1, 0, 0);
-    assert_vec(d.distants[0].direction, -sqrt(.5), sqrt(.5), 0);
+    assert_vec(d.distant_sources[0].direction, -sqrt(.5), sqrt(.5), 0);
     assert_true(d.materials[2].max_radius == 6);
     /* inverted: turned over in place */
     assert_vec(d.surfaces[3].normal, -1, 0, 0);
     assert_vec(d.surfaces[3].vertices[2], 1, 0, 0);
     assert_int_equal(d.surfaces[4].kind, ORL_SURFACE_BUBBLE);
     assert_vec(d.surfaces[5].normal, -1, 0, 0);
-    assert_vec(d.distants[1].direction, sqrt(.5), sqrt(.5), 0);
-    orl_description_done(&d);
+    assert_vec(d.distant_sources[1].direction, sqrt(.5), sqrt(.5), 0);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_xform_overrides(void **state)
@@ -376,7 +377,7 @@ static void test_xform_overrides(void **state)
         {"model/parts/a.rad", "!xform -m blue -n in ../parts/./b.rad\n"},
         {"model/parts/b.rad", "blue" SQUARE},
         {"model/list.txt", "-t 1 0 0\n\n# no copy\nxform -t 0 \"2\" 0\n"}};
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse_files(pairs, 4, 1, &d, &err), 0);
@@ -391,21 +392,21 @@ static void test_xform_overrides(void **state)
     assert_int_equal(d.n_files, 4);
     assert_int_equal(d.n_main, 1);
     assert_string_equal(d.files[2], "model/parts/b.rad");
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_sky_turns_with_its_scene(void **state)
 {
-    struct orl_description d = parse("!gensky -ang 30 0 -s | xform -rz 90\n"
-                                     "void brightfunc s 4 skybright perezlum.cal -rz -90\n0\n"
-                                     "10 1 2 3 .4 5 6 7 1 0 0\n");
+    struct orl_parsed_scene d = parse("!gensky -ang 30 0 -s | xform -rz 90\n"
+                                      "void brightfunc s 4 skybright perezlum.cal -rz -90\n0\n"
+                                      "10 1 2 3 .4 5 6 7 1 0 0\n");
     (void)state;
     /* A southern sun rotated by a quarter turn, counter-clockwise from above, is in the east. */
     assert_true(fabs(d.skies[0].a[4] - cos(30 * ORL_DEG_TO_RAD)) < 1e-6);
     assert_true(fabs(d.skies[0].a[5]) < 1e-6 && fabs(d.skies[0].a[6] - .5) < 1e-6);
     assert_int_equal(d.skies[1].kind, ORL_SKY_PEREZ);
     assert_true(fabs(d.skies[1].a[8] + 1) < 1e-12 && d.skies[1].a[6] == 7);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* ---- BSDFs and files ----------------------------------------------------------------------------
@@ -419,7 +420,7 @@ static void test_bsdf_is_shared(void **state)
                        "one polygon p 0 0 9 0 0 0 1 0 0 0 0 1\n"},
         {"m/b.xml", uniform_xml},
         {"m/c.xml", uniform_xml}};
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     const int code = parse_files(pairs, 3, 1, &d, &err);
     (void)state;
@@ -431,7 +432,7 @@ static void test_bsdf_is_shared(void **state)
     assert_true(d.materials[0].back.g == .2 && d.materials[0].through.b == .3);
     assert_vec(d.materials[0].up, 0, 0, 1);
     assert_vec(d.materials[1].up, 0, -1, 0);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_digest_follows_content(void **state)
@@ -441,7 +442,7 @@ static void test_digest_follows_content(void **state)
     static const char *const other[][2] = {{"a.rad", RED "!xform b.rad\n"},
                                            {"b.rad", "red" SQUARE " "}};
     static const char *const twice[][2] = {{"b.rad", RED "red" SQUARE}, {"b.rad", ""}};
-    struct orl_description d[5] = {{0}};
+    struct orl_parsed_scene d[5] = {{0}};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse_files(one, 2, 1, &d[0], &err), 0);
@@ -454,20 +455,20 @@ static void test_digest_follows_content(void **state)
     assert_memory_not_equal(d[3].digest, d[4].digest, 32);
     assert_int_equal(d[4].n_surfaces, 2);
     for (int i = 0; i < 5; i++)
-        orl_description_done(&d[i]);
+        orl_parsed_scene_done(&d[i]);
 }
 
 static void test_xml_among_main_files_is_no_scene(void **state)
 {
     static const char *const pairs[][2] = {{"b.xml", uniform_xml}, {"a.rad", RED "red" SQUARE}};
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(parse_files(pairs, 2, 2, &d, &err), 0);
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.n_main, 1);
     assert_int_equal(d.n_files, 1);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* ---- Choice of the scene's files ------------------------------------------------------------- */

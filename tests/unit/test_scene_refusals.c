@@ -68,14 +68,14 @@ static void test_unused(void **state)
         "bumps plastic rough 0 0 5 .5 .5 .5 0 0\n"
         "void BSDF blind 6 0 gone.xml 0 0 1 . 0 0\n"
         "void plastic good 0 0 5 .5 .5 .5 0 0\ngood sphere s 0 0 4 0 0 0 1\n";
-    struct orl_description d = scene_parse_text(text, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(text, NULL, NULL);
     (void)state;
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.n_warnings, 1);
     assert_string_equal(d.warnings[0],
                         "plastic bad at scene.rad:1 is passed over, for nothing uses it, and 3 "
                         "others like it: its reflectance (-0.13 0.1 0.1) is not from 0 to 1");
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 /* Libraries of materials contain unused primitives, also patterns on materials and aliases. */

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "light/enclosures.h"
 #include "run/stages.h"
@@ -81,20 +81,20 @@ static struct told grid(double x, double y, double z, int columns, int rows)
 static void check_ranges(struct told *told, const char *scene, struct orl_sensor_check *check)
 {
     struct told again = {.n = 0};
-    struct orl_crew *crew = orl_crew_start(3);
-    struct orl_world *world = scene_world(scene, NULL, NULL, crew);
-    check->scene = world->scene;
+    struct orl_thread_pool *pool = orl_thread_pool_start(3);
+    struct orl_lit_scene *lit_scene = build_lit_scene(scene, NULL, NULL, pool);
+    check->scene = lit_scene->scene;
     check->sensors = told->sensors;
     check->warn = warn;
     check->ctx = &again;
-    check->crew = crew;
+    check->pool = pool;
     assert_int_equal(orl_run_check_sensor_spaces(check), 0);
     check->ctx = told;
-    check->crew = NULL;
+    check->pool = NULL;
     assert_int_equal(orl_run_check_sensor_spaces(check), 0);
     assert_string_equal(again.text, told->text);
-    orl_world_free(world);
-    orl_crew_stop(crew);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_stop(pool);
 }
 
 static struct orl_sensor_check check_spaces(struct told *told, const char *scene)
@@ -285,26 +285,26 @@ static void test_cancellation(void **state)
     const atomic_bool cancel = true;
     struct told told = grid(-1.7, 0.3, -0.1, 6, 7);
     const struct orl_sensor_range range = {"desks", 0, told.n};
-    struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = scene_world(room, NULL, NULL, crew);
-    struct orl_sensor_check cancelled = {.scene = world->scene,
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    struct orl_lit_scene *lit_scene = build_lit_scene(room, NULL, NULL, pool);
+    struct orl_sensor_check cancelled = {.scene = lit_scene->scene,
                                          .sensors = told.sensors,
                                          .ranges = &range,
                                          .n_ranges = 1,
-                                         .crew = crew,
+                                         .pool = pool,
                                          .warn = warn,
                                          .ctx = &told};
-    struct orl_ray_budget budget = {.crew = crew, .left = 1000000};
+    struct orl_ray_budget budget = {.pool = pool, .left = 1000000};
     (void)state;
-    orl_crew_heed(crew, &cancel);
+    orl_thread_pool_set_cancel(pool, &cancel);
     assert_int_equal(orl_run_check_sensor_spaces(&cancelled), ORL_ERR_CANCELLED);
     assert_int_equal(cancelled.rays, 0);
     assert_int_equal(told.count, 0);
     while (orl_ray_budget_take(&budget))
         assert_in_range(budget.traced, 1, 1024);
     assert_true(budget.cancelled);
-    orl_world_free(world);
-    orl_crew_stop(crew);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_stop(pool);
 }
 
 int main(void)

@@ -9,11 +9,11 @@
 
 #include <cmocka.h>
 #include <expat.h>
-#include <oriel/sequence.h>
+#include <oriel/job/sequence.h>
 #include <png.h>
 #include <zlib.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "chart/glare_chart.h"
 #include "render/film/apng.h"
 #include "render/film/film.h"

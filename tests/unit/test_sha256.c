@@ -7,9 +7,9 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 
 static void every_length_agrees(void **state)
 {

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/annual_report.h>
-#include <oriel/limits.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/limits.h>
 
 static char file_name[] = "s.csv", group_name[] = "south", open_name[] = "open",
             blinds_name[] = "blinds, half";

@@ -9,9 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "decode.h"
-#include "job_json.h"
-#include "skies_result_json.h"
+#include "job/job_json.h"
+#include "result/skies_result_json.h"
+#include "json/decode.h"
 
 static int decode(const char *skies, struct orl_job *job, struct orl_error *err)
 {

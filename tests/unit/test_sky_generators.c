@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/files.h>
+#include <oriel/base/files.h>
 
 #include "scene/parse/parse.h"
 
@@ -118,18 +118,18 @@ static const struct expected expected[] = {
     {"gensky -ang 15 -45 -c -b 20", -1, 3, {2, 20, 3.111}},
 };
 
-static struct orl_description generate(const char *command)
+static struct orl_parsed_scene generate(const char *command)
 {
     char text[256];
     const char *const names[] = {"sky.rad"};
     struct orl_file file = {text, (size_t)snprintf(text, sizeof text, "!%s\n", command), NULL};
     struct orl_memory_files memory = {names, &file, 1};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
-    if (orl_scene_parse(names, 1, &files, &description, &err) < 0)
+    if (orl_scene_parse(names, 1, &files, &parsed_scene, &err) < 0)
         fail_msg("%s: %s", command, err.message);
-    return description;
+    return parsed_scene;
 }
 
 static bool same(double value, double wanted)
@@ -142,9 +142,9 @@ static void test_printed_numbers(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         const struct expected *e = expected + i;
-        struct orl_description d = generate(e->command);
+        struct orl_parsed_scene d = generate(e->command);
         assert_int_equal(d.n_skies, 1);
-        assert_int_equal(d.n_distants, e->sun < 0 ? 0 : 1);
+        assert_int_equal(d.n_distant_sources, e->sun < 0 ? 0 : 1);
         assert_int_equal(d.skies[0].n_args, e->n_args);
         assert_int_equal(d.skies[0].kind, e->n_args == 10 ? ORL_SKY_PEREZ : ORL_SKY_CIE);
         for (int k = 0; k < e->n_args; k++)
@@ -153,7 +153,7 @@ static void test_printed_numbers(void **state)
         if (e->sun >= 0 && !same(d.materials[0].color.g, e->sun))
             fail_msg("%s: the sun's radiance is %.9g, not %.9g", e->command, d.materials[0].color.g,
                      e->sun);
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 
@@ -163,30 +163,30 @@ static void test_sun_and_sky_agree(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
         const struct expected *e = expected + i;
-        struct orl_description d = generate(e->command);
+        struct orl_parsed_scene d = generate(e->command);
         if (e->sun >= 0) {
             const double *at = d.skies[0].a + (e->n_args == 10 ? 7 : 4);
             const struct orl_vec3 sun = orl_v3(at[0], at[1], at[2]);
-            assert_int_equal(d.materials[d.distants[0].material].kind, ORL_MATERIAL_LIGHT);
-            assert_true(orl_dot(sun, d.distants[0].direction) > 1.0 - 1e-5);
-            assert_true(d.distants[0].angle_deg == (e->n_args == 10 ? 0.533 : 0.5));
+            assert_int_equal(d.materials[d.distant_sources[0].material].kind, ORL_MATERIAL_LIGHT);
+            assert_true(orl_dot(sun, d.distant_sources[0].direction) > 1.0 - 1e-5);
+            assert_true(d.distant_sources[0].angle_deg == (e->n_args == 10 ? 0.533 : 0.5));
         }
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 
 /* gendaylit reads "12:30" as 12: the same sky here, with a warning. */
 static void test_minutes_are_warned_about(void **state)
 {
-    struct orl_description with = generate("gendaylit 3 22 12:30 -a 38 -o -27 -m -30 -W 800 120");
-    struct orl_description without = generate("gendaylit 3 22 12 -a 38 -o -27 -m -30 -W 800 120");
+    struct orl_parsed_scene with = generate("gendaylit 3 22 12:30 -a 38 -o -27 -m -30 -W 800 120");
+    struct orl_parsed_scene without = generate("gendaylit 3 22 12 -a 38 -o -27 -m -30 -W 800 120");
     (void)state;
     assert_memory_equal(with.skies[0].a, without.skies[0].a, sizeof with.skies[0].a);
     assert_int_equal(with.n_warnings, 1);
     assert_non_null(strstr(with.warnings[0], "minutes"));
     assert_int_equal(without.n_warnings, 0);
-    orl_description_done(&with);
-    orl_description_done(&without);
+    orl_parsed_scene_done(&with);
+    orl_parsed_scene_done(&without);
 }
 
 /* A border of the model's bins, no diffuse light, polar night and day: results are defined and
@@ -209,11 +209,11 @@ static void test_edges_are_finite(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
-        struct orl_description d = generate(commands[i]);
+        struct orl_parsed_scene d = generate(commands[i]);
         assert_int_equal(d.n_skies, 1);
         for (int k = 0; k < d.skies[0].n_args; k++)
             assert_true(isfinite(d.skies[0].a[k]));
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
     }
 }
 

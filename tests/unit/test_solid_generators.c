@@ -14,10 +14,10 @@
 
 #include <cmocka.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "scene/generate/command.h"
-#include "scene/generate/solids.h"
+#include "scene/generate/solid/solids.h"
 
 struct expected {
     const char *command;

@@ -16,11 +16,12 @@
 static void sample(const struct orl_backward *backward, uint32_t first, uint32_t samples,
                    double ret_groups[ORL_MAP_BATCHES])
 {
-    const struct orl_span span = {.seed = 7, .index = 3, .first = first, .samples = samples};
-    const struct orl_vec3 place = orl_sub(orl_v3(2, 2, 0), backward->world->geometry->center);
+    const struct orl_sample_range range = {
+        .seed = 7, .index = 3, .first = first, .samples = samples};
+    const struct orl_vec3 place = orl_sub(orl_v3(2, 2, 0), backward->lit_scene->geometry->center);
     struct orl_rgb groups[ORL_MAP_BATCHES];
     struct orl_health health = {0};
-    orl_backward_irradiance(backward, place, orl_v3(0, 0, 1), &span, &health, groups);
+    orl_backward_irradiance(backward, place, orl_v3(0, 0, 1), &range, &health, groups);
     for (int k = 0; k < ORL_MAP_BATCHES; k++)
         ret_groups[k] = orl_luma(groups[k]);
 }
@@ -29,12 +30,12 @@ static void sample(const struct orl_backward *backward, uint32_t first, uint32_t
 static void test_spans_that_follow(void **state)
 {
     double whole[ORL_MAP_BATCHES], first[ORL_MAP_BATCHES], second[ORL_MAP_BATCHES], sum = 0;
-    struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = scene_world(SCENE, NULL, NULL, crew);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    struct orl_lit_scene *lit_scene = build_lit_scene(SCENE, NULL, NULL, pool);
     struct orl_backward backward;
     (void)state;
-    assert_int_equal(orl_backward_init(&backward, world, NULL), 0);
-    assert_int_equal(orl_backward_put_lamps(&backward, crew, 1, NULL, 0, 1), 0);
+    assert_int_equal(orl_backward_init(&backward, lit_scene, NULL), 0);
+    assert_int_equal(orl_backward_set_vpls(&backward, pool, 1, NULL, 0, 1), 0);
     sample(&backward, 0, 13 * ORL_MAP_BATCHES, whole);
     sample(&backward, 0, 4 * ORL_MAP_BATCHES, first);
     sample(&backward, 4 * ORL_MAP_BATCHES, 9 * ORL_MAP_BATCHES, second);
@@ -46,8 +47,8 @@ static void test_spans_that_follow(void **state)
     }
     assert_true(sum > 0);
     orl_backward_done(&backward);
-    orl_world_free(world);
-    orl_crew_stop(crew);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_stop(pool);
 }
 
 int main(void)

@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "light/scene.h"
-#include "scene/material/pattern.h"
+#include "scene/built/scene.h"
+#include "scene/material/patterns/pattern.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
@@ -28,7 +28,7 @@
     "90.0062 89.5991 87.6987 83.2886 83.6992 80.0268 80.2146 82.2778 78.2842 69.7213 71.6091 "     \
     "74.3490 61.6040 69.8856 75.0870 63.5927 46.4182 66.8054 63.3828 "
 
-static int parse(const char *text, struct orl_description *ret, struct orl_error *err)
+static int parse(const char *text, struct orl_parsed_scene *ret, struct orl_error *err)
 {
     static const char *const names[] = {"a.rad",    "d65.dat", "tent.dat", "tent.cal", "places.dat",
                                         "flat.dat", "two.hsr", "two.dat",  "cut.hsr"};
@@ -63,11 +63,11 @@ static int parse(const char *text, struct orl_description *ret, struct orl_error
 /* Returns the floor's emission at a place of that x. */
 static struct orl_rgb seen(const char *text, double x)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
     struct orl_hit hit;
-    if (parse(text, &description, &err) < 0 || orl_scene_new(&description, &scene, &err) < 0)
+    if (parse(text, &parsed_scene, &err) < 0 || orl_scene_new(&parsed_scene, &scene, &err) < 0)
         fail_msg("%s:%d %s: %s", err.file, err.line, err.primitive, err.message);
     assert_true(orl_geometry_intersect(scene->geometry,
                                        orl_sub(orl_v3(x, 2, 1), scene->geometry->center),
@@ -122,7 +122,7 @@ static void test_triangle(void **state)
     const struct orl_rgb green = seen("void spectrum s 0 0 6 515 485 1 1 1 1\ns" LAMP, 2);
     struct orl_tristimulus band = {0, 0, 0};
     (void)state;
-    orl_observe(&band, 480, 520, 1);
+    orl_tristimulus_add(&band, 480, 520, 1);
     assert_true(green.r == 0 && green.g > 0 && green.b > 0);
     /* rgb are shares of the luminances of primaries whose sum is white's. */
     assert_true(fabs(0.26510582010582012 * green.r + 0.67010582010582009 * green.g +
@@ -205,25 +205,26 @@ static void test_errors(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_description description = {0};
+        struct orl_parsed_scene parsed_scene = {0};
         struct orl_error err = {0};
-        const int code = parse(cases[i].text, &description, &err);
+        const int code = parse(cases[i].text, &parsed_scene, &err);
         if (code == 0 || !strstr(err.message, cases[i].message))
             fail_msg("case %zu: %d %s", i, code, err.message);
-        orl_description_done(&description);
+        orl_parsed_scene_done(&parsed_scene);
     }
 }
 
 static void test_warning(void **state)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(parse("void spectrum s 0 0 6 450 600 1 1 1 1\ns" LAMP, &description, &err), 0);
-    assert_int_equal(description.n_warnings, 1);
-    assert_non_null(strstr(description.warnings[0], "of what an eye sees"));
-    assert_int_equal(description.n_materials, 1);
-    orl_description_done(&description);
+    assert_int_equal(parse("void spectrum s 0 0 6 450 600 1 1 1 1\ns" LAMP, &parsed_scene, &err),
+                     0);
+    assert_int_equal(parsed_scene.n_warnings, 1);
+    assert_non_null(strstr(parsed_scene.warnings[0], "of what an eye sees"));
+    assert_int_equal(parsed_scene.n_materials, 1);
+    orl_parsed_scene_done(&parsed_scene);
 }
 
 int main(void)

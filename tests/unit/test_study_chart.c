@@ -11,8 +11,8 @@
 #include <expat.h>
 #include <png.h>
 
-#include "chart/layout.h"
 #include "chart/study_chart.h"
+#include "chart/study_layout.h"
 #include "study/error_model.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
@@ -67,7 +67,7 @@ static void assert_laid_out(const struct orl_chart *chart)
         if (a->x0 < page.x0 || a->y0 < page.y0 || a->x1 > page.x1 || a->y1 > page.y1)
             fail_msg("\"%s\" leaves the page", chart->texts[i].text);
         for (size_t k = 0; k < i; k++)
-            if (orl_box_meets(a, &chart->texts[k].box))
+            if (orl_box_overlaps(a, &chart->texts[k].box))
                 fail_msg("\"%s\" meets \"%s\"", chart->texts[i].text, chart->texts[k].text);
     }
 }
@@ -86,7 +86,7 @@ static void test_no_two_texts_meet(void **state)
             labels += chart.texts[i].role == ORL_CHART_GIVEN;
         /* All labels have been placed. */
         assert_int_equal(chart.n_unlabelled, 0);
-        assert_int_equal(labels, study.n_given);
+        assert_int_equal(labels, study.n_external);
         orl_chart_done(&chart);
         orl_study_done(&study);
     }
@@ -100,8 +100,8 @@ static void test_long_titles_and_names_are_cut(void **state)
     (void)state;
     memset(title, 'W', sizeof title - 1);
     title[sizeof title - 1] = '\0';
-    free(study.given[0].name);
-    study.given[0].name = strdup(title);
+    free(study.external[0].name);
+    study.external[0].name = strdup(title);
     assert_int_equal(orl_chart_make(&study, title, &chart, NULL), 0);
     assert_laid_out(&chart);
     orl_chart_done(&chart);
@@ -120,17 +120,17 @@ static void test_absurd_points_do_no_harm(void **state)
     study.points[2].rms = 1e300;
     study.points[3].total_s = INFINITY;
     study.points[4].rms_error = INFINITY;
-    study.given[0].here_s = study.given[1].rms = 1e12;
-    study.given[1].here_s = study.given[0].rms = 1e-12;
+    study.external[0].here_s = study.external[1].rms = 1e12;
+    study.external[1].here_s = study.external[0].rms = 1e-12;
     orl_study_mark_front(study.points, study.n_points);
     assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
     assert_laid_out(&chart);
     orl_chart_done(&chart);
-    study.n_points = study.n_given = 0;
+    study.n_points = study.n_external = 0;
     assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
     assert_laid_out(&chart);
     orl_chart_done(&chart);
-    study.n_given = 2;
+    study.n_external = 2;
     orl_study_done(&study);
 }
 
@@ -179,9 +179,9 @@ static void test_png_shows_the_points(void **state)
         white += pixels[i] > 250;
     assert_true(white > (size_t)image.width * image.height * 3 / 4);
     assert_int_equal(orl_chart_make(&study, NULL, &chart, NULL), 0);
-    for (size_t i = 0; i < study.n_given; i++) {
-        const size_t x = (size_t)(2 * orl_axis_at(&chart.x, study.given[i].here_s));
-        const size_t y = (size_t)(2 * orl_axis_at(&chart.y, 100 * study.given[i].rms));
+    for (size_t i = 0; i < study.n_external; i++) {
+        const size_t x = (size_t)(2 * orl_axis_at(&chart.x, study.external[i].here_s));
+        const size_t y = (size_t)(2 * orl_axis_at(&chart.y, 100 * study.external[i].rms));
         assert_true(pixels[y * image.width + x] < 200);
     }
     orl_chart_done(&chart);

@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "study/error_model.h"
 #include "support/study_data.h"
 

@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "decode.h"
-#include "study_json.h"
+#include "job/study_json.h"
 #include "support/study_data.h"
+#include "json/decode.h"
 
 static const char good[] =
     "{\"kind\": \"study\", \"title\": \"A room\", \"note\": \"Made up.\", \"scene\": {\"files\": "
@@ -48,7 +48,7 @@ static void test_a_whole_document(void **state)
     assert_string_equal(r.job.scene_files[0], "room.rad");
     assert_int_equal(r.job.seed, 5);
     assert_int_equal(r.job.n_sensors, 1);
-    assert_int_equal(r.job.wishes[ORL_EFFECT_CAUSTICS_BSDF], ORL_WISH_SKIP);
+    assert_int_equal(r.job.overrides[ORL_EFFECT_CAUSTICS_BSDF], ORL_OVERRIDE_SKIP);
     assert_int_equal(r.n_techniques, 2);
     assert_int_equal(r.techniques[1], ORL_TECHNIQUE_DIRECT);
     assert_int_equal(r.n_photons, 2);
@@ -58,9 +58,9 @@ static void test_a_whole_document(void **state)
     assert_int_equal(r.repeats, 2);
     assert_int_equal(r.reference_samples, 512);
     assert_int_equal(r.reference_runs, 4);
-    assert_int_equal(r.n_given, 1);
-    assert_string_equal(r.given[0].name, "By hand");
-    assert_true(r.given[0].seconds > 3599 && r.given[0].rms < 0.51);
+    assert_int_equal(r.n_external, 1);
+    assert_string_equal(r.external[0].name, "By hand");
+    assert_true(r.external[0].seconds > 3599 && r.external[0].rms < 0.51);
     orl_study_request_done(&r);
 }
 

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "light/daylight.h"
-#include "scene/generate/sun.h"
+#include "scene/generate/sky/sun.h"
 
 static const double deg = ORL_PI / 180;
 
@@ -231,7 +231,7 @@ static struct orl_daylight row_sky(const char *text, enum orl_sun_method method)
     if (orl_weather_parse("w", text, strlen(text), 0, &weather, &err) < 0)
         fail_msg("%s", err.message);
     weather.sun_method = method;
-    if (orl_daylight_of_row(&weather, &weather.rows[0], &sky, &diffuse, &err) < 0)
+    if (orl_daylight_from_row(&weather, &weather.rows[0], &sky, &diffuse, &err) < 0)
         fail_msg("%s", err.message);
     orl_weather_done(&weather);
     return sky;

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "scene/surface_labels.h"
 #include "support/scene_text.h"
 
@@ -94,7 +94,7 @@ static size_t check_outlines(int n)
     for (int i = 0; i < n; i++)
         write_polygon(f, i, &random);
     assert_int_equal(fclose(f), 0);
-    struct orl_description d = scene_parse_text(text, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(text, NULL, NULL);
     assert_int_equal(orl_geometry_new(&d, &geometry, &err), 0);
     assert_int_equal(d.n_surfaces, n);
     for (uint32_t i = 0; i < d.n_surfaces; i++) {
@@ -109,7 +109,7 @@ static size_t check_outlines(int n)
         }
     }
     orl_geometry_free(geometry);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     free(text);
     return own;
 }

@@ -13,10 +13,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/random.h"
-#include "light/world.h"
+#include "base/sampling/random.h"
+#include "light/lit_scene.h"
 #include "photon/density/texels.h"
-#include "photon/map/facing.h"
+#include "photon/map/normal_code.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 
@@ -47,7 +47,8 @@ static int tear_down(void **state)
 }
 
 /* Returns a map with equally many photons on the front of every polygon, of flux 1, 2 and 3. */
-static struct orl_photon_map *shower(const struct orl_geometry *geometry, struct orl_crew *crew)
+static struct orl_photon_map *shower(const struct orl_geometry *geometry,
+                                     struct orl_thread_pool *pool)
 {
     static struct orl_photon photons[FACETS * A_FACET];
     const struct orl_map_build build = {
@@ -67,7 +68,7 @@ static struct orl_photon_map *shower(const struct orl_geometry *geometry, struct
                                 .normal = orl_normal_encode(normal)};
     }
     snprintf(path, sizeof path, "%s/map", folder);
-    assert_int_equal(orl_photon_map_write(path, photons, FACETS * A_FACET, &build, crew, &err), 0);
+    assert_int_equal(orl_photon_map_write(path, photons, FACETS * A_FACET, &build, pool, &err), 0);
     assert_int_equal(orl_photon_map_open(path, false, &map, &err), 0);
     return map;
 }
@@ -136,12 +137,12 @@ static void expect_light_in_front(const struct orl_geometry *geometry,
 
 static void test_texels(void **state)
 {
-    struct orl_world *world = scene_world(scene, NULL, NULL, NULL);
-    const struct orl_geometry *geometry = world->geometry;
-    struct orl_crew *crew = orl_crew_start(1), *three = orl_crew_start(3);
-    struct orl_photon_map *map = shower(geometry, crew);
-    struct orl_texels *texels = orl_texels_new(map, world, PER_TEXEL, crew);
-    struct orl_texels *again = orl_texels_new(map, world, PER_TEXEL, three);
+    struct orl_lit_scene *lit_scene = build_lit_scene(scene, NULL, NULL, NULL);
+    const struct orl_geometry *geometry = lit_scene->geometry;
+    struct orl_thread_pool *pool = orl_thread_pool_start(1), *three = orl_thread_pool_start(3);
+    struct orl_photon_map *map = shower(geometry, pool);
+    struct orl_texels *texels = orl_texels_new(map, lit_scene, PER_TEXEL, pool);
+    struct orl_texels *again = orl_texels_new(map, lit_scene, PER_TEXEL, three);
     (void)state;
     assert_non_null(texels);
     assert_non_null(again);
@@ -163,9 +164,9 @@ static void test_texels(void **state)
     orl_texels_free(texels);
     orl_texels_free(again);
     orl_photon_map_free(map);
-    orl_world_free(world);
-    orl_crew_stop(crew);
-    orl_crew_stop(three);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_stop(pool);
+    orl_thread_pool_stop(three);
 }
 
 int main(void)

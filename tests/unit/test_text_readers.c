@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/bsdf.h>
+#include <oriel/bsdf/bsdf.h>
 
 #include "support/text_readers.h"
 

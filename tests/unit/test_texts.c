@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "light/scene.h"
+#include "scene/built/scene.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
@@ -26,7 +26,7 @@ static const char font[] =
     "190 10 160 80 90 80 60 10 40 20 30 15\n66 8\n30 10 30 240 200 240 200 "
     "130 90 130 90 110 180 110 180 10\n67 4\n100 50 100 200 140 200 140 50\n";
 
-static int parse(const char *text, const char *glyphs, struct orl_description *ret,
+static int parse(const char *text, const char *glyphs, struct orl_parsed_scene *ret,
                  struct orl_error *err)
 {
     static const char *const names[] = {"a.rad", "t.fnt", "t.txt", "b.rad"};
@@ -43,10 +43,11 @@ static int parse(const char *text, const char *glyphs, struct orl_description *r
 
 static struct orl_scene *load(const char *text)
 {
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
-    if (parse(text, font, &description, &err) < 0 || orl_scene_new(&description, &scene, &err) < 0)
+    if (parse(text, font, &parsed_scene, &err) < 0 ||
+        orl_scene_new(&parsed_scene, &scene, &err) < 0)
         fail_msg("%s:%d %s: %s", err.file, err.line, err.primitive, err.message);
     return scene;
 }
@@ -139,14 +140,14 @@ static void test_errors(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_description description = {0};
+        struct orl_parsed_scene parsed_scene = {0};
         struct orl_error err = {0};
         char text[512];
         snprintf(text, sizeof text, "%s" GLOW, cases[i].text);
-        const int code = parse(text, cases[i].font, &description, &err);
+        const int code = parse(text, cases[i].font, &parsed_scene, &err);
         if (code == 0 || !strstr(err.message, cases[i].message))
             fail_msg("case %zu: %d %s", i, code, err.message);
-        orl_description_done(&description);
+        orl_parsed_scene_done(&parsed_scene);
     }
 }
 
@@ -155,7 +156,7 @@ static void test_keys(void **state)
 {
     static const char text[] = "!xform b.rad\n!xform b.rad\n";
     static const char *const fonts[] = {"65 0\n", "65 0 \n", "66 0\n"};
-    struct orl_description d[3] = {{0}};
+    struct orl_parsed_scene d[3] = {{0}};
     struct orl_error err = {0};
     (void)state;
     for (int i = 0; i < 3; i++)
@@ -165,7 +166,7 @@ static void test_keys(void **state)
     assert_true(memcmp(d[0].digest, d[1].digest, sizeof d[0].digest) != 0);
     assert_true(memcmp(d[0].digest, d[2].digest, sizeof d[0].digest) != 0);
     for (int i = 0; i < 3; i++)
-        orl_description_done(&d[i]);
+        orl_parsed_scene_done(&d[i]);
 }
 
 int main(void)

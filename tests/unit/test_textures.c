@@ -13,10 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
-#include "light/scene.h"
+#include "base/sampling/random.h"
+#include "scene/built/scene.h"
+#include "scene/material/patterns/texture.h"
 #include "scene/material/scatter.h"
-#include "scene/material/texture.h"
 #include "scene/parse/parse.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
@@ -26,10 +26,10 @@
 
 static struct orl_scene *load(const char *text, const char *name, const char *resource)
 {
-    struct orl_description description = scene_parse_text(text, name, resource);
+    struct orl_parsed_scene parsed_scene = scene_parse_text(text, name, resource);
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
-    if (orl_scene_new(&description, &scene, &err) < 0)
+    if (orl_scene_new(&parsed_scene, &scene, &err) < 0)
         fail_msg("%s", err.message);
     return scene;
 }
@@ -94,7 +94,7 @@ static void test_data(void **state)
                                         "2\n0 4 2\n0 4 2\n0 0 .4 .4\n",
                                         "2\n0 4 2\n0 4 2\n0 .8 0 .8\n"};
     struct orl_file files[4];
-    struct orl_description d = {0};
+    struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     struct orl_scene *scene = NULL;
     (void)state;
@@ -138,7 +138,7 @@ static void test_over_material(void **state)
     struct orl_scene *const scene = load(text, NULL, NULL);
     struct orl_hit hit;
     (void)state;
-    assert_int_equal(scene->description.n_materials, 3);
+    assert_int_equal(scene->parsed_scene.n_materials, 3);
     expect_normal(scene, 2, 1, orl_v3(0, .1, 1), orl_v3(.1 + .4, 0, 0));
     const struct orl_rgb seen =
         orl_material_diffuse(intersect_floor(scene, 1, 1, orl_v3(0, 0, 1), &hit), &hit);
@@ -171,9 +171,9 @@ static void test_sides(void **state)
                                 4 * orl_random_uniform(&random), from, &hit);
             const struct orl_vec3 normal = orl_normal_at(m, &hit, from);
             assert_true(orl_dot(normal, from) >= 0 && fabs(orl_length(normal) - 1) < 1e-9);
-            const struct orl_scatter sent =
-                orl_scatter_sample(m, &hit, from, i & 1 ? ORL_TRANSPORT_LIGHT : ORL_TRANSPORT_EYE,
-                                   ORL_LOBE_ALL, &random);
+            const struct orl_surface_sample sent =
+                orl_material_sample(m, &hit, from, i & 1 ? ORL_TRANSPORT_LIGHT : ORL_TRANSPORT_EYE,
+                                    ORL_LOBE_ALL, &random);
             if (sent.event == ORL_EVENT_ABSORBED)
                 continue;
             assert_true((orl_dot(sent.direction, hit.normal) * orl_dot(from, hit.normal) < 0) ==

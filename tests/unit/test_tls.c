@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "http/connections.h"
-#include "http/tls.h"
+#include "http/connection/connections.h"
+#include "http/connection/tls.h"
 #include "process/sanitized.h"
 #include "support/certificate.h"
 #include "support/cli.h"

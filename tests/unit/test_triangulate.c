@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "support/outline.h"
 
 static void check_outline(const struct outline *o)

@@ -1,4 +1,4 @@
-/* Verdicts that stay undecided with a note, and the worst days of seats. */
+/* Verdicts that stay undecided with a note, and the worst days of viewpoints. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "report/making.h"
+#include "report/report_builder.h"
 #include "support/hand_year.h"
 
 static struct orl_window_group blinds = {
@@ -23,12 +23,12 @@ static void check_blinds(const struct orl_annual_result *result, struct orl_wind
 {
     struct orl_annual_grid grids[2];
     struct orl_annual_request request = hand_year_request(grids);
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
-    hand_year_ask(&wishes, "sDA300/50 of south >= 40 %", "LEED v4.1, 1 point");
+    hand_year_ask(&report_request, "sDA300/50 of south >= 40 %", "LEED v4.1, 1 point");
     request.groups = groups;
     request.n_groups = groups ? 1 : 0;
-    report = hand_year_report(&request, result, &wishes);
+    report = hand_year_report(&request, result, &report_request);
     assert_int_equal(report.n_verdicts, 1 + 3);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS); /* names no rule */
     assert_string_equal(report.verdicts[0].note, "");
@@ -37,7 +37,7 @@ static void check_blinds(const struct orl_annual_result *result, struct orl_wind
     assert_int_equal(report.verdicts[3].verdict, south);
     assert_string_equal(report.verdicts[3].note, note);
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
 }
 
 static void test_blinds_of_rules(void **state)
@@ -73,7 +73,7 @@ static void test_blinds_of_a_small_grid(void **state)
     struct orl_annual_grid grids[2];
     struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     (void)state;
     hand_year_make(&result, false);
     const size_t n = POINTS * result.n_columns;
@@ -91,8 +91,8 @@ static void test_blinds_of_a_small_grid(void **state)
     grids[0].count = SMALL;
     grids[1].first = SMALL;
     grids[1].count = POINTS - SMALL;
-    hand_year_ask(&wishes, "sDA300/50 >= 40 %", "LEED v4.1, 1 point");
-    struct orl_annual_report report = hand_year_report(&request, &result, &wishes);
+    hand_year_ask(&report_request, "sDA300/50 >= 40 %", "LEED v4.1, 1 point");
+    struct orl_annual_report report = hand_year_report(&request, &result, &report_request);
     const struct orl_annual_verdict *of_rule = report.verdicts + 3; /* all grids, and each grid */
     assert_int_equal(report.n_verdicts, 3 + 3);
     assert_int_equal(of_rule[0].grid, ORL_ALL_GRIDS);
@@ -100,7 +100,7 @@ static void test_blinds_of_a_small_grid(void **state)
     assert_int_equal(of_rule[1].verdict, ORL_VERDICT_UNDECIDED);
     assert_int_equal(of_rule[2].verdict, ORL_VERDICT_PASS);
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -111,21 +111,21 @@ static void test_few_hours(void **state)
     struct orl_annual_grid grids[2];
     const struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     (void)state;
     hand_year_make(&result, false);
-    hand_year_ask(&wishes, "sDA300/50 of south >= 55 %", "EN 17037 minimum");
+    hand_year_ask(&report_request, "sDA300/50 of south >= 55 %", "EN 17037 minimum");
     for (size_t i = 0; i < 14 * 24; i++)
         result.steps[i].missing = true;
-    report = hand_year_report(&request, &result, &wishes);
+    report = hand_year_report(&request, &result, &report_request);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_PASS);
     assert_true(report.periods[ORL_WHEN_OCCUPIED].hours == 3510);
     assert_true(report.hours_wanted[ORL_WHEN_OCCUPIED] == 3650);
     orl_annual_report_done(&report);
     for (size_t i = 0; i < 31 * 24; i++)
         result.steps[i].missing = true;
-    report = hand_year_report(&request, &result, &wishes);
+    report = hand_year_report(&request, &result, &report_request);
     assert_int_equal(report.verdicts[0].verdict, ORL_VERDICT_UNDECIDED);
     assert_string_equal(report.verdicts[0].note,
                         "the weather file has 3340 of 3650 occupied hours");
@@ -136,13 +136,13 @@ static void test_few_hours(void **state)
     orl_annual_report_done(&report);
     for (size_t i = 0; i < result.n_steps; i++)
         result.steps[i].missing = i >= 181 * 24;
-    report = hand_year_report(&request, &result, &wishes);
+    report = hand_year_report(&request, &result, &report_request);
     assert_int_equal(report.verdicts[1].verdict, ORL_VERDICT_UNDECIDED);
     assert_string_equal(report.verdicts[1].note,
                         "the weather file has 2172 of 4380 daylight hours");
     assert_int_equal(report.periods[ORL_WHEN_DAYLIGHT].n_columns, 2172);
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -153,20 +153,20 @@ static enum orl_verdict judge_mean(const struct orl_annual_result *result, doubl
 {
     struct orl_annual_grid grids[2];
     const struct orl_annual_request request = hand_year_request(grids);
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     double bound = 0;
     enum orl_verdict verdict = ORL_VERDICT_UNDECIDED;
     for (int round = 0; round < 2; round++) {
         char target[64];
         snprintf(target, sizeof target, "illuminance of south <= %.9g lx", bound);
-        hand_year_ask(&wishes, target, "EN 17037 minimum");
-        struct orl_annual_report report = hand_year_report(&request, result, &wishes);
+        hand_year_ask(&report_request, target, "EN 17037 minimum");
+        struct orl_annual_report report = hand_year_report(&request, result, &report_request);
         const struct orl_annual_value *v = &report.verdicts[0].area.value;
         bound = v->value + sides * fmax(v->value - v->low, v->high - v->value);
         verdict = report.verdicts[0].verdict;
         memcpy(note, report.verdicts[0].note, sizeof report.verdicts[0].note);
         orl_annual_report_done(&report);
-        orl_annual_wishes_done(&wishes);
+        orl_report_request_done(&report_request);
     }
     return verdict;
 }
@@ -194,49 +194,49 @@ static void test_uncertain_hours(void **state)
     hand_year_free(&result);
 }
 
-/* A seat faces the sun at noon of every day: DGP is 1 each time, so the illuminance at the eye
+/* A viewpoint faces the sun at noon of every day: DGP is 1 each time, so the illuminance at the eye
  * ranks the days. The level of protection is undecided if the weather lacks hours of use. */
-static void test_worst_days_of_a_seat(void **state)
+static void test_worst_days_of_a_viewpoint(void **state)
 {
     struct orl_annual_grid grids[2];
     const struct orl_annual_request request = hand_year_request(grids);
     struct orl_annual_result result;
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
-    struct orl_seat_hours *seat = calloc(1, sizeof *seat);
+    struct orl_viewpoint_hours *viewpoint = calloc(1, sizeof *viewpoint);
     struct orl_error err = {0};
     (void)state;
     hand_year_make(&result, false);
-    hand_year_ask(&wishes, "sDA300/50 of south >= 55 %", "LEED");
-    assert_non_null(seat);
-    float **arrays[] = {&seat->dgp, &seat->low, &seat->high, &seat->eye_lx};
+    hand_year_ask(&report_request, "sDA300/50 of south >= 55 %", "LEED");
+    assert_non_null(viewpoint);
+    float **arrays[] = {&viewpoint->dgp, &viewpoint->low, &viewpoint->high, &viewpoint->eye_lx};
     for (int i = 0; i < 4; i++)
         assert_non_null(*arrays[i] = calloc(result.n_columns, sizeof **arrays[i]));
     for (size_t c = 0; c < result.n_columns; c++) {
         const struct orl_annual_step *step = &result.steps[result.step_of_column[c]];
         const bool noon = fabs(step->hour - 12.5) < 0.1;
-        seat->dgp[c] = seat->low[c] = seat->high[c] = noon ? 1 : 0.3F;
-        seat->eye_lx[c] = noon ? 20000 + 100 * (float)step->day - (float)step->month : 3000;
+        viewpoint->dgp[c] = viewpoint->low[c] = viewpoint->high[c] = noon ? 1 : 0.3F;
+        viewpoint->eye_lx[c] = noon ? 20000 + 100 * (float)step->day - (float)step->month : 3000;
     }
-    report = hand_year_report(&request, &result, &wishes);
-    report.seat_hours = seat;
-    report.n_seats = 1;
-    assert_int_equal(orl_report_seats(&result, &report, &err), 0);
-    assert_int_equal(report.seats[0].n_worst, ORL_GLARE_WORST);
+    report = hand_year_report(&request, &result, &report_request);
+    report.viewpoint_hours = viewpoint;
+    report.n_viewpoints = 1;
+    assert_int_equal(orl_report_viewpoints(&result, &report, &err), 0);
+    assert_int_equal(report.viewpoints[0].n_worst, ORL_GLARE_WORST);
     static const int months[ORL_GLARE_WORST] = {1, 3, 5, 7, 8}; /* the 31st days of these months */
     for (int i = 0; i < ORL_GLARE_WORST; i++) {
-        const struct orl_annual_step *step = &result.steps[report.seats[0].worst[i].step];
+        const struct orl_annual_step *step = &result.steps[report.viewpoints[0].worst[i].step];
         assert_int_equal(step->day, 31);
         assert_int_equal(step->month, months[i]);
     }
-    assert_int_equal(report.seats[0].lowest, report.seats[0].highest);
-    free(report.seats);
+    assert_int_equal(report.viewpoints[0].lowest, report.viewpoints[0].highest);
+    free(report.viewpoints);
     report.periods[ORL_WHEN_OCCUPIED].hours /= 2;
-    assert_int_equal(orl_report_seats(&result, &report, &err), 0);
-    assert_int_equal(report.seats[0].lowest, ORL_PROTECTED_LESS);
-    assert_int_equal(report.seats[0].highest, ORL_PROTECTED_HIGH);
+    assert_int_equal(orl_report_viewpoints(&result, &report, &err), 0);
+    assert_int_equal(report.viewpoints[0].lowest, ORL_PROTECTED_NONE);
+    assert_int_equal(report.viewpoints[0].highest, ORL_PROTECTED_HIGH);
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     hand_year_free(&result);
 }
 
@@ -245,6 +245,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_blinds_of_rules), cmocka_unit_test(test_blinds_of_a_small_grid),
         cmocka_unit_test(test_few_hours), cmocka_unit_test(test_uncertain_hours),
-        cmocka_unit_test(test_worst_days_of_a_seat)};
+        cmocka_unit_test(test_worst_days_of_a_viewpoint)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

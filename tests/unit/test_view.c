@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include "render/film/view.h"
 
@@ -203,22 +203,22 @@ static void test_cylindrical(void **state)
     assert_ray(&v, 0.75, 0.5, orl_v3(2, 0, 0), orl_v3(1, 0, 0));
     assert_ray(&v, 0.75, 1, orl_v3(2, 0, 2), orl_v3(1, 0, 1));
     assert_ray(&v, 0.25, 0, orl_v3(-2, 0, -2), orl_v3(-1, 0, -1));
-    assert_true(fabs(orl_view_reach(&v, 0.75, 0.5) - 3) < 1e-12);
-    assert_true(fabs(orl_view_reach(&v, 0.75, 1) - 3 * sqrt(2)) < 1e-12);
+    assert_true(fabs(orl_view_clip_distance(&v, 0.75, 0.5) - 3) < 1e-12);
+    assert_true(fabs(orl_view_clip_distance(&v, 0.75, 1) - 3 * sqrt(2)) < 1e-12);
     assert_true(fabs(orl_view_pixel_aspect(&v, 100, 100) - 1 / ORL_PI) < 1e-12);
 }
 
 /* -va ends rays at a plane in perspective, at a sphere in fisheyes. */
-static void test_reach(void **state)
+static void test_reachability(void **state)
 {
     const struct orl_view v = parse("-vtv -vh 90 -vv 90 -vo 1 -va 4");
     const struct orl_view a = parse("-vta -vh 180 -vv 180 -va 4");
     const struct orl_view open = parse("-vtv");
     (void)state;
-    assert_true(fabs(orl_view_reach(&v, 0.5, 0.5) - 3) < 1e-12);
-    assert_true(fabs(orl_view_reach(&v, 1, 1) - 3 * sqrt(3)) < 1e-12);
-    assert_true(orl_view_reach(&a, 0.9, 0.5) == 4);
-    assert_true(isinf(orl_view_reach(&open, 0.5, 0.5)));
+    assert_true(fabs(orl_view_clip_distance(&v, 0.5, 0.5) - 3) < 1e-12);
+    assert_true(fabs(orl_view_clip_distance(&v, 1, 1) - 3 * sqrt(3)) < 1e-12);
+    assert_true(orl_view_clip_distance(&a, 0.9, 0.5) == 4);
+    assert_true(isinf(orl_view_clip_distance(&open, 0.5, 0.5)));
 }
 
 /* Sizes as in rpict: one side is reduced to keep the aspect. */
@@ -354,7 +354,7 @@ int main(void)
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_planispheric_fisheye),
         cmocka_unit_test(test_cylindrical),
-        cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_reachability),
         cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_options_behind_a_file),
         cmocka_unit_test(test_files),

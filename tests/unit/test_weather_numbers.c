@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "light/time_shift.h"
-#include "scene/generate/sun.h"
+#include "scene/generate/sky/sun.h"
 
 enum { TEXT = 1 << 15, DAYS = 20, FIRST_HOUR = 8, LAST_HOUR = 17 };
 

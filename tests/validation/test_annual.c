@@ -258,7 +258,7 @@ static void test_open_ground(void **state)
 /* The result has the same bytes for any number of threads. */
 static void test_threads(void **state)
 {
-    static const uint32_t crews[] = {1, 2, 7};
+    static const uint32_t pools[] = {1, 2, 7};
     struct orl_annual_result years[3];
     (void)state;
     for (int i = 0; i < 3; i++) {
@@ -267,7 +267,7 @@ static void test_threads(void **state)
                                      .sensors = room_sensors,
                                      .n_sensors = ROOM_SENSORS,
                                      .samples = 64,
-                                     .threads = crews[i]};
+                                     .threads = pools[i]};
         years[i] = year_run(&run);
     }
     const size_t bytes = years[0].n_sensors * years[0].n_columns * sizeof(float);
@@ -283,53 +283,53 @@ static void test_threads(void **state)
 
 /* ---- Stored rows ----------------------------------------------------------------------------- */
 
-enum { MANY = 70, MOST_BLOCKS = 64 };
+enum { MANY = 70, MOST_CHUNKS = 64 };
 
 /* Stored blocks of a run, as in a daemon; returns the blocks that exist. */
-struct kept {
-    struct orl_annual_block blocks[MOST_BLOCKS];
-    float coherence[MOST_BLOCKS][MANY];
+struct restored {
+    struct orl_annual_chunk chunks[MOST_CHUNKS];
+    float coherence[MOST_CHUNKS][MANY];
     size_t count, hits;
     uint32_t rounds;
 };
 
-static float *copy_rows(const struct orl_annual_block *block, const float *rows)
+static float *copy_rows(const struct orl_annual_chunk *chunk, const float *rows)
 {
-    const size_t bytes = block->count * block->n_columns * sizeof *rows;
+    const size_t bytes = chunk->count * chunk->n_columns * sizeof *rows;
     float *copy = malloc(bytes);
     assert_non_null(copy);
     memcpy(copy, rows, bytes);
     return copy;
 }
 
-static void on_done(void *ctx, const struct orl_annual_block *block)
+static void on_done(void *ctx, const struct orl_annual_chunk *chunk)
 {
-    struct kept *kept = ctx;
-    assert_true(kept->count < MOST_BLOCKS);
-    struct orl_annual_block *own = &kept->blocks[kept->count++];
-    *own = *block;
-    own->total = copy_rows(block, block->total);
-    own->direct = copy_rows(block, block->direct);
-    own->se = copy_rows(block, block->se);
-    memcpy(kept->coherence[kept->count - 1], block->coherence,
-           block->count * sizeof *block->coherence);
-    kept->rounds = block->round + 1;
+    struct restored *restored = ctx;
+    assert_true(restored->count < MOST_CHUNKS);
+    struct orl_annual_chunk *own = &restored->chunks[restored->count++];
+    *own = *chunk;
+    own->total = copy_rows(chunk, chunk->total);
+    own->direct = copy_rows(chunk, chunk->direct);
+    own->se = copy_rows(chunk, chunk->se);
+    memcpy(restored->coherence[restored->count - 1], chunk->coherence,
+           chunk->count * sizeof *chunk->coherence);
+    restored->rounds = chunk->round + 1;
 }
 
-static bool on_kept(void *ctx, struct orl_annual_block *block)
+static bool on_kept(void *ctx, struct orl_annual_chunk *chunk)
 {
-    struct kept *kept = ctx;
-    for (size_t i = 0; i < kept->count; i++) {
-        const struct orl_annual_block *own = &kept->blocks[i];
+    struct restored *restored = ctx;
+    for (size_t i = 0; i < restored->count; i++) {
+        const struct orl_annual_chunk *own = &restored->chunks[i];
         const size_t bytes = own->count * own->n_columns * sizeof *own->total;
-        if (own->round != block->round || own->first != block->first)
+        if (own->round != chunk->round || own->first != chunk->first)
             continue;
-        assert_true(own->count == block->count && own->n_columns == block->n_columns);
-        memcpy(block->total, own->total, bytes);
-        memcpy(block->direct, own->direct, bytes);
-        memcpy(block->se, own->se, bytes);
-        memcpy(block->coherence, kept->coherence[i], own->count * sizeof *block->coherence);
-        kept->hits++;
+        assert_true(own->count == chunk->count && own->n_columns == chunk->n_columns);
+        memcpy(chunk->total, own->total, bytes);
+        memcpy(chunk->direct, own->direct, bytes);
+        memcpy(chunk->se, own->se, bytes);
+        memcpy(chunk->coherence, restored->coherence[i], own->count * sizeof *chunk->coherence);
+        restored->hits++;
         return true;
     }
     return false;
@@ -350,9 +350,9 @@ static void assert_same_years(const struct orl_annual_result *a, const struct or
 static void test_kept_rows(void **state)
 {
     struct orl_sensor sensors[MANY];
-    struct kept kept = {.count = 0};
-    const struct orl_annual_env env = {.kept = on_kept, .done = on_done, .ctx = &kept};
-    struct orl_annual_wishes wishes;
+    struct restored restored = {.count = 0};
+    const struct orl_annual_env env = {.restored = on_kept, .done = on_done, .ctx = &restored};
+    struct orl_report_request report_request;
     struct orl_annual_refinement first, again;
     (void)state;
     for (int i = 0; i < MANY; i++)
@@ -365,26 +365,26 @@ static void test_kept_rows(void **state)
                            .samples = 16,
                            .photons = (uint32_t)extent(5000, 0),
                            .env = &env,
-                           .wishes = &wishes,
+                           .report_request = &report_request,
                            .ret_refinement = &first};
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    wishes.until = calloc(1, sizeof *wishes.until);
-    assert_int_equal(orl_annual_target_parse("sDA500/50 >= 82 %", wishes.until, NULL), 0);
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    report_request.until = calloc(1, sizeof *report_request.until);
+    assert_int_equal(orl_annual_target_parse("sDA500/50 >= 82 %", report_request.until, NULL), 0);
     struct orl_annual_result one = year_run(&run);
-    assert_true(first.rounds >= 2 && kept.rounds == first.rounds && kept.hits == 0);
-    const size_t blocks = kept.count;
+    assert_true(first.rounds >= 2 && restored.rounds == first.rounds && restored.hits == 0);
+    const size_t chunks = restored.count;
     run.ret_refinement = &again;
-    for (size_t left = blocks;; left /= 2) {
-        for (size_t i = left; i < kept.count; i++) {
-            free(kept.blocks[i].total);
-            free(kept.blocks[i].direct);
-            free(kept.blocks[i].se);
+    for (size_t left = chunks;; left /= 2) {
+        for (size_t i = left; i < restored.count; i++) {
+            free(restored.chunks[i].total);
+            free(restored.chunks[i].direct);
+            free(restored.chunks[i].se);
         }
-        kept.count = left;
-        kept.hits = 0;
+        restored.count = left;
+        restored.hits = 0;
         struct orl_annual_result other = year_run(&run);
-        assert_int_equal(kept.hits, left);
-        assert_int_equal(kept.count, blocks);
+        assert_int_equal(restored.hits, left);
+        assert_int_equal(restored.count, chunks);
         assert_same_years(&one, &other);
         assert_true(again.rounds == first.rounds && again.most_samples == first.most_samples &&
                     again.area.value.value == first.area.value.value);
@@ -392,13 +392,13 @@ static void test_kept_rows(void **state)
         if (left == 0)
             break;
     }
-    for (size_t i = 0; i < kept.count; i++) {
-        free(kept.blocks[i].total);
-        free(kept.blocks[i].direct);
-        free(kept.blocks[i].se);
+    for (size_t i = 0; i < restored.count; i++) {
+        free(restored.chunks[i].total);
+        free(restored.chunks[i].direct);
+        free(restored.chunks[i].se);
     }
     orl_annual_done(&one);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
 }
 
 /* A scene that the annual run does not support is refused, and the error names the surface. */

@@ -1,6 +1,6 @@
 /*
- * Direct sunlight (oriel/annual.h) behind a clear pane described in four ways: as glass, as a Klems
- * matrix, as a tensor tree and as aBSDF. The results do not depend on the description.
+ * Direct sunlight (oriel/annual/annual.h) behind a clear pane described in four ways: as glass, as
+ * a Klems matrix, as a tensor tree and as aBSDF. The results do not depend on the description.
  */
 #include <setjmp.h>
 #include <stdarg.h>

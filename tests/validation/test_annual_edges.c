@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "fixtures/bsdf_make.h"
-#include "scene/generate/sun.h"
+#include "scene/generate/sky/sun.h"
 #include "support/extent.h"
 #include "support/year.h"
 

@@ -21,9 +21,9 @@ enum { SAMPLES = 512, SIDE = 60, MOST_COLUMNS = 64 };
 
 static const struct year_site izmir = {38.42, 27.14, 2};
 static char near_name[] = "near", aside_name[] = "aside";
-static struct orl_seat seats[] = {{near_name, {2, 2, 1.8}, {0, -1, 0}},
-                                  {aside_name, {3, 3, 1.2}, {-1, -.3, 0}}};
-static const struct orl_seats_wish both = {seats, 2};
+static struct orl_viewpoint viewpoints[] = {{near_name, {2, 2, 1.8}, {0, -1, 0}},
+                                            {aside_name, {3, 3, 1.2}, {-1, -.3, 0}}};
+static const struct orl_viewpoint_request both = {viewpoints, 2};
 static const struct orl_sensor nowhere = {{2, 2, 2}, {0, 0, 1}};
 
 static struct year_run run_of(const char *scene, const char *weather)
@@ -65,16 +65,16 @@ static void test_against_pictures(void **state)
     double squares = 0, worst = 0;
     (void)state;
     memset(wanted, 1, sizeof wanted);
-    struct orl_seat_hours *hours = year_glare(&run, &year, &both, wanted);
+    struct orl_viewpoint_hours *hours = year_glare(&run, &year, &both, wanted);
     assert_int_equal(year.n_columns, 3);
-    for (size_t s = 0; s < both.n_seats; s++)
+    for (size_t s = 0; s < both.n_viewpoints; s++)
         for (size_t c = 0; c < year.n_columns; c++) {
             const struct orl_annual_step *step = &year.steps[year.step_of_column[c]];
             double eye_lx;
-            const double dgp = year_dgp(&run, step, &seats[s], SIDE, pixel_samples, &eye_lx);
+            const double dgp = year_dgp(&run, step, &viewpoints[s], SIDE, pixel_samples, &eye_lx);
             const double found = (double)hours[s].dgp[c];
             print_message("%s, %d/%d %.1f h: %.3f [%.3f, %.3f] %.0f lx, picture %.3f %.0f lx\n",
-                          seats[s].name, step->month, step->day, step->hour, found,
+                          viewpoints[s].name, step->month, step->day, step->hour, found,
                           (double)hours[s].low[c], (double)hours[s].high[c],
                           (double)hours[s].eye_lx[c], dgp, eye_lx);
             assert_true(hours[s].low[c] <= hours[s].dgp[c] && hours[s].dgp[c] <= hours[s].high[c]);
@@ -84,7 +84,7 @@ static void test_against_pictures(void **state)
     print_message("rms %.4f, worst %.4f\n", sqrt(squares), worst);
     assert_true(sqrt(squares) <= 0.02);
     assert_true(worst <= 0.05);
-    orl_seat_hours_free(hours, both.n_seats);
+    orl_viewpoint_hours_free(hours, both.n_viewpoints);
     orl_annual_done(&year);
 }
 
@@ -97,18 +97,18 @@ static void test_wanted(void **state)
     (void)state;
     run.samples = 16;
     const struct orl_annual_result year = lit_year(2);
-    struct orl_seat_hours *one = year_glare(&run, &year, &both, wanted);
+    struct orl_viewpoint_hours *one = year_glare(&run, &year, &both, wanted);
     run.threads = 3;
-    struct orl_seat_hours *three = year_glare(&run, &year, &both, wanted);
-    for (size_t s = 0; s < both.n_seats; s++) {
+    struct orl_viewpoint_hours *three = year_glare(&run, &year, &both, wanted);
+    for (size_t s = 0; s < both.n_viewpoints; s++) {
         assert_true(isnan(one[s].dgp[0]) && isnan(three[s].eye_lx[0]));
         assert_true(one[s].dgp[1] > 0.16F);
         assert_memory_equal(&one[s].dgp[1], &three[s].dgp[1], sizeof(float));
         assert_memory_equal(&one[s].low[1], &three[s].low[1], sizeof(float));
         assert_memory_equal(&one[s].high[1], &three[s].high[1], sizeof(float));
     }
-    orl_seat_hours_free(one, both.n_seats);
-    orl_seat_hours_free(three, both.n_seats);
+    orl_viewpoint_hours_free(one, both.n_viewpoints);
+    orl_viewpoint_hours_free(three, both.n_viewpoints);
 }
 
 /* A viewer with the sun through a pane 12 degrees off the line of sight has intolerable glare; a
@@ -116,17 +116,17 @@ static void test_wanted(void **state)
 static void test_sun_in_sight(void **state)
 {
     static const char weather[] = HEAD("38.42") "12 21 11.5 800 60\n";
-    static struct orl_seat two[] = {{near_name, {2, 1.5, 1.2}, {0, -1, .3}},
-                                    {aside_name, {2, 1.5, 1.2}, {0, 1, 0}}};
-    const struct orl_seats_wish wish = {two, 2};
+    static struct orl_viewpoint two[] = {{near_name, {2, 1.5, 1.2}, {0, -1, .3}},
+                                         {aside_name, {2, 1.5, 1.2}, {0, 1, 0}}};
+    const struct orl_viewpoint_request viewpoint_request = {two, 2};
     const struct year_run run = run_of(ROOM, weather);
     const unsigned char wanted[MOST_COLUMNS] = {1};
     const struct orl_annual_result year = lit_year(1);
     (void)state;
-    struct orl_seat_hours *hours = year_glare(&run, &year, &wish, wanted);
+    struct orl_viewpoint_hours *hours = year_glare(&run, &year, &viewpoint_request, wanted);
     assert_true(hours[0].dgp[0] > 0.95F && hours[0].eye_lx[0] > 20000);
     assert_true(hours[1].dgp[0] < 0.5F && hours[1].eye_lx[0] < 10000);
-    orl_seat_hours_free(hours, wish.n_seats);
+    orl_viewpoint_hours_free(hours, viewpoint_request.n_viewpoints);
 }
 
 /* In hours in which a shade is another pane, the viewpoint sees through that pane; dark hours have
@@ -144,25 +144,25 @@ static void test_shades(void **state)
     const struct orl_window_group group = {
         .name = name, .windows = windows, .n_windows = 1, .states = states, .n_states = 3};
     static const unsigned char wanted[MOST_COLUMNS] = {1, 1, 1};
-    const struct orl_seats_wish wish = {seats, 1};
+    const struct orl_viewpoint_request viewpoint_request = {viewpoints, 1};
     struct year_run run = run_of("void glass t 0 0 3 .2 .2 .2\n" ROOM, weather);
     run.samples = 16;
     struct orl_annual_result year = lit_year(3);
-    struct orl_seat_hours *clearly = year_glare(&run, &year, &wish, wanted);
+    struct orl_viewpoint_hours *clearly = year_glare(&run, &year, &viewpoint_request, wanted);
     run.groups = &group;
     run.n_groups = 1;
     year.states = series;
     year.n_groups = 1;
-    struct orl_seat_hours *shaded = year_glare(&run, &year, &wish, wanted);
+    struct orl_viewpoint_hours *shaded = year_glare(&run, &year, &viewpoint_request, wanted);
     (void)state;
-    for (size_t s = 0; s < wish.n_seats; s++) {
+    for (size_t s = 0; s < viewpoint_request.n_viewpoints; s++) {
         assert_true(shaded[s].dgp[0] == clearly[s].dgp[0]);
         assert_true(shaded[s].eye_lx[1] < 0.3F * clearly[s].eye_lx[1]);
         assert_true(shaded[s].dgp[1] > 0.16F && shaded[s].dgp[1] < clearly[s].dgp[1]);
         assert_true(shaded[s].eye_lx[2] == 0 && shaded[s].dgp[2] < 0.16F);
     }
-    orl_seat_hours_free(clearly, wish.n_seats);
-    orl_seat_hours_free(shaded, wish.n_seats);
+    orl_viewpoint_hours_free(clearly, viewpoint_request.n_viewpoints);
+    orl_viewpoint_hours_free(shaded, viewpoint_request.n_viewpoints);
 }
 
 /* A shade controlled by a viewpoint's glare is closed in the hours in which glare with the open
@@ -174,19 +174,21 @@ static void test_control(void **state)
     static char name[] = "south", clear[] = "clear", dark[] = "dark", pane[] = "pane";
     static char *windows[] = {pane};
     static struct orl_shade_state states[] = {{.name = clear}, {.name = dark, .dark = true}};
-    const struct orl_seats_wish wish = {seats, 1};
-    const struct orl_window_group group = {
-        .name = name,
-        .windows = windows,
-        .n_windows = 1,
-        .states = states,
-        .n_states = 2,
-        .control = {.kind = ORL_SHADES_BY_GLARE, .seats = wish, .above_dgp = 0.36, .state = 1}};
+    const struct orl_viewpoint_request viewpoint_request = {viewpoints, 1};
+    const struct orl_window_group group = {.name = name,
+                                           .windows = windows,
+                                           .n_windows = 1,
+                                           .states = states,
+                                           .n_states = 2,
+                                           .control = {.kind = ORL_SHADES_BY_GLARE,
+                                                       .viewpoints = viewpoint_request,
+                                                       .above_dgp = 0.36,
+                                                       .state = 1}};
     static const unsigned char wanted[MOST_COLUMNS] = {1, 1, 1};
     struct year_run run = run_of(ROOM, weather);
     run.samples = 64;
     struct orl_annual_result lit = lit_year(3);
-    struct orl_seat_hours *open = year_glare(&run, &lit, &wish, wanted);
+    struct orl_viewpoint_hours *open = year_glare(&run, &lit, &viewpoint_request, wanted);
     run.groups = &group;
     run.n_groups = 1;
     struct orl_annual_result year = year_run(&run);
@@ -196,26 +198,27 @@ static void test_control(void **state)
         assert_int_equal(year.states[c], open[0].dgp[c] > 0.36F);
         assert_true((year.total[c] > 0) == (year.states[c] == 0));
     }
-    orl_seat_hours_free(open, 1);
+    orl_viewpoint_hours_free(open, 1);
     orl_annual_done(&year);
 }
 
 /* Requests for which glare cannot be computed are refused with a reason. */
 static void test_refused(void **state)
 {
-    struct orl_seat seat = {near_name, {2, 2, 1.2}, {0, 0, -1}};
-    const struct orl_seats_wish wish = {&seat, 1};
+    struct orl_viewpoint viewpoint = {near_name, {2, 2, 1.2}, {0, 0, -1}};
+    const struct orl_viewpoint_request viewpoint_request = {&viewpoint, 1};
     struct orl_annual_request request = {.n_terms = 0};
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(orl_seats_validate(&wish, &request, &err), ORL_ERR_RANGE);
+    assert_int_equal(orl_viewpoints_validate(&viewpoint_request, &request, &err), ORL_ERR_RANGE);
     assert_non_null(strstr(err.message, "straight up or down"));
-    seat.towards = orl_v3(0, NAN, 0);
-    assert_int_equal(orl_seats_validate(&wish, &request, NULL), ORL_ERR_RANGE);
-    seat.towards = orl_v3(1, 0, 0);
-    assert_int_equal(orl_seats_validate(&wish, &request, NULL), 0);
+    viewpoint.towards = orl_v3(0, NAN, 0);
+    assert_int_equal(orl_viewpoints_validate(&viewpoint_request, &request, NULL), ORL_ERR_RANGE);
+    viewpoint.towards = orl_v3(1, 0, 0);
+    assert_int_equal(orl_viewpoints_validate(&viewpoint_request, &request, NULL), 0);
     request.n_terms = 1;
-    assert_int_equal(orl_seats_validate(&wish, &request, &err), ORL_ERR_UNSUPPORTED);
+    assert_int_equal(orl_viewpoints_validate(&viewpoint_request, &request, &err),
+                     ORL_ERR_UNSUPPORTED);
 }
 
 int main(void)

@@ -9,8 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/annual_report.h>
-#include <oriel/units.h>
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/units.h>
 
 #include "support/year.h"
 
@@ -94,10 +94,10 @@ static int run_year(const struct orl_annual_request *request, struct orl_annual_
     const struct orl_files files = orl_files_from_memory(&memory);
     atomic_bool cancel = false;
     const struct orl_run_env env = {
-        .crew = orl_crew_start(2), .files = &files, .cancel = &cancel, .now_s = no_clock};
+        .pool = orl_thread_pool_start(2), .files = &files, .cancel = &cancel, .now_s = no_clock};
     const struct orl_annual_env annual = {.run = &env};
     const int code = orl_annual_run(request, &annual, ret_result, err);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     return code;
 }
 
@@ -217,17 +217,17 @@ static void test_what_is_not_told(void **state)
     struct orl_matrix_term term = three_phase();
     struct orl_annual_request request = request_of(&term, 1);
     struct orl_window_group group = {.name = grid};
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    assert_int_equal(orl_annual_wishes_validate(&request, &wishes, &err), 0);
-    wishes.metrics[0].kind = ORL_METRIC_DF;
-    assert_int_equal(orl_annual_wishes_validate(&request, &wishes, &err), ORL_ERR_INVALID);
-    wishes.metrics[0].kind = ORL_METRIC_DA;
-    wishes.until = calloc(1, sizeof *wishes.until);
-    assert_int_equal(orl_annual_wishes_validate(&request, &wishes, &err), ORL_ERR_INVALID);
-    orl_annual_wishes_done(&wishes);
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    assert_int_equal(orl_report_request_validate(&request, &report_request, &err), 0);
+    report_request.metrics[0].kind = ORL_METRIC_DF;
+    assert_int_equal(orl_report_request_validate(&request, &report_request, &err), ORL_ERR_INVALID);
+    report_request.metrics[0].kind = ORL_METRIC_DA;
+    report_request.until = calloc(1, sizeof *report_request.until);
+    assert_int_equal(orl_report_request_validate(&request, &report_request, &err), ORL_ERR_INVALID);
+    orl_report_request_done(&report_request);
     request.coefficients = true;
     assert_int_equal(orl_annual_validate(&request, &err), ORL_ERR_INVALID);
     request.coefficients = false;

@@ -70,7 +70,7 @@ static void test_glass(void **state)
     compare_techniques(GLASS, NULL);
 }
 
-static void test_panel(void **state)
+static void test_bsdf_surface(void **state)
 {
     size_t size;
     char *panel = (char *)scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
@@ -118,8 +118,8 @@ static void test_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_glass), cmocka_unit_test(test_panel),
-                                       cmocka_unit_test(test_threads),
-                                       cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_glass), cmocka_unit_test(test_bsdf_surface),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

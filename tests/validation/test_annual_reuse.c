@@ -106,7 +106,7 @@ static void assert_same(const struct orl_annual_result *a, const struct orl_annu
 static uint64_t count_made(const struct orl_annual_result *year)
 {
     uint64_t made = 0;
-    for (int i = 0; i < ORL_YEARS_KINDS; i++)
+    for (int i = 0; i < ORL_ANNUAL_CACHE_KINDS; i++)
         made += year->reuse.of[i].made + year->reuse.of[i].topped_up;
     return made;
 }
@@ -143,10 +143,10 @@ static void check_weather(const char *scene, size_t maps)
     assert_int_equal(count_made(&other), 0);
     assert_int_equal(other.health.rays, 0);
     assert_int_equal(other.health.paths, 0);
-    assert_int_equal(other.reuse.of[ORL_YEARS_SUNS].found, 1);
-    assert_int_equal(other.reuse.of[ORL_YEARS_PATHS].found, 2);
-    assert_int_equal(other.reuse.of[ORL_YEARS_SUN].found, 2);
-    assert_int_equal(other.reuse.of[ORL_YEARS_PATHS].rays_saved, first.health.rays);
+    assert_int_equal(other.reuse.of[ORL_ANNUAL_CACHE_SUN_WEIGHTS].found, 1);
+    assert_int_equal(other.reuse.of[ORL_ANNUAL_CACHE_PATHS].found, 2);
+    assert_int_equal(other.reuse.of[ORL_ANNUAL_CACHE_SUNLIGHT].found, 2);
+    assert_int_equal(other.reuse.of[ORL_ANNUAL_CACHE_PATHS].rays_saved, first.health.rays);
     orl_annual_done(&first);
     orl_annual_done(&other);
     cli_remove_folder(folder);
@@ -172,8 +172,8 @@ static void test_more_samples_go_on(void **state)
     run.samples = (uint32_t)extent(128, 512);
     run.threads = 7;
     struct orl_annual_result many = run_twice(&run);
-    assert_int_equal(many.reuse.of[ORL_YEARS_PATHS].topped_up, 2);
-    assert_int_equal(many.reuse.of[ORL_YEARS_PATHS].rays_saved, few.health.rays);
+    assert_int_equal(many.reuse.of[ORL_ANNUAL_CACHE_PATHS].topped_up, 2);
+    assert_int_equal(many.reuse.of[ORL_ANNUAL_CACHE_PATHS].rays_saved, few.health.rays);
     assert_int_equal(count_made(&many), 2);
     run.kept_in = NULL;
     struct orl_annual_result alone = year_run(&run);
@@ -327,23 +327,23 @@ static void test_words_come_back(void **state)
     snprintf(path, sizeof path, "%s/words", folder);
     for (uint32_t pattern = 0; pattern < 40; pattern++) {
         const size_t n = pattern * 7;
-        struct orl_kept_about about = {.key = "a key",
-                                       .family = "a family",
-                                       .target = 9,
-                                       .rays = pattern},
-                              back;
+        struct orl_word_file_info file_info = {.key = "a key",
+                                               .family = "a family",
+                                               .target = 9,
+                                               .rays = pattern},
+                                  back;
         void *data = NULL;
         size_t size = 0;
         for (uint32_t i = 0; i < n; i++)
             words[i] = (i / (1 + pattern % 9)) % 2 == pattern % 2 ? 0 : i * 2654435761U + 1;
-        assert_int_equal(orl_kept_write(path, &about, words, n * sizeof *words, NULL), 0);
-        assert_int_equal(orl_kept_read(path, "a key", &back, &data, &size, NULL), 0);
+        assert_int_equal(orl_word_file_write(path, &file_info, words, n * sizeof *words, NULL), 0);
+        assert_int_equal(orl_word_file_read(path, "a key", &back, &data, &size, NULL), 0);
         assert_int_equal(size, n * sizeof *words);
         assert_memory_equal(data, words, size);
         assert_string_equal(back.family, "a family");
-        assert_true(back.target == 9 && back.rays == pattern && back.bytes == about.bytes);
+        assert_true(back.target == 9 && back.rays == pattern && back.bytes == file_info.bytes);
         free(data);
-        assert_int_equal(orl_kept_read(path, "another", &back, &data, &size, NULL),
+        assert_int_equal(orl_word_file_read(path, "another", &back, &data, &size, NULL),
                          ORL_ERR_CORRUPT);
     }
     cli_remove_folder(folder);

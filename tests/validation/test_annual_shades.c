@@ -403,8 +403,8 @@ static void test_sum_from_the_store(void **state)
     assert_same(again.se, plain.se, &plain);
     assert_same(again.direct, plain.direct, &plain);
     assert_memory_equal(again.overcast, plain.overcast, SENSORS * sizeof *plain.overcast);
-    assert_int_equal(again.reuse.of[ORL_YEARS_PATHS].made, 0);
-    assert_int_equal(again.reuse.of[ORL_YEARS_PATHS].found, first.n_runs);
+    assert_int_equal(again.reuse.of[ORL_ANNUAL_CACHE_PATHS].made, 0);
+    assert_int_equal(again.reuse.of[ORL_ANNUAL_CACHE_PATHS].found, first.n_runs);
     cli_remove_folder(folder);
     orl_annual_done(&plain);
     orl_annual_done(&first);
@@ -422,7 +422,7 @@ static void test_rounds(void **state)
         .states = states,
         .n_states = 2,
         .control = {ORL_SHADES_BY_SUN, .above_lx = 1000, .share_percent = 2, .state = 1}};
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_target target;
     struct orl_annual_refinement refinement = {.asked = false};
     struct year_run run = usual(room);
@@ -434,20 +434,20 @@ static void test_rounds(void **state)
     double mean = 0; /* mean of the year's hours, near the target */
     for (size_t c = 0; c < first.n_columns; c++)
         mean += (double)first.total[first.n_columns + c] / (double)first.n_columns;
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
+    assert_int_equal(orl_report_request_init(&report_request), 0);
     char text[64];
     snprintf(text, sizeof text, "least illuminance over the year >= %.3f",
              mean * (double)first.n_columns / 48);
     assert_int_equal(orl_annual_target_parse(text, &target, NULL), 0);
-    wishes.until = &target;
-    run.wishes = &wishes;
+    report_request.until = &target;
+    run.report_request = &report_request;
     run.ret_refinement = &refinement;
     struct orl_annual_result year = year_run(&run);
     assert_true(refinement.rounds > 1);
     assert_memory_equal(year.states, first.states, first.n_steps);
     assert_same(year.direct, first.direct, &first);
-    wishes.until = NULL;
-    orl_annual_wishes_done(&wishes);
+    report_request.until = NULL;
+    orl_report_request_done(&report_request);
     orl_annual_done(&first);
     orl_annual_done(&year);
 }
@@ -553,22 +553,22 @@ static void test_what_does_not_add_up(void **state)
 }
 
 /* State left by an interrupted year: stored rows of each run. */
-struct kept {
+struct restored {
     size_t done, asked;
     uint32_t rounds[8];
 };
 
-static void note_done(void *ctx, const struct orl_annual_block *block)
+static void note_done(void *ctx, const struct orl_annual_chunk *chunk)
 {
-    struct kept *kept = ctx;
-    assert_true(kept->done < 8);
-    kept->rounds[kept->done++] = block->round;
+    struct restored *restored = ctx;
+    assert_true(restored->done < 8);
+    restored->rounds[restored->done++] = chunk->round;
 }
 
-static bool none_kept(void *ctx, struct orl_annual_block *block)
+static bool none_kept(void *ctx, struct orl_annual_chunk *chunk)
 {
-    (void)block;
-    ((struct kept *)ctx)->asked++;
+    (void)chunk;
+    ((struct restored *)ctx)->asked++;
     return false;
 }
 
@@ -583,17 +583,17 @@ static void test_kept_rows(void **state)
                                            .n_states = 2,
                                            .spans = &span,
                                            .n_spans = 1};
-    struct kept kept = {0};
-    const struct orl_annual_env env = {.kept = none_kept, .done = note_done, .ctx = &kept};
+    struct restored restored = {0};
+    const struct orl_annual_env env = {.restored = none_kept, .done = note_done, .ctx = &restored};
     struct year_run run = usual(room);
     (void)state;
     run.groups = &group;
     run.n_groups = 1;
     run.env = &env;
     struct orl_annual_result year = year_run(&run);
-    assert_int_equal(kept.asked, 2);
-    assert_int_equal(kept.done, 2);
-    assert_true(kept.rounds[0] != kept.rounds[1]);
+    assert_int_equal(restored.asked, 2);
+    assert_int_equal(restored.done, 2);
+    assert_true(restored.rounds[0] != restored.rounds[1]);
     orl_annual_done(&year);
 }
 

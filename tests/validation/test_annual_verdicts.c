@@ -204,20 +204,21 @@ static void evaluate(size_t room, uint64_t seed, uint32_t samples,
 {
     const struct year_run run = run_of(room, seed, samples);
     const struct orl_annual_request request = {.n_sensors = SENSORS};
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_report report;
     struct orl_annual_result year = year_run(&run);
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    assert_true(wishes.n_metrics >= METRICS);
-    wishes.n_metrics = METRICS;
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    assert_true(report_request.n_metrics >= METRICS);
+    report_request.n_metrics = METRICS;
     for (size_t k = 0; k < METRICS; k++)
-        wishes.metrics[k] = metrics[k];
+        report_request.metrics[k] = metrics[k];
     assert_int_equal(
-        orl_annual_report_make(&request, &year, &wishes, NULL, NULL, NULL, &report, NULL), 0);
+        orl_annual_report_make(&request, &year, &report_request, NULL, NULL, NULL, &report, NULL),
+        0);
     for (size_t i = 0; i < METRICS * SENSORS; i++)
         ret[i / SENSORS][i % SENSORS] = report.values[i];
     orl_annual_report_done(&report);
-    orl_annual_wishes_done(&wishes);
+    orl_report_request_done(&report_request);
     orl_annual_done(&year);
 }
 
@@ -233,7 +234,7 @@ static double three_errors(double share, double tries)
  * scattered from seed to seed by 0.5 to 1.1 of the binomial variance, so sensors of one seed are
  * not correlated.) The reference, of 32 times as many paths, adds 1.5 % to the spread, and lowers
  * the share that holds by half a per cent. A mean sums hours of all bands of illuminance, whose
- * errors cancel more than a sensor's one factor predicts (annual/rows/coherence.h): of 2304
+ * errors cancel more than a sensor's one factor predicts (annual/coefficients/coherence.h): of 2304
  * trials 97.7 % held, and for 576 three standard errors are 1.9 %. If all errors of hours counted
  * as one common factor, 99 % and more would hold the reference.
  */

@@ -136,14 +136,14 @@ static void test_standard_errors(void **state)
 static void test_no_reflections(void **state)
 {
     static const char scene[] = ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
-    enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
+    enum orl_effect_override overrides[ORL_EFFECT_COUNT] = {ORL_OVERRIDE_AUTO};
     (void)state;
-    wishes[ORL_EFFECT_INTERREFLECTION] = ORL_WISH_SKIP;
+    overrides[ORL_EFFECT_INTERREFLECTION] = ORL_OVERRIDE_SKIP;
     struct scene_run run = {.scene = scene,
                             .sensors = room_sensors,
                             .n_sensors = ROOM_SENSORS,
                             .global = 100000,
-                            .wishes = wishes,
+                            .overrides = overrides,
                             .technique = ORL_TECHNIQUE_GATHER};
     struct orl_result gathered = scene_run(&run);
     run.technique = ORL_TECHNIQUE_BACKWARD;

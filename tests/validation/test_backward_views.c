@@ -26,7 +26,7 @@ struct look {
     enum orl_technique technique; /* AUTO means backward */
     uint32_t pixel_samples;
     uint64_t photons;
-    const enum orl_wish *wishes;
+    const enum orl_effect_override *overrides;
 };
 
 static void render_view(const struct look *l, picture ret)
@@ -45,7 +45,7 @@ static void render_view(const struct look *l, picture ret)
         .caustic = l->technique == ORL_TECHNIQUE_GATHER ? l->photons : 0,
         .pixel_samples = l->pixel_samples ? l->pixel_samples : 16,
         .samples = (uint32_t)extent(1024, 4096),
-        .wishes = l->wishes,
+        .overrides = l->overrides,
         .folder = folder});
     snprintf(path, sizeof path, "%s/view.hdr", folder);
     hdr_read(path, SIDE, SIDE, ret);

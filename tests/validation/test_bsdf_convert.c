@@ -11,26 +11,26 @@
 
 #include <cmocka.h>
 
-#include <oriel/bsdf_convert.h>
+#include <oriel/bsdf/bsdf_convert.h>
 
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 #include "support/panels.h"
 
-static struct orl_bsdf_made convert(const struct orl_bsdf *bsdf, enum orl_bsdf_basis basis,
-                                    uint32_t resolution, double cull)
+static struct orl_bsdf_make_result convert(const struct orl_bsdf *bsdf, enum orl_bsdf_basis basis,
+                                           uint32_t resolution, double cull)
 {
     struct orl_bsdf_make_request to;
-    struct orl_bsdf_made made = {0};
+    struct orl_bsdf_make_result made = {0};
     struct orl_error err = {0};
-    const struct orl_bsdf_make_env env = {.crew = orl_crew_start(2)};
+    const struct orl_bsdf_make_env env = {.pool = orl_thread_pool_start(2)};
     orl_bsdf_make_request_init(&to);
     to.basis = basis;
     to.resolution = resolution;
     to.cull = cull;
     if (orl_bsdf_convert(bsdf, "a fixture", &to, &env, &made, &err) < 0)
         fail_msg("%s", err.message);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     return made;
 }
 
@@ -61,19 +61,19 @@ static void the_same_basis_is_the_same(void **state)
     struct orl_bsdf *matrix = load_text(read_fixture("tests/fixtures/bsdf_klems41.xml"));
     (void)state;
     for (uint32_t side = 8; side <= 16; side *= 2) {
-        struct orl_bsdf_made made = convert(tree, ORL_BSDF_TENSOR_TREE_4, side, 0);
+        struct orl_bsdf_make_result made = convert(tree, ORL_BSDF_TENSOR_TREE_4, side, 0);
         struct orl_bsdf *again = panel_read(&made);
         assert_same(tree, again, 1e-5);
         orl_bsdf_unref(again);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
-    struct orl_bsdf_made made = convert(matrix, ORL_BSDF_KLEMS_QUARTER, 64, 0);
+    struct orl_bsdf_make_result made = convert(matrix, ORL_BSDF_KLEMS_QUARTER, 64, 0);
     struct orl_bsdf *again = panel_read(&made);
     assert_same(matrix, again, 1e-5);
     assert_non_null(strstr(made.xml, "Converted by Oriel"));
     assert_non_null(strstr(made.xml, "From: a fixture"));
     orl_bsdf_unref(again);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
     orl_bsdf_unref(matrix);
     orl_bsdf_unref(tree);
 }
@@ -91,17 +91,17 @@ static void light_in_all_is_kept(void **state)
                  {ORL_BSDF_KLEMS_FULL, 0.004},
                  {ORL_BSDF_KLEMS_HALF, 0.004}};
     struct orl_bsdf *tree = load_text(read_fixture("tests/fixtures/bsdf_lcp8.xml"));
-    struct orl_bsdf_made whole = convert(tree, ORL_BSDF_TENSOR_TREE_4, 8, 0);
+    struct orl_bsdf_make_result whole = convert(tree, ORL_BSDF_TENSOR_TREE_4, 8, 0);
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_bsdf_made made = convert(tree, cases[i].basis, 4, 0.3);
+        struct orl_bsdf_make_result made = convert(tree, cases[i].basis, 4, 0.3);
         for (int part = 0; part < 4; part++)
             assert_close(made.diffuse[part / 2][part % 2].value,
                          whole.diffuse[part / 2][part % 2].value, cases[i].tolerance);
         assert_true(made.paths == 0 && made.reached);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
-    orl_bsdf_made_done(&whole);
+    orl_bsdf_make_result_done(&whole);
     orl_bsdf_unref(tree);
 }
 
@@ -114,19 +114,19 @@ static void differences_are_told(void **state)
                                          "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n"};
     struct orl_bsdf *sheets[2];
     struct orl_bsdf_comparison c;
-    struct orl_crew *crew = orl_crew_start(2);
+    struct orl_thread_pool *pool = orl_thread_pool_start(2);
     (void)state;
     for (int i = 0; i < 2; i++) {
         const struct panel panel = {
             .text = texts[i], .basis = ORL_BSDF_TENSOR_TREE_4, .resolution = 8, .paths = 1024};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         sheets[i] = panel_read(&made);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
-    assert_int_equal(orl_bsdf_compare(sheets[0], sheets[0], crew, NULL, &c, NULL), 0);
+    assert_int_equal(orl_bsdf_compare(sheets[0], sheets[0], pool, NULL, &c, NULL), 0);
     assert_true(c.of[0][1].albedo_worst == 0 && c.of[1][0].moved_worst == 0 &&
                 c.of[1][1].cone_worst == 0);
-    assert_int_equal(orl_bsdf_compare(sheets[0], sheets[1], crew, NULL, &c, NULL), 0);
+    assert_int_equal(orl_bsdf_compare(sheets[0], sheets[1], pool, NULL, &c, NULL), 0);
     for (int front = 0; front < 2; front++) {
         /* A share of .3 and .2 of the light, of which the second has four fifths; sampled by 16384
          * paths from each of 64 cells. A cone holds whole cells of half a degree: a tenth more or
@@ -138,7 +138,7 @@ static void differences_are_told(void **state)
         assert_close(c.of[front][1].cone_worst, -cone, 0.25 * cone);
         assert_close(c.of[front][0].albedo_worst, -0.2 * 0.2, 0.002);
     }
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     orl_bsdf_unref(sheets[0]);
     orl_bsdf_unref(sheets[1]);
 }
@@ -158,38 +158,39 @@ static void a_cull_loses_what_it_may(void **state)
 {
     static const double within = 0.01;
     struct orl_bsdf *tree = load_text(read_fixture("tests/fixtures/bsdf_lcp8.xml"));
-    const struct orl_bsdf_make_env env = {.crew = orl_crew_start(2)};
+    const struct orl_bsdf_make_env env = {.pool = orl_thread_pool_start(2)};
     struct orl_bsdf_comparison lost;
     struct orl_bsdf_make_request to;
-    struct orl_bsdf_made made = {0}, more = {0};
+    struct orl_bsdf_make_result made = {0}, more = {0};
     struct orl_error err = {0};
-    double unseen = 0;
+    double cull_fraction = 0;
     (void)state;
     orl_bsdf_make_request_init(&to);
     to.basis = ORL_BSDF_TENSOR_TREE_4;
     to.resolution = 8;
-    assert_int_equal(
-        orl_bsdf_convert_within(tree, "a fixture", &to, within, &env, &unseen, &made, &lost, &err),
-        0);
-    assert_true(unseen > ORL_BSDF_UNSEEN && worst(&lost) <= within && worst(&lost) > 0);
-    struct orl_bsdf_made whole = convert(tree, ORL_BSDF_TENSOR_TREE_4, 8, 0);
+    assert_int_equal(orl_bsdf_convert_within(tree, "a fixture", &to, within, &env, &cull_fraction,
+                                             &made, &lost, &err),
+                     0);
+    assert_true(cull_fraction > ORL_BSDF_CULL_FRACTION && worst(&lost) <= within &&
+                worst(&lost) > 0);
+    struct orl_bsdf_make_result whole = convert(tree, ORL_BSDF_TENSOR_TREE_4, 8, 0);
     assert_true(made.xml_size < whole.xml_size);
     to.cull = 0;
-    to.unseen = 3 * unseen;
+    to.cull_fraction = 3 * cull_fraction;
     assert_int_equal(orl_bsdf_convert(tree, "a fixture", &to, &env, &more, &err), 0);
     struct orl_bsdf *culled = panel_read(&more);
-    assert_int_equal(orl_bsdf_compare(tree, culled, env.crew, NULL, &lost, NULL), 0);
+    assert_int_equal(orl_bsdf_compare(tree, culled, env.pool, NULL, &lost, NULL), 0);
     assert_true(worst(&lost) > within);
     orl_bsdf_unref(culled);
-    orl_bsdf_made_done(&more);
-    orl_bsdf_made_done(&whole);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&more);
+    orl_bsdf_make_result_done(&whole);
+    orl_bsdf_make_result_done(&made);
     to.resolution = 4; /* these cells are too wide for that */
-    assert_int_equal(
-        orl_bsdf_convert_within(tree, "a fixture", &to, 1e-4, &env, &unseen, &made, &lost, &err),
-        ORL_ERR_RANGE);
+    assert_int_equal(orl_bsdf_convert_within(tree, "a fixture", &to, 1e-4, &env, &cull_fraction,
+                                             &made, &lost, &err),
+                     ORL_ERR_RANGE);
     assert_non_null(strstr(err.message, "by its resolution alone"));
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     orl_bsdf_unref(tree);
 }
 

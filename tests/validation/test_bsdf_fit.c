@@ -24,10 +24,10 @@
 
 #include <cmocka.h>
 
-#include <oriel/bsdf.h>
-#include <oriel/bsdf_fit.h>
+#include <oriel/bsdf/bsdf.h>
+#include <oriel/bsdf/bsdf_fit.h>
 
-#include "bsdf/shirley.h"
+#include "bsdf/tree/shirley.h"
 #include "support/extent.h"
 #include "support/scatterers.h"
 
@@ -73,15 +73,15 @@ static void clear(struct bench *bench)
     }
 }
 
-static struct orl_bsdf_fitted fit(struct bench *bench, enum orl_bsdf_basis basis,
-                                  uint32_t resolution, uint32_t threads)
+static struct orl_bsdf_fit_result fit(struct bench *bench, enum orl_bsdf_basis basis,
+                                      uint32_t resolution, uint32_t threads)
 {
     struct orl_memory_files memory = {bench->name_list, bench->contents, bench->n};
     const struct orl_files files = orl_files_from_memory(&memory);
-    struct orl_crew *crew = orl_crew_start(threads);
-    const struct orl_bsdf_make_env env = {.files = &files, .crew = crew};
+    struct orl_thread_pool *pool = orl_thread_pool_start(threads);
+    const struct orl_bsdf_make_env env = {.files = &files, .pool = pool};
     struct orl_bsdf_fit_request request;
-    struct orl_bsdf_fitted fitted = {0};
+    struct orl_bsdf_fit_result fitted = {0};
     struct orl_error err = {0};
     char *names[SCANS];
     orl_bsdf_fit_request_init(&request);
@@ -92,14 +92,14 @@ static struct orl_bsdf_fitted fit(struct bench *bench, enum orl_bsdf_basis basis
     request.has_basis = true;
     request.basis = basis;
     request.resolution = resolution;
-    assert_non_null(crew);
+    assert_non_null(pool);
     if (orl_bsdf_fit(&request, &env, &fitted, &err) < 0)
         fail_msg("%s:%d: %s", err.file, err.line, err.message);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
     return fitted;
 }
 
-static struct orl_bsdf *load(const struct orl_bsdf_fitted *fitted)
+static struct orl_bsdf *load(const struct orl_bsdf_fit_result *fitted)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_error err = {0};
@@ -227,12 +227,12 @@ static double diffuse_of(enum scatterer which)
 }
 
 /* Checks the scans' totals, and the leave-one-out predictions by the other scans. */
-static void check_scans(enum scatterer which, const struct orl_bsdf_fitted *fitted)
+static void check_scans(enum scatterer which, const struct orl_bsdf_fit_result *fitted)
 {
     double squares = 0;
     size_t left_out = 0;
     for (size_t i = 0; i < fitted->n_scans; i++) {
-        const struct orl_bsdf_fitted_scan *s = &fitted->scans[i];
+        const struct orl_bsdf_fit_scan *s = &fitted->scans[i];
         const double albedo = scatterer_albedo(which, scatterer_direction(s->theta_deg, 180));
         assert_true(fabs(s->total / albedo - 1) < (s->theta_deg < 75 ? 0.01 : 0.02));
         /* Four errors are very rare; the leaves' own quadrature has an error of 0.2 %. */
@@ -261,14 +261,14 @@ static void check_fit(enum scatterer which)
     side = 64;
     struct bench bench = {0};
     measure_row(&bench, which);
-    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, (uint32_t)side, 2);
+    struct orl_bsdf_fit_result fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, (uint32_t)side, 2);
     struct orl_bsdf *bsdf = load(&fitted);
     assert_int_equal(fitted.symmetry, ORL_BSDF_FIT_ISOTROPIC);
     check_scans(which, &fitted);
     for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
         compare_ring(which, bsdf, rings[i]);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_fitted_done(&fitted);
+    orl_bsdf_fit_result_done(&fitted);
     clear(&bench);
 }
 
@@ -332,13 +332,13 @@ static void anisotropic(void **state)
     for (int i = 0; i < 3 * rings; i++)
         measure_rows(&bench, SCATTERER_ANISOTROPIC, 20 + 60 * (double)(i / 3) / (rings - 1),
                      45.0 * (i % 3), 40000);
-    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_4, (uint32_t)side, 2);
+    struct orl_bsdf_fit_result fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_4, (uint32_t)side, 2);
     struct orl_bsdf *bsdf = load(&fitted);
     const double rms = rms_of(SCATTERER_ANISOTROPIC, bsdf);
     print_message("# anisotropic, rank 4: rms %.1f %%\n", 100 * rms);
     assert_true(rms < 0.16);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_fitted_done(&fitted);
+    orl_bsdf_fit_result_done(&fitted);
     clear(&bench);
 }
 
@@ -350,11 +350,11 @@ static void a_hidden_peak_is_told(void **state)
     (void)state;
     measure_scan(&bench, SCATTERER_PEAK, 0, 180);
     measure_scan(&bench, SCATTERER_PEAK, 20, 180);
-    struct orl_bsdf_fitted fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, 8, 1);
+    struct orl_bsdf_fit_result fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_3, 8, 1);
     assert_int_equal(fitted.n_scans, 2);
     assert_true(fitted.scans[0].hidden_deg > 3.9 && fitted.scans[0].hidden_deg < 4.2);
     assert_true(fitted.scans[1].hidden_deg == 0);
-    orl_bsdf_fitted_done(&fitted);
+    orl_bsdf_fit_result_done(&fitted);
     clear(&bench);
 }
 
@@ -369,8 +369,8 @@ static void threads_do_not_matter(void **state)
         if (extent_is_long() || i == 1)
             measure_rows(&bench, SCATTERER_ANISOTROPIC, 60, 45.0 * i, rows);
     }
-    struct orl_bsdf_fitted one = fit(&bench, ORL_BSDF_TENSOR_TREE_4, 8, 1);
-    struct orl_bsdf_fitted three = fit(&bench, ORL_BSDF_TENSOR_TREE_4, 8, 3);
+    struct orl_bsdf_fit_result one = fit(&bench, ORL_BSDF_TENSOR_TREE_4, 8, 1);
+    struct orl_bsdf_fit_result three = fit(&bench, ORL_BSDF_TENSOR_TREE_4, 8, 3);
     assert_int_equal(one.symmetry, ORL_BSDF_FIT_QUADRILATERAL);
     assert_int_equal(one.xml_size, three.xml_size);
     assert_memory_equal(one.xml, three.xml, one.xml_size);
@@ -386,8 +386,8 @@ static void threads_do_not_matter(void **state)
                     orl_bsdf_eval(bsdf, orl_v3(in.x, -in.y, in.z), orl_v3(out.x, -out.y, out.z)).g);
     }
     orl_bsdf_unref(bsdf);
-    orl_bsdf_fitted_done(&one);
-    orl_bsdf_fitted_done(&three);
+    orl_bsdf_fit_result_done(&one);
+    orl_bsdf_fit_result_done(&three);
     clear(&bench);
 }
 

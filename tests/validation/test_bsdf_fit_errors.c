@@ -21,8 +21,8 @@
 
 #include <cmocka.h>
 
-#include "fit/scans.h"
-#include "fit/shape.h"
+#include "bsdf/fit/measurements/scans.h"
+#include "bsdf/fit/scan/lobe_shape.h"
 #include "support/extent.h"
 #include "support/scatterers.h"
 
@@ -39,11 +39,11 @@ struct tally {
 
 static struct orl_fit_shape shape_of(enum scatterer which, const struct scatterer_scan *scan)
 {
-    static const struct orl_fit_reading reading = {0};
-    static const struct orl_fit_making making = {0};
+    static const struct orl_fit_read_options reading = {0};
+    static const struct orl_fit_rbf_options making = {0};
     enum orl_bsdf_fit_symmetry symmetry;
     struct orl_fit_data data = {0};
-    struct orl_fit_knots knots;
+    struct orl_fit_rbf centers;
     struct orl_fit_shape shape;
     struct orl_error err = {0};
     char *text = NULL;
@@ -54,9 +54,9 @@ static struct orl_fit_shape shape_of(enum scatterer which, const struct scattere
     assert_int_equal(fclose(out), 0);
     assert_int_equal(orl_fit_read("scan.txt", 0, text, size, &reading, &data, &err), 0);
     assert_int_equal(orl_fit_sort_scans(&data, ORL_BSDF_FIT_ISOTROPIC, &symmetry, &err), 0);
-    assert_int_equal(orl_fit_knots_make(&data.scans[0], &making, &knots, &err), 0);
-    assert_int_equal(orl_fit_shape_make(&knots, data.scans[0].in, levels, NULL, &shape, &err), 0);
-    orl_fit_knots_done(&knots);
+    assert_int_equal(orl_fit_rbf_make(&data.scans[0], &making, &centers, &err), 0);
+    assert_int_equal(orl_fit_shape_make(&centers, data.scans[0].in, levels, NULL, &shape, &err), 0);
+    orl_fit_rbf_done(&centers);
     orl_fit_data_done(&data);
     free(text);
     return shape;

@@ -60,7 +60,7 @@ static void a_lambertian_sheet_is_the_same_everywhere(void **state)
     const struct panel panel = {.text = "void trans s 0 0 7 .5 .5 .5 0 0 .6 0\n"
                                         "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n",
                                 .basis = ORL_BSDF_KLEMS_QUARTER};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     (void)state;
     assert_int_equal(made.n_directions, 41);
@@ -77,7 +77,7 @@ static void a_lambertian_sheet_is_the_same_everywhere(void **state)
     }
     assert_true(made.lost == 0);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* Returns a clear slab's mean reflectance and transmittance over a ring, for that transmissivity
@@ -106,7 +106,7 @@ static void a_clear_slab_is_fresnels_with_all_passes(void **state)
                                 .basis = ORL_BSDF_KLEMS_QUARTER,
                                 .cell = cell,
                                 .color = true};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     (void)state;
     assert_close(made.depth[0], -0.5, 1e-12);
@@ -133,7 +133,7 @@ static void a_clear_slab_is_fresnels_with_all_passes(void **state)
         assert_close(c == 0 ? f.r : c == 1 ? f.g : f.b, t / omega_of(0), 1e-3 * t / omega_of(0));
     }
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* Returns the reflectance of a pane that absorbs nothing, all passes summed, averaged over
@@ -167,7 +167,7 @@ static void a_frosted_pane_is_a_pane_and_a_sheet(void **state)
                                         "s polygon sheet 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n",
                                 .basis = ORL_BSDF_KLEMS_QUARTER,
                                 .paths = 1 << 14};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     double rd, td, r, t;
     (void)state;
     mean_pane(0, 90, &rd, &td);
@@ -181,7 +181,7 @@ static void a_frosted_pane_is_a_pane_and_a_sheet(void **state)
         assert_share(s[1][1], tau * td * gain, 2e-5);
         assert_share(s[1][0], rho + tau * tau * rd * gain, 2e-5);
     }
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* ---- A laser cut panel ----------------------------------------------------------------------- */
@@ -210,7 +210,7 @@ static void a_laser_cut_panel_follows_snell(void **state)
                                 .cell = cell,
                                 .paths = 1 << 12,
                                 .symmetry = ORL_BSDF_LEFT_RIGHT};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     (void)state;
     /*
@@ -242,7 +242,7 @@ static void a_laser_cut_panel_follows_snell(void **state)
     assert_close(to_up + to_down, up + down, 2e-4);
     assert_true(up > 0.3 && down > 0.05); /* the cell has both directions */
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 int main(void)

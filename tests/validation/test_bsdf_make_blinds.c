@@ -51,7 +51,7 @@ static void mirrors_are_a_line_through_layers(void **state)
                                         "m polygon slat 0 0 12 0 0 -1 1 0 -1 1 0 0 0 0 0\n",
                                 .basis = ORL_BSDF_KLEMS_QUARTER,
                                 .cell = cell};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     (void)state;
     for (int in = 0; in < CELLS; in++) {
         double transmitted = 0;
@@ -68,7 +68,7 @@ static void mirrors_are_a_line_through_layers(void **state)
             assert_true(s[0].value == 0); /* nothing is reflected */
         }
     }
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* ---- Matt slats ------------------------------------------------------------------------------ */
@@ -124,7 +124,7 @@ static void matt_slats_are_a_cavity(void **state)
                                         "w polygon slat 0 0 12 0 0 -1 1 0 -1 1 0 0 0 0 0\n",
                                 .basis = ORL_BSDF_KLEMS_QUARTER,
                                 .cell = cell};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     (void)state;
     for (int in = 0; in < CELLS; in++) {
         double first[STRIPS] = {0}, direct = 0, out[2];
@@ -145,7 +145,7 @@ static void matt_slats_are_a_cavity(void **state)
             assert_close(s[0].value, out[0], 6 * s[0].error + rounding(in));
         }
     }
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* ---- Orientation ----------------------------------------------------------------------------- */
@@ -172,7 +172,7 @@ static void up_and_left_and_outside_are_where_they_are(void **state)
                                         .paths = 1024};
     (void)state;
     for (int k = 0; k < 2; k++) {
-        struct orl_bsdf_made made = panel_make(k ? &turned : &tilted);
+        struct orl_bsdf_make_result made = panel_make(k ? &turned : &tilted);
         struct orl_bsdf *bsdf = panel_read(&made);
         const double x = k ? s : 0, y = k ? 0 : s;
         /* A cell of Klems full is 10 and 15 degrees wide: most of its light passes. */
@@ -184,7 +184,7 @@ static void up_and_left_and_outside_are_where_they_are(void **state)
         assert_true(eval(bsdf, direction(x, y, -1), direction(-x, -y, 1)) > 10);
         assert_true(eval(bsdf, direction(x, y, -1), direction(x, y, 1)) == 0);
         orl_bsdf_unref(bsdf);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
 }
 

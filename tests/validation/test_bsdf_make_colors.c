@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/bsdf_convert.h>
+#include <oriel/bsdf/bsdf_convert.h>
 
 #include "fixtures/bsdf_ask.h"
 #include "support/extent.h"
@@ -47,9 +47,9 @@ static double of(struct orl_rgb color, int channel)
 
 static struct orl_bsdf *read_panel(const struct panel *panel)
 {
-    struct orl_bsdf_made made = panel_make(panel);
+    struct orl_bsdf_make_result made = panel_make(panel);
     struct orl_bsdf *bsdf = panel_read(&made);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
     return bsdf;
 }
 
@@ -102,7 +102,7 @@ static void an_even_sheet_has_one_colour(void **state)
                                     .color = true,
                                     .resolution = (uint32_t)extent(8, 16),
                                     .paths = 512};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         struct orl_bsdf *bsdf = panel_read(&made);
         struct orl_bsdf_info info;
         orl_bsdf_describe(bsdf, &info);
@@ -116,7 +116,7 @@ static void an_even_sheet_has_one_colour(void **state)
                              (6 * made.worst + 1e-4) * shares[t][c] / ORL_PI);
         }
         orl_bsdf_unref(bsdf);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
 }
 
@@ -154,17 +154,17 @@ static void colour_leaves_luminance_alone(void **state)
                               .accuracy = k / 2 ? 0.2 : 0,
                               .paths = 512,
                               .paths_most = 2048};
-        struct orl_bsdf_made gray = panel_make(&panel);
+        struct orl_bsdf_make_result gray = panel_make(&panel);
         panel.color = true;
-        struct orl_bsdf_made colored = panel_make(&panel);
+        struct orl_bsdf_make_result colored = panel_make(&panel);
         char *a = visible_of(gray.xml), *b = visible_of(colored.xml);
         assert_null(strstr(gray.xml, "CIE-u"));
         assert_string_equal(a, b);
         assert_true(gray.worst == colored.worst && gray.paths == colored.paths);
         free(a);
         free(b);
-        orl_bsdf_made_done(&gray);
-        orl_bsdf_made_done(&colored);
+        orl_bsdf_make_result_done(&gray);
+        orl_bsdf_make_result_done(&colored);
     }
 }
 
@@ -221,7 +221,7 @@ static void bytes_are_the_same(void **state)
                                     .resolution = 8,
                                     .paths = 256,
                                     .threads = threads};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         struct orl_bsdf *bsdf = panel_read(&made);
         for (int i = 0; i < 64; i++) {
             const double r = 0.015 * i, s = 1 - 0.0149 * i;
@@ -237,7 +237,7 @@ static void bytes_are_the_same(void **state)
         else
             first = strdup(made.xml);
         orl_bsdf_unref(bsdf);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
     free(first);
 }
@@ -285,9 +285,9 @@ static struct orl_bsdf *converted(const struct orl_bsdf *bsdf, enum orl_bsdf_bas
                                   bool color)
 {
     struct orl_bsdf_make_request to;
-    struct orl_bsdf_made made = {0};
+    struct orl_bsdf_make_result made = {0};
     struct orl_error err = {0};
-    const struct orl_bsdf_make_env env = {.crew = orl_crew_start(2)};
+    const struct orl_bsdf_make_env env = {.pool = orl_thread_pool_start(2)};
     orl_bsdf_make_request_init(&to);
     to.basis = basis;
     to.resolution = 16;
@@ -295,18 +295,18 @@ static struct orl_bsdf *converted(const struct orl_bsdf *bsdf, enum orl_bsdf_bas
     to.color = color;
     if (orl_bsdf_convert(bsdf, "a fixture", &to, &env, &made, &err) < 0)
         fail_msg("%s", err.message);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     struct orl_bsdf *after = panel_read(&made);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
     return after;
 }
 
 static struct orl_bsdf_comparison compared(const struct orl_bsdf *a, const struct orl_bsdf *b)
 {
     struct orl_bsdf_comparison c;
-    struct orl_crew *crew = orl_crew_start(2);
-    assert_int_equal(orl_bsdf_compare(a, b, crew, NULL, &c, NULL), 0);
-    orl_crew_stop(crew);
+    struct orl_thread_pool *pool = orl_thread_pool_start(2);
+    assert_int_equal(orl_bsdf_compare(a, b, pool, NULL, &c, NULL), 0);
+    orl_thread_pool_stop(pool);
     return c;
 }
 
@@ -427,7 +427,7 @@ static void rooms_have_the_same_light(void **state)
         for (int i = 0; i < 3; i++) {
             const struct panel panel = {
                 .text = panels[m], .basis = bases[i], .cell = square, .color = true, .paths = 1024};
-            struct orl_bsdf_made made = panel_make(&panel);
+            struct orl_bsdf_make_result made = panel_make(&panel);
             for (int c = 0; c < COLORS; c++) {
                 const struct reading got =
                     read_room("void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n", made.xml, c);
@@ -438,7 +438,7 @@ static void rooms_have_the_same_light(void **state)
                 print_message("panel %d, basis %d, colour %d: %.1f +- %.1f, %.1f +- %.1f lx\n", m,
                               i, c, got.lx[0], got.error[0], truth[c].lx[0], truth[c].error[0]);
             }
-            orl_bsdf_made_done(&made);
+            orl_bsdf_make_result_done(&made);
         }
     }
 }

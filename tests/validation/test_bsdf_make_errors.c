@@ -21,7 +21,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf/shirley.h"
+#include "bsdf/tree/shirley.h"
 #include "fixtures/bsdf_ask.h"
 #include "support/extent.h"
 #include "support/panels.h"
@@ -88,7 +88,7 @@ static void assert_true_errors(const struct tally *tally, const char *name, doub
 
 /* A computed BSDF with its XML parsed. */
 struct made {
-    struct orl_bsdf_made made;
+    struct orl_bsdf_make_result made;
     struct orl_bsdf *bsdf, *errors; /* errors: for trees */
 };
 
@@ -98,7 +98,7 @@ static struct made make_bsdf(struct panel panel, uint64_t seed)
     panel.threads = 2;
     struct made m = {.made = panel_make(&panel)};
     m.bsdf = panel_read(&m.made);
-    if (panel.tell_errors) {
+    if (panel.want_errors) {
         struct orl_error err = {0};
         if (orl_bsdf_load_xml("errors.xml", m.made.errors_xml, m.made.errors_xml_size, &m.errors,
                               &err) < 0)
@@ -111,13 +111,13 @@ static void done(struct made *m)
 {
     orl_bsdf_unref(m->bsdf);
     orl_bsdf_unref(m->errors);
-    orl_bsdf_made_done(&m->made);
+    orl_bsdf_make_result_done(&m->made);
 }
 
 /* Returns the direction from which light of a cell comes, on that side. */
-static struct orl_vec3 origin(const struct orl_bsdf_made *made, size_t cell, double side)
+static struct orl_vec3 origin(const struct orl_bsdf_make_result *made, size_t cell, double side)
 {
-    const struct orl_bsdf_made_direction *d = &made->directions[cell];
+    const struct orl_bsdf_make_direction *d = &made->directions[cell];
     const double s = sin(d->theta_deg * ORL_DEG_TO_RAD), phi = d->phi_deg * ORL_DEG_TO_RAD;
     return direction(s * cos(phi), s * sin(phi), side);
 }
@@ -150,8 +150,8 @@ static void compare_part(const struct made *m, const struct made *longer, int pa
 
 /* Compares the directions' reflected and transmitted shares. If almost nothing is random, as for a
  * sheet that scatters evenly, they may be known better than the smallest stated error. */
-static void compare_shares(const struct orl_bsdf_made *made, const struct orl_bsdf_made *longer,
-                           struct tally *tally)
+static void compare_shares(const struct orl_bsdf_make_result *made,
+                           const struct orl_bsdf_make_result *longer, struct tally *tally)
 {
     const double least = 1e-6;
     for (size_t i = 0; i < 4 * made->n_directions; i++) {
@@ -268,7 +268,7 @@ static void of_trees(void **state)
                               .cell = trees[i].cell,
                               .resolution = trees[i].side,
                               .symmetry = trees[i].symmetry,
-                              .tell_errors = true};
+                              .want_errors = true};
         struct tally tally = {0};
         panel.cull = 1e-9;
         panel.paths = (uint32_t)extent(1 << 12, 1 << 14);
@@ -284,7 +284,7 @@ static void of_trees(void **state)
             struct made m = make_bsdf(panel, seed);
             assert_true(m.made.reached);
             assert_true(panel.accuracy == 0 || m.made.worst < 2 * panel.accuracy);
-            assert_true((m.made.joined > 0.02) == (i > 2));
+            assert_true((m.made.merge_error > 0.02) == (i > 2));
             for (int part = 0; part < 4; part++)
                 compare_tree(&m, &longer, trees[i].side, part, &tally);
             done(&m);

@@ -44,14 +44,14 @@ static void bytes_do_not_depend_on_threads(void **state)
                                     .paths_most = 1024,
                                     .seed = i < 3 ? 1 : 2,
                                     .threads = i < 3 ? threads[i] : 1};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         if (!first)
             first = strdup(made.xml);
         else if (i < 3)
             assert_string_equal(made.xml, first);
         else
             assert_string_not_equal(made.xml, first);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
     free(first);
 }
@@ -61,7 +61,7 @@ static void errors_are_stated_and_kept(void **state)
 {
     const struct panel panel = {
         .text = sheet, .basis = ORL_BSDF_KLEMS_QUARTER, .paths = 256, .accuracy = 0.04};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     const size_t n = made.n_directions;
     double squares = 0, far = 0;
@@ -71,7 +71,7 @@ static void errors_are_stated_and_kept(void **state)
     assert_true(made.paths > 2 * n * 256);
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < n; k++) {
-            const struct orl_bsdf_made_direction *from = &made.directions[i],
+            const struct orl_bsdf_make_direction *from = &made.directions[i],
                                                  *to = &made.directions[k];
             const double a = sin(from->theta_deg * ORL_DEG_TO_RAD),
                          b = sin(to->theta_deg * ORL_DEG_TO_RAD);
@@ -89,7 +89,7 @@ static void errors_are_stated_and_kept(void **state)
     assert_true(squares > 0.8 && squares < 1.6);
     assert_true(far < 6 * 0.04);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 static void an_accuracy_out_of_reach_is_said(void **state)
@@ -99,27 +99,27 @@ static void an_accuracy_out_of_reach_is_said(void **state)
                                 .paths = 256,
                                 .accuracy = 0.001,
                                 .paths_most = 1024};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     (void)state;
     assert_false(made.reached);
     assert_true(made.worst > 0.001);
     assert_int_equal(made.paths, 82 * 1024);
     assert_non_null(strstr(made.xml, "accuracy 0.001 (not reached)"));
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* ---- Physics --------------------------------------------------------------------------------- */
 
 /* Returns the direction from which light of a cell comes, on that side. */
-static struct orl_vec3 origin_of(const struct orl_bsdf_made *made, size_t cell, double side)
+static struct orl_vec3 origin_of(const struct orl_bsdf_make_result *made, size_t cell, double side)
 {
-    const struct orl_bsdf_made_direction *d = &made->directions[cell];
+    const struct orl_bsdf_make_direction *d = &made->directions[cell];
     const double s = sin(d->theta_deg * ORL_DEG_TO_RAD), phi = d->phi_deg * ORL_DEG_TO_RAD;
     return direction(s * cos(phi), s * sin(phi), side);
 }
 
 /* Returns the cell rotated by half a turn. */
-static size_t turned(const struct orl_bsdf_made *made, size_t cell)
+static size_t turned(const struct orl_bsdf_make_result *made, size_t cell)
 {
     const struct orl_vec3 d = origin_of(made, cell, 1);
     for (size_t i = 0; i < made->n_directions; i++) {
@@ -136,7 +136,7 @@ static void energy_is_kept_and_paths_go_both_ways(void **state)
 {
     const struct panel panel = {
         .text = saw, .basis = ORL_BSDF_KLEMS_QUARTER, .cell = square, .paths = 8192};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     const size_t n = made.n_directions;
     double squares = 0;
@@ -163,7 +163,7 @@ static void energy_is_kept_and_paths_go_both_ways(void **state)
     assert_true(squares / (double)count < 1.6);
     assert_true(made.lost < 1e-4);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 static void symmetry_is_exact_where_asked_for(void **state)
@@ -173,7 +173,7 @@ static void symmetry_is_exact_where_asked_for(void **state)
                                 .symmetry = ORL_BSDF_QUADRILATERAL,
                                 .color = true,
                                 .paths = 64};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     bool varied = false;
     (void)state;
@@ -193,7 +193,7 @@ static void symmetry_is_exact_where_asked_for(void **state)
     }
     assert_true(varied); /* the equal values contain noise */
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* ---- Refused inputs -------------------------------------------------------------------------- */
@@ -225,7 +225,7 @@ static void what_is_no_panel_is_refused(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_bsdf_made made = {0};
+        struct orl_bsdf_make_result made = {0};
         struct orl_error err = {0};
         assert_int_equal(panel_try(&cases[i].panel, NULL, &made, &err), cases[i].code);
         if (!strstr(err.message, cases[i].says))
@@ -237,7 +237,7 @@ static void a_cancelled_one_leaves_nothing(void **state)
 {
     const struct panel panel = {.text = sheet};
     atomic_bool cancel = true;
-    struct orl_bsdf_made made = {0};
+    struct orl_bsdf_make_result made = {0};
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(panel_try(&panel, &cancel, &made, &err), ORL_ERR_CANCELLED);

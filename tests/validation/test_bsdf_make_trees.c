@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf/shirley.h"
+#include "bsdf/tree/shirley.h"
 #include "fixtures/bsdf_ask.h"
 #include "support/extent.h"
 #include "support/panels.h"
@@ -36,7 +36,7 @@ static void an_even_sheet_is_four_numbers(void **state)
                                             "s polygon p 0 0 12 0 0 0 2 0 0 2 1 0 0 1 0\n",
                                     .basis = bases[i],
                                     .paths = 512};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         struct orl_bsdf *bsdf = panel_read(&made);
         struct orl_bsdf_info info;
         orl_bsdf_describe(bsdf, &info);
@@ -54,7 +54,7 @@ static void an_even_sheet_is_four_numbers(void **state)
         assert_int_equal(made.n_directions, 0);
         assert_null(made.errors[0][0]);
         orl_bsdf_unref(bsdf);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
 }
 
@@ -69,7 +69,7 @@ static void a_slab_is_fresnels_in_every_ring(void **state)
                                 .basis = ORL_BSDF_TENSOR_TREE_3,
                                 .cell = square,
                                 .paths = 4096};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     double mean = 0;
     (void)state;
@@ -94,7 +94,7 @@ static void a_slab_is_fresnels_in_every_ring(void **state)
     }
     assert_close(made.diffuse[0][1].value, mean, 6 * made.diffuse[0][1].error + 3e-5);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&made);
 }
 
 /* Trees and matrices of the same panel agree, for either way of counting. */
@@ -109,12 +109,12 @@ static void trees_and_matrices_agree(void **state)
                           .cell = square,
                           .paths = 1024,
                           .basis = ORL_BSDF_KLEMS_FULL};
-    struct orl_bsdf_made matrix = panel_make(&panel);
+    struct orl_bsdf_make_result matrix = panel_make(&panel);
     (void)state;
     panel.basis = ORL_BSDF_TENSOR_TREE_4;
     panel.resolution = 32;
     panel.paths = 256;
-    struct orl_bsdf_made tree = panel_make(&panel);
+    struct orl_bsdf_make_result tree = panel_make(&panel);
     for (int front = 0; front < 2; front++) {
         for (int t = 0; t < 2; t++) {
             const struct orl_bsdf_share *a = &matrix.diffuse[front][t],
@@ -122,8 +122,8 @@ static void trees_and_matrices_agree(void **state)
             assert_close(a->value, b->value, 6 * hypot(a->error, b->error));
         }
     }
-    orl_bsdf_made_done(&tree);
-    orl_bsdf_made_done(&matrix);
+    orl_bsdf_make_result_done(&tree);
+    orl_bsdf_make_result_done(&matrix);
 }
 
 /* Black slats at 45 degrees, as in test_bsdf_make_blinds.c, fix the directions up, left and
@@ -138,7 +138,7 @@ static void directions_are_where_they_are(void **state)
     for (int k = 0; k < 2; k++) {
         const struct panel panel = {
             .text = texts[k], .basis = ORL_BSDF_TENSOR_TREE_4, .paths = 256};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         struct orl_bsdf *bsdf = panel_read(&made);
         const double x = k ? s : 0.01, y = k ? 0.01 : s;
         assert_true(orl_bsdf_albedo(bsdf, direction(x, y, -1), ORL_BSDF_TRANSMIT).g > 0.75);
@@ -147,7 +147,7 @@ static void directions_are_where_they_are(void **state)
         assert_true(orl_bsdf_albedo(bsdf, direction(x, y, 1), ORL_BSDF_TRANSMIT).g < 1e-3);
         assert_true(eval(bsdf, direction(x, y, -1), direction(-x, -y, 1)) > 10);
         orl_bsdf_unref(bsdf);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
 }
 
@@ -164,7 +164,7 @@ static void mirrors_and_threads_change_nothing(void **state)
                                     .cell = square,
                                     .paths = 128,
                                     .threads = threads};
-        struct orl_bsdf_made made = panel_make(&panel);
+        struct orl_bsdf_make_result made = panel_make(&panel);
         if (!first) {
             struct orl_bsdf *bsdf = panel_read(&made);
             first = strdup(made.xml);
@@ -182,7 +182,7 @@ static void mirrors_and_threads_change_nothing(void **state)
             orl_bsdf_unref(bsdf);
         }
         assert_string_equal(made.xml, first);
-        orl_bsdf_made_done(&made);
+        orl_bsdf_make_result_done(&made);
     }
     free(first);
 }
@@ -222,12 +222,12 @@ static void mirrors_are_found(void **state)
                               .cell = cases[i].cell,
                               .resolution = 4,
                               .paths = 16};
-        struct orl_bsdf_made found = panel_make(&panel);
+        struct orl_bsdf_make_result found = panel_make(&panel);
         panel.symmetry = cases[i].has;
-        struct orl_bsdf_made told = panel_make(&panel);
+        struct orl_bsdf_make_result told = panel_make(&panel);
         assert_string_equal(found.xml, told.xml); /* the XML names the mirror planes */
-        orl_bsdf_made_done(&found);
-        orl_bsdf_made_done(&told);
+        orl_bsdf_make_result_done(&found);
+        orl_bsdf_make_result_done(&told);
     }
 }
 
@@ -250,12 +250,12 @@ static void an_accuracy_is_kept(void **state)
                           .cull = 1e-6,
                           .paths = 1024,
                           .accuracy = accuracy};
-    struct orl_bsdf_made made = panel_make(&panel);
+    struct orl_bsdf_make_result made = panel_make(&panel);
     struct orl_bsdf *bsdf = panel_read(&made);
     panel.accuracy = 0;
     panel.paths = 1 << 15;
     panel.seed = 2;
-    struct orl_bsdf_made longer = panel_make(&panel);
+    struct orl_bsdf_make_result longer = panel_make(&panel);
     struct orl_bsdf *reference = panel_read(&longer);
     double peak = 0, squares = 0, worst = 0;
     int count = 0;
@@ -281,8 +281,8 @@ static void an_accuracy_is_kept(void **state)
     assert_true(worst < 4.5 * accuracy);
     orl_bsdf_unref(reference);
     orl_bsdf_unref(bsdf);
-    orl_bsdf_made_done(&longer);
-    orl_bsdf_made_done(&made);
+    orl_bsdf_make_result_done(&longer);
+    orl_bsdf_make_result_done(&made);
 }
 
 int main(void)

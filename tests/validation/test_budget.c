@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #include "support/extent.h"
 #include "support/room.h"
@@ -82,7 +82,7 @@ static void expect_same_light(const struct orl_result *a, const struct orl_resul
 /* The pilot has some 2048 photons of that kind: 2 %, and rounds of batches end a little late. */
 static void expect_foreseen(const struct orl_result *r)
 {
-    const struct orl_foresight *f = &r->plan.foresight;
+    const struct orl_photon_forecast *f = &r->plan.forecast;
     assert_true(f->made && f->known);
     assert_true(f->job_s > f->photons_s && isfinite(f->job_s));
     const char *const kinds[] = {"global", "caustic"};
@@ -140,7 +140,7 @@ static void test_a_prism_is_bounded(void **state)
     print_message("%llu caustic photons of %llu emissions; global %llu of %llu; %s\n",
                   (unsigned long long)caustic->stored, (unsigned long long)caustic->emitted,
                   (unsigned long long)global->stored, (unsigned long long)global->emitted,
-                  r.plan.foresight.why);
+                  r.plan.forecast.why);
     assert_true(caustic->stored >= 20000); /* a full map */
     assert_true(caustic->emitted <= 4 * global->emitted);
     expect_foreseen(&r);
@@ -201,10 +201,10 @@ static void test_numbers(void **state)
     struct orl_result one = run_job(ROOM GLOSS, NULL, ORL_PHOTONS_BY_PLAN, 1);
     const struct orl_result *const three = &gleam_by_plan;
     assert_int_equal(asked.plan.photons_caustic, 5000);
-    assert_false(asked.plan.foresight.made);
+    assert_false(asked.plan.forecast.made);
     assert_true(map_of(&asked, "caustic")->stored >= 5000);
     assert_true(one.plan.photons_caustic == three->plan.photons_caustic);
-    assert_string_equal(one.plan.foresight.why, three->plan.foresight.why);
+    assert_string_equal(one.plan.forecast.why, three->plan.forecast.why);
     for (size_t i = 0; i < one.n_sensors; i++)
         assert_true(one.illuminance_lx[i] == three->illuminance_lx[i]);
     orl_result_done(&asked);

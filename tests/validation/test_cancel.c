@@ -61,7 +61,7 @@ static int run_room(enum orl_technique technique, const char *folder, struct tra
                             .width = 16,
                             .height = 12,
                             .technique = technique,
-                            .wishes = scene_wish_maps,
+                            .overrides = scene_wish_maps,
                             .global = 4000,
                             .caustic = 2000,
                             .samples = 64,

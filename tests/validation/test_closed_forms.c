@@ -214,7 +214,7 @@ static void test_room_without_window(void **state)
     assert_true(lx[0] == 0 && lx[1] == 0);
     run.scene = "void plastic w 0 0 5 .5 .5 .5 0 0\n!genbox w room 4 5 3 -i\n";
     run.global = run.caustic = 1000000;
-    run.wishes = scene_wish_maps;
+    run.overrides = scene_wish_maps;
     struct orl_result result = scene_run(&run);
     for (size_t i = 0; i < result.n_warnings; i++)
         told = told || strstr(result.warnings[i], "no light");
@@ -416,7 +416,7 @@ static void test_high_above_the_ground(void **state)
                                          .sensors = &sensor,
                                          .n_sensors = 1,
                                          .technique = techniques[i],
-                                         .wishes = scene_wish_maps,
+                                         .overrides = scene_wish_maps,
                                          .global = 2000,
                                          .caustic = 500},
                      &lx);

@@ -1,7 +1,7 @@
 /*
  * The cross-check under fault injection: a result lacks one kind of light, because the strategy
  * that finds it was switched off, and is compared with paths in the whole scene. The job must warn,
- * and name the class of light (oriel/run.h). Correct results cause no warning. Seeds are fixed.
+ * and name the class of light (oriel/job/run.h). Correct results cause no warning. Seeds are fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -73,14 +73,14 @@ enum { FAULTS = sizeof faults / sizeof *faults };
 static struct orl_result run_scene(const char *scene, int left_out, enum orl_technique technique,
                                    uint64_t seed)
 {
-    enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
+    enum orl_effect_override overrides[ORL_EFFECT_COUNT] = {ORL_OVERRIDE_AUTO};
     if (left_out < ORL_EFFECT_COUNT)
-        wishes[left_out] = ORL_WISH_SKIP;
+        overrides[left_out] = ORL_OVERRIDE_SKIP;
     return scene_run(&(struct scene_run){.scene = scene,
                                          .sensors = sensors,
                                          .n_sensors = SENSORS,
                                          .technique = technique,
-                                         .wishes = wishes,
+                                         .overrides = overrides,
                                          .by_plan = true,
                                          .global = 100000,
                                          .caustic = 50000,
@@ -95,8 +95,8 @@ static double now_s(void *ctx)
 }
 
 /* Cross-checks a result, computed before by other means, against paths in that world. */
-static void check_against(struct orl_world *world, struct orl_crew *crew, uint64_t seed,
-                          struct orl_result *result)
+static void check_against(struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
+                          uint64_t seed, struct orl_result *result)
 {
     struct orl_job job;
     struct orl_error err = {0};
@@ -105,30 +105,30 @@ static void check_against(struct orl_world *world, struct orl_crew *crew, uint64
     orl_job_init(&job);
     job.seed = seed;
     result->plan.most_reflections = ORL_ALL_REFLECTIONS;
-    const struct orl_run_env env = {.crew = crew, .cancel = &cancel, .now_s = now_s};
+    const struct orl_run_env env = {.pool = pool, .cancel = &cancel, .now_s = now_s};
     struct orl_run_state state = {.job = &job,
                                   .env = &env,
                                   .result = result,
                                   .sensors = (struct orl_sensor *)(uintptr_t)sensors,
                                   .n_sensors = SENSORS,
-                                  .world = world,
+                                  .lit_scene = lit_scene,
                                   .samples = 1 << 20};
     assert_int_equal(orl_run_cross_check(&state, &err), 0);
 }
 
 static void test_faults(void **state)
 {
-    struct orl_crew *crew = orl_crew_start(1);
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
     size_t named = 0, all = 0;
     (void)state;
     for (size_t f = 0; f < FAULTS; f++) {
         const struct fault *fault = &faults[f];
-        struct orl_world *world = scene_world(fault->whole, NULL, NULL, crew);
+        struct orl_lit_scene *lit_scene = build_lit_scene(fault->whole, NULL, NULL, pool);
         for (uint64_t seed = 1; seed <= extent(3, 6); seed++, all++) {
             struct orl_result r = run_scene(fault->faulty ? fault->faulty : fault->whole,
                                             fault->left_out, ORL_TECHNIQUE_BACKWARD, seed);
             assert_int_equal(r.cross_check.sensors_off, 0);
-            check_against(world, crew, seed, &r);
+            check_against(lit_scene, pool, seed, &r);
             const bool right =
                 r.cross_check.sensors_off > 0 && fault->classes & 1U << r.cross_check.differs_in;
             if (!right)
@@ -139,11 +139,11 @@ static void test_faults(void **state)
             named += right;
             orl_result_done(&r);
         }
-        orl_world_free(world);
+        orl_lit_scene_free(lit_scene);
     }
     print_message("%zu of %zu faults are named\n", named, all);
     assert_true((double)named >= 0.95 * (double)all);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 static void test_sound_rooms(void **state)

@@ -123,7 +123,7 @@ static void test_rounds(void **state)
 {
     static const char room[] = ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
     static const struct orl_sensor sensor = {{2, 2, .8}, {0, 0, 1}};
-    struct orl_annual_wishes wishes;
+    struct orl_report_request report_request;
     struct orl_annual_target target;
     struct orl_annual_refinement refinement = {.asked = false};
     struct year_run asked = {
@@ -134,18 +134,18 @@ static void test_rounds(void **state)
     (void)state;
     snprintf(text, sizeof text, "DF >= %.4f %%", 1.02 * factor);
     assert_int_equal(orl_annual_target_parse(text, &target, NULL), 0);
-    assert_int_equal(orl_annual_wishes_init(&wishes), 0);
-    wishes.until = &target;
+    assert_int_equal(orl_report_request_init(&report_request), 0);
+    report_request.until = &target;
     asked.samples = 32;
-    asked.wishes = &wishes;
+    asked.report_request = &report_request;
     asked.ret_refinement = &refinement;
     struct orl_annual_result year = year_run(&asked);
-    assert_true(refinement.settled && refinement.rounds > 1);
+    assert_true(refinement.decided && refinement.rounds > 1);
     assert_int_equal(refinement.verdict, ORL_VERDICT_FAIL);
     assert_true(fabs((double)year.overcast[0] / 100 - factor) <
                 4.5 * hypot((double)year.overcast_se[0], (double)truth.overcast_se[0]) / 100);
-    wishes.until = NULL;
-    orl_annual_wishes_done(&wishes);
+    report_request.until = NULL;
+    orl_report_request_done(&report_request);
     orl_annual_done(&year);
     orl_annual_done(&truth);
 }

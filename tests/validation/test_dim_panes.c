@@ -74,11 +74,11 @@ static void check_pane(enum orl_technique technique, const char *pane)
     char scene[4096], xml[2048];
     scene_uniform_bsdf(0.01, xml);
     snprintf(scene, sizeof scene, SKY "%s" ROOM, pane);
-    struct orl_description description = scene_parse_text(scene, "pane.xml", xml);
+    struct orl_parsed_scene parsed_scene = scene_parse_text(scene, "pane.xml", xml);
     const struct orl_material *m = NULL;
-    for (size_t i = 0; i < description.n_materials; i++)
-        if (description.materials[i].name[0] == 'p')
-            m = &description.materials[i];
+    for (size_t i = 0; i < parsed_scene.n_materials; i++)
+        if (parsed_scene.materials[i].name[0] == 'p')
+            m = &parsed_scene.materials[i];
     double squares = 0;
     int covered = 0;
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
@@ -101,7 +101,7 @@ static void check_pane(enum orl_technique technique, const char *pane)
     }
     print_message("%s, %.11s: rms %.4f, covered %d of %d\n", orl_technique_name(technique), pane,
                   sqrt(squares), covered, SENSORS * SEEDS);
-    orl_description_done(&description);
+    orl_parsed_scene_done(&parsed_scene);
     assert_true(sqrt(squares) < 0.05);
     assert_true(covered >= 32);
 }

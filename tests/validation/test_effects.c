@@ -126,14 +126,14 @@ static const struct orl_sensor sensors[] = {
     {{2, 1.5, 0.001}, {0, 0, 1}}, {{1, 3, 0.001}, {0, 0, 1}}, {{2, 4, 1}, {0, -1, 0.3}}};
 enum { SENSORS = sizeof sensors / sizeof *sensors, SEEDS = 3 };
 
-static struct orl_result run_once(const struct pair *pair, const char *scene, enum orl_wish wish,
-                                  uint64_t seed)
+static struct orl_result run_once(const struct pair *pair, const char *scene,
+                                  enum orl_effect_override override, uint64_t seed)
 {
-    enum orl_wish wishes[ORL_EFFECT_COUNT] = {0};
+    enum orl_effect_override overrides[ORL_EFFECT_COUNT] = {0};
     char bsdf[2048];
     const bool has_bsdf = strstr(scene, "pane.xml") != NULL;
     scene_uniform_bsdf(0.25, bsdf);
-    wishes[pair->effect] = wish;
+    overrides[pair->effect] = override;
     return scene_run(&(struct scene_run){.scene = scene,
                                          .resource_name = has_bsdf ? "pane.xml" : NULL,
                                          .resource_text = has_bsdf ? bsdf : NULL,
@@ -144,7 +144,7 @@ static struct orl_result run_once(const struct pair *pair, const char *scene, en
                                                                : NULL,
                                          .width = 16,
                                          .height = 16,
-                                         .wishes = wishes,
+                                         .overrides = overrides,
                                          .seed = seed,
                                          .global = extent(8000, 30000),
                                          .caustic = extent(2000, 3000),
@@ -158,12 +158,13 @@ struct outcome {
     struct orl_decision decision;
 };
 
-static struct outcome run_seeds(const struct pair *pair, const char *scene, enum orl_wish wish)
+static struct outcome run_seeds(const struct pair *pair, const char *scene,
+                                enum orl_effect_override override)
 {
     struct outcome o = {.seconds = 0};
     double squares[SENSORS] = {0};
     for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-        struct orl_result r = run_once(pair, scene, wish, seed);
+        struct orl_result r = run_once(pair, scene, override, seed);
         for (int i = 0; i < SENSORS; i++) {
             o.mean[i] += r.illuminance_lx[i] / SEEDS;
             squares[i] += r.illuminance_lx[i] * r.illuminance_lx[i] / SEEDS;
@@ -188,8 +189,8 @@ static double bound_lx(const struct orl_decision *d, double lx)
 static void check_without(const struct pair *pair)
 {
     const char *name = orl_effect_name(pair->effect);
-    const struct outcome planned = run_seeds(pair, pair->without, ORL_WISH_AUTO);
-    const struct outcome forced = run_seeds(pair, pair->without, ORL_WISH_FORCE);
+    const struct outcome planned = run_seeds(pair, pair->without, ORL_OVERRIDE_AUTO);
+    const struct outcome forced = run_seeds(pair, pair->without, ORL_OVERRIDE_FORCE);
     print_message("  %-16s not called for: rays %.3f, time %.3f of forced; %s\n", name,
                   (double)planned.rays / (double)fmax((double)forced.rays, 1),
                   planned.seconds / forced.seconds, planned.decision.why);
@@ -211,8 +212,8 @@ static void check_without(const struct pair *pair)
 static void check_with(const struct pair *pair)
 {
     const char *name = orl_effect_name(pair->effect);
-    const struct outcome planned = run_seeds(pair, pair->with, ORL_WISH_AUTO);
-    const struct outcome skipped = run_seeds(pair, pair->with, ORL_WISH_SKIP);
+    const struct outcome planned = run_seeds(pair, pair->with, ORL_OVERRIDE_AUTO);
+    const struct outcome skipped = run_seeds(pair, pair->with, ORL_OVERRIDE_SKIP);
     print_message("  %-16s called for: %s\n", name, planned.decision.why);
     if (!planned.decision.simulated)
         fail_msg("%s is missed: %s", name, planned.decision.why);

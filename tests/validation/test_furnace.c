@@ -31,7 +31,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #include "support/references.h"
 #include "support/scene_text.h"

@@ -162,7 +162,7 @@ static void test_unknown_errors(void **state)
 }
 
 /* The bytes are equal for any crew. */
-static void test_any_crew(void **state)
+static void test_any_pool_size(void **state)
 {
     struct orl_glare_value found[2];
     (void)state;
@@ -187,6 +187,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_coverage), cmocka_unit_test(test_goals),
-        cmocka_unit_test(test_unknown_errors), cmocka_unit_test(test_any_crew)};
+        cmocka_unit_test(test_unknown_errors), cmocka_unit_test(test_any_pool_size)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,7 +36,7 @@ static double run_scene(const char *scene, enum orl_technique technique, double 
                                   .sensors = &sensor,
                                   .n_sensors = 1,
                                   .technique = technique,
-                                  .wishes = has_maps ? scene_wish_maps : NULL,
+                                  .overrides = has_maps ? scene_wish_maps : NULL,
                                   .samples = 2048,
                                   .global = extent(100000, 200000),
                                   .threads = 2,

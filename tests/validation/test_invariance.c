@@ -218,7 +218,7 @@ static void test_map_keys(void **state)
                             .n_sensors = 2,
                             .global = 5000,
                             .caustic = 5000,
-                            .wishes = scene_wish_maps,
+                            .overrides = scene_wish_maps,
                             .samples = 64,
                             .folder = folder};
     expect_cached(&run, false, false);
@@ -252,7 +252,7 @@ static void test_cached_results(void **state)
                                   .sensors = room_sensors,
                                   .n_sensors = ROOM_SENSORS,
                                   .caustic = 5000,
-                                  .wishes = scene_wish_maps,
+                                  .overrides = scene_wish_maps,
                                   .folder = folder};
     scene_run_lx(&run, first);
     scene_run_lx(&run, second);

@@ -68,7 +68,7 @@ static void run_scene(void **state, const char *scene, double ret_lx[SENSORS],
  */
 static void check_glass(void **state, const char *scene)
 {
-    struct orl_description d = scene_parse_text(scene, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(scene, NULL, NULL);
     double lx[SENSORS], se[SENSORS];
     run_scene(state, scene, lx, se);
     for (int i = 0; i < SENSORS; i++) {
@@ -81,7 +81,7 @@ static void check_glass(void **state, const char *scene)
         print_message("%.4f of %.1f lx\n", lx[i] / expected, expected);
         assert_true(lx[i] / expected > 0.995 && lx[i] / expected < 1.015);
     }
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
 }
 
 static void test_glass(void **state)

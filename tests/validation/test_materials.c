@@ -61,7 +61,7 @@ static void run_job(struct scene_run job, struct outcome *o)
     job.global = job.global ? job.global : 100000;
     job.samples = job.samples ? job.samples : 4096;
     job.width = job.height = SIDE;
-    job.wishes = scene_wish_maps;
+    job.overrides = scene_wish_maps;
     struct orl_result result = scene_run(&job);
     for (size_t i = 0; i < job.n_sensors; i++)
         o->w[i] = result.illuminance_lx[i] / ORL_EFFICACY_LM_PER_W;

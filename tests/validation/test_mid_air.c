@@ -23,7 +23,8 @@ enum { TECHNIQUES = 3 };
 
 /* Skips interreflection: that of walls of a thousandth takes many photons to find, and is
  * negligible. */
-static const enum orl_wish dark[ORL_EFFECT_COUNT] = {[ORL_EFFECT_INTERREFLECTION] = ORL_WISH_SKIP};
+static const enum orl_effect_override dark[ORL_EFFECT_COUNT] = {[ORL_EFFECT_INTERREFLECTION] =
+                                                                    ORL_OVERRIDE_SKIP};
 
 /* Irradiance of a plane that faces the sun. */
 static double sun_w(void)
@@ -125,7 +126,7 @@ static void two_panes_scatter_one_after_the_other(void **state)
                                                                  .sensors = sensors,
                                                                  .n_sensors = 4,
                                                                  .technique = techniques[t],
-                                                                 .wishes = dark,
+                                                                 .overrides = dark,
                                                                  .caustic = 100000,
                                                                  .samples = 256});
         for (size_t i = 0; i < 4; i++)
@@ -166,7 +167,7 @@ static void the_sun_comes_down_a_shaft(void **state)
                                                                  .sensors = sensors,
                                                                  .n_sensors = 3,
                                                                  .technique = techniques[t],
-                                                                 .wishes = dark,
+                                                                 .overrides = dark,
                                                                  .caustic = 100000,
                                                                  .samples = 256});
         assert_near(&result, 0, 0.9 * down, 0.2);
@@ -232,7 +233,7 @@ static void a_lamp_is_seen_in_a_mirror(void **state)
         struct orl_result result = scene_run(&(struct scene_run){.scene = scene,
                                                                  .sensors = sensors,
                                                                  .n_sensors = 1,
-                                                                 .wishes = dark,
+                                                                 .overrides = dark,
                                                                  .caustic = extent(100000, 400000),
                                                                  .samples = 256,
                                                                  .threads = 1 + 2 * i});

@@ -1,7 +1,7 @@
 /*
  * Lamps that a sensor sees only in a flat mirror, compared with closed forms: a sphere, a ring, a
  * spotlight with a focus, a narrow one, a glow, and a sphere seen through a pane. All else is
- * black, so that the sensor's only light is that of the virtual lamp (light/lamp_images.h).
+ * black, so that the sensor's only light is that of the virtual lamp (light/virtual_lamps.h).
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -105,10 +105,10 @@ static void test_through_pane(void **state)
     static const struct orl_hit anywhere = {.normal = {-1, 0, 0}, .front = true};
     static const char scene[] =
         PANE MIRROR "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 " LAMP_AT " .1\n";
-    struct orl_description d = scene_parse_text(scene, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(scene, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[0].material];
     const double t = orl_glass_transmittance(glass, &anywhere, ahead / sqrt(distance2)).g;
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     check_irradiance(state, scene, of_sphere(0.1) * t);
 }
 

@@ -71,7 +71,7 @@ static void check_stripes(bool metal, double tolerance)
                                                             .sensors = sensors,
                                                             .n_sensors = SENSORS,
                                                             .seed = seed,
-                                                            .wishes = scene_wish_maps,
+                                                            .overrides = scene_wish_maps,
                                                             .global = 100000,
                                                             .caustic = 3000,
                                                             .samples = 1024});

@@ -1,6 +1,6 @@
 /*
  * The sun by way of several flat mirrors, compared with closed forms: shadow rays to its images
- * (light/images.h), and photons on a surface.
+ * (light/virtual_suns.h), and photons on a surface.
  *
  * A shaft of 0.6 x 0.6 x 2 m, four mirrors of 0.95, over a dark room. Sunlight along (0, .6, -.8)
  * passes it with two reflections or three: rays that enter in the half nearer the sun leave
@@ -60,11 +60,11 @@ static double expected_lx(int sensor, double pane)
 
 static double transmittance_of_pane(void)
 {
-    struct orl_description d = scene_parse_text(SUN PANE, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(SUN PANE, NULL, NULL);
     for (size_t i = 0; i < d.n_materials; i++)
         if (d.materials[i].kind == ORL_MATERIAL_GLASS) {
             const double t = orl_glass_transmittance(&d.materials[i], &anywhere, 0.8).g;
-            orl_description_done(&d);
+            orl_parsed_scene_done(&d);
             return t;
         }
     fail_msg("no glass");
@@ -133,13 +133,13 @@ static void panes_a_little_askew(void **state)
                      &lx[i]);
     }
     /* r + t^2 r / (1 - r^2): by the near pane, by the far one, and back and forth between them. */
-    struct orl_description d = scene_parse_text(SUN "void glass g 0 0 3 .92 .92 .92\n"
-                                                    "g polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
-                                                NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(SUN "void glass g 0 0 3 .92 .92 .92\n"
+                                                     "g polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n",
+                                                 NULL, NULL);
     const double r = orl_glass_reflectance(&d.materials[d.surfaces[0].material], &anywhere, 0.6).g;
     const double t =
         orl_glass_transmittance(&d.materials[d.surfaces[0].material], &anywhere, 0.6).g;
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     const double shown = expected_lx(3, 1) / (0.95 * 0.95) * (r + t * t * r / (1 - r * r));
     for (int i = 0; i < 2; i++)
         if (!(fabs(lx[i] - shown) < 2e-3 * shown))
@@ -167,12 +167,12 @@ static void a_tower_lights_a_northern_room(void **state)
 {
     static const struct orl_sensor places[2] = {{{2, -1.3, 0}, {0, 0, 1}}, {{2, -3, 0}, {0, 0, 1}}};
     static const enum orl_technique techniques[2] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
-    struct orl_description d = scene_parse_text(SUN TOWER, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(SUN TOWER, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[0].material];
     const double patch = expected_lx(0, 1) / (0.95 * 0.95) *
                          orl_glass_reflectance(glass, &anywhere, 0.6).g *
                          orl_glass_transmittance(glass, &anywhere, 0.6).g;
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     (void)state;
     for (int k = 0; k < 2; k++) {
         struct orl_result r = scene_run(&(struct scene_run){.scene = SUN TOWER,
@@ -205,11 +205,11 @@ static void a_pane_on_a_wide_site(void **state)
 {
     static const struct orl_sensor places[2] = {{{0, -.1, 1}, {0, 0, 1}},
                                                 {{.1, -.1, 1.08}, {0, 0, 1}}};
-    struct orl_description d = scene_parse_text(SUN SITE, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(SUN SITE, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[0].material];
     const double sun = expected_lx(0, 1) / (0.95 * 0.95);
     const double expected = sun * (1 + orl_glass_reflectance(glass, &anywhere, 0.6).g);
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     (void)state;
     for (uint64_t seed = 1; seed <= 4; seed++) {
         double lx[2];

@@ -13,8 +13,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/random.h"
-#include "light/mist.h"
+#include "base/sampling/random.h"
+#include "scene/built/volume.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
@@ -153,14 +153,14 @@ static void test_phase(void **state)
         const struct orl_vec3 along = orl_normalize(orl_v3(.3, -.2, .7));
         for (int i = 0; i < DRAWS; i++) {
             const double u0 = orl_random_uniform(&random), u[2] = {u0, orl_random_uniform(&random)};
-            const double cosine = orl_dot(orl_phase_sample(forward[k], along, u), along);
+            const double cosine = orl_dot(orl_phase_function_sample(forward[k], along, u), along);
             seen[(int)fmin((cosine + 1) / 2 * BINS, BINS - 1)]++;
         }
         for (int b = 0; b < BINS; b++) {
             double expected = 0;
             for (int i = 0; i < STEPS; i++)
                 expected += 2 * ORL_PI * 2 / BINS / STEPS *
-                            orl_phase(forward[k], -1 + 2. / BINS * (b + (i + .5) / STEPS));
+                            orl_phase_function(forward[k], -1 + 2. / BINS * (b + (i + .5) / STEPS));
             whole += expected;
             chi2 += (seen[b] - expected * DRAWS) * (seen[b] - expected * DRAWS) /
                     fmax(expected * DRAWS, 1);

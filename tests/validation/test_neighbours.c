@@ -54,7 +54,7 @@ static double diffuse(const struct orl_material *glass,
 static double before_the_facade(void)
 {
     enum { SIDE = 600 };
-    struct orl_description d = scene_parse_text(SKY FACADE, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(SKY FACADE, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[1].material];
     const double t = diffuse(glass, orl_glass_transmittance);
     const double r = diffuse(glass, orl_glass_reflectance);
@@ -67,7 +67,7 @@ static double before_the_facade(void)
                             orl_glass_transmittance(glass, &anywhere, cosine).g * wall;
         sum += (seen - 10) * cosine * cosine / d2 * 30 / (SIDE * SIDE);
     }
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     return ORL_EFFICACY_LM_PER_W * sum;
 }
 
@@ -132,7 +132,7 @@ static double through_two_panes(void)
     enum { SIDE = 400 };
     const double half = 0.5 * 0.533 * ORL_DEG_TO_RAD, rho = 0.05;
     const double sun = 1e6 * 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half) * sqrt(0.5);
-    struct orl_description d = scene_parse_text(SUN DIM_WALL, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(SUN DIM_WALL, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[1].material];
     const double wall = sun * orl_glass_transmittance(glass, &anywhere, sqrt(0.5)).g * rho /
                         ORL_PI / (1 - rho * diffuse(glass, orl_glass_reflectance));
@@ -143,7 +143,7 @@ static double through_two_panes(void)
         const double through = orl_glass_transmittance(glass, &anywhere, cosine).g;
         sum += wall * through * through * cosine * cosine / d2 * 30 / (SIDE * SIDE);
     }
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     return ORL_EFFICACY_LM_PER_W * sum;
 }
 

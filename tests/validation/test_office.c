@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #include "support/scene_text.h"
 

@@ -22,7 +22,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #include "support/cli.h"
 #include "support/references.h"

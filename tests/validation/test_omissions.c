@@ -25,20 +25,20 @@ struct run {
     const char *text;
     enum orl_technique technique;
     enum orl_effect effect;
-    enum orl_wish wish;
+    enum orl_effect_override override;
     uint64_t caustic;
     const char *folder;
 };
 
 static struct orl_result run_job(const struct run *r)
 {
-    enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
-    wishes[r->effect] = r->wish;
+    enum orl_effect_override overrides[ORL_EFFECT_COUNT] = {ORL_OVERRIDE_AUTO};
+    overrides[r->effect] = r->override;
     return scene_run(&(struct scene_run){.scene = r->text,
                                          .sensors = room_sensors,
                                          .n_sensors = ROOM_SENSORS,
                                          .technique = r->technique,
-                                         .wishes = wishes,
+                                         .overrides = overrides,
                                          .global = 50000,
                                          .caustic = r->caustic,
                                          .samples = 512,
@@ -57,7 +57,7 @@ static void test_clear_windows(void **state)
                         .technique = techniques[i],
                         .effect = ORL_EFFECT_EXTERIOR};
         struct orl_result planned = run_job(&r);
-        r.wish = ORL_WISH_FORCE;
+        r.override = ORL_OVERRIDE_FORCE;
         struct orl_result forced = run_job(&r);
         assert_false(planned.plan.effects[ORL_EFFECT_EXTERIOR].simulated);
         assert_memory_equal(planned.illuminance_lx, forced.illuminance_lx,
@@ -124,7 +124,7 @@ static void test_kinds_of_caustics(void **state)
                                   .technique = ORL_TECHNIQUE_GATHER,
                                   .caustic = 50000,
                                   .effect = skipped[i % 2],
-                                  .wish = i < 2 ? ORL_WISH_SKIP : ORL_WISH_AUTO,
+                                  .override = i < 2 ? ORL_OVERRIDE_SKIP : ORL_OVERRIDE_AUTO,
                                   .folder = folder});
         flux[i] = scene_map_flux(&result, folder, "caustic", &squares);
         orl_result_done(&result);
@@ -158,11 +158,11 @@ static void test_skips(void **state)
         struct run r = {.text = cases[k].text,
                         .technique = ORL_TECHNIQUE_BACKWARD,
                         .effect = cases[k].effect,
-                        .wish = ORL_WISH_SKIP};
+                        .override = ORL_OVERRIDE_SKIP};
         const char *name = orl_effect_name(cases[k].effect);
         struct orl_result skipped = run_job(&r);
         bool told = false;
-        r.wish = ORL_WISH_FORCE;
+        r.override = ORL_OVERRIDE_FORCE;
         struct orl_result forced = run_job(&r);
         const double bound = skipped.plan.effects[cases[k].effect].bound;
         for (size_t i = 0; i < skipped.n_warnings; i++)
@@ -195,7 +195,7 @@ static void test_gloss_keeps_energy(void **state)
             run_job(&(struct run){.text = glossy,
                                   .technique = ORL_TECHNIQUE_BACKWARD,
                                   .effect = ORL_EFFECT_GLOSSY,
-                                  .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
+                                  .override = i ? ORL_OVERRIDE_FORCE : ORL_OVERRIDE_SKIP});
         for (int k = 0; k < ROOM_SENSORS; k++)
             mean[i] += result.illuminance_lx[k] / ROOM_SENSORS;
         orl_result_done(&result);
@@ -217,7 +217,7 @@ static void test_bleached(void **state)
         result[i] = run_job(&(struct run){.text = red,
                                           .technique = ORL_TECHNIQUE_BACKWARD,
                                           .effect = ORL_EFFECT_COLOR,
-                                          .wish = i ? ORL_WISH_FORCE : ORL_WISH_SKIP});
+                                          .override = i ? ORL_OVERRIDE_FORCE : ORL_OVERRIDE_SKIP});
     for (int k = 0; k < ROOM_SENSORS; k++) {
         const double off = fabs(result[0].illuminance_lx[k] - result[1].illuminance_lx[k]);
         assert_true(off <=
@@ -240,10 +240,10 @@ static void test_keys(void **state)
                     .effect = ORL_EFFECT_GLOSSY,
                     .folder = folder};
     struct orl_result first = run_job(&r);
-    r.wish = ORL_WISH_FORCE; /* an effect that the scene lacks */
+    r.override = ORL_OVERRIDE_FORCE; /* an effect that the scene lacks */
     struct orl_result second = run_job(&r);
     r.effect = ORL_EFFECT_SUN;
-    r.wish = ORL_WISH_SKIP;
+    r.override = ORL_OVERRIDE_SKIP;
     struct orl_result third = run_job(&r);
     assert_true(!first.maps[0].cached && second.maps[0].cached && !third.maps[0].cached);
     assert_string_equal(first.maps[0].key, second.maps[0].key);

@@ -19,7 +19,7 @@
 #include <string.h>
 
 #include <cmocka.h>
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "support/brute.h"
 #include "support/extent.h"
@@ -57,12 +57,12 @@ static void digest_of(const char *scene, char ret_text[DIGEST_TEXT])
         snprintf(ret_text + 2 * (size_t)i, 3, "%02x", digest[i]);
 }
 
-static void trace_truth(const char *scene, uint64_t paths, struct orl_crew *crew,
+static void trace_truth(const char *scene, uint64_t paths, struct orl_thread_pool *pool,
                         struct brute_value truth[PATH_SENSORS])
 {
-    struct orl_world *const world = scene_world(scene, "pane.xml", path_pane(), NULL);
-    brute_sensors(world, path_sensors, PATH_SENSORS, paths, crew, truth);
-    orl_world_free(world);
+    struct orl_lit_scene *const lit_scene = build_lit_scene(scene, "pane.xml", path_pane(), NULL);
+    brute_sensors(lit_scene, path_sensors, PATH_SENSORS, paths, pool, truth);
+    orl_lit_scene_free(lit_scene);
 }
 
 /* Reads a scene's truths; returns false if the file has none. */
@@ -90,11 +90,12 @@ static bool read_truth(const char *scene, struct brute_value truth[PATH_SENSORS]
     return found;
 }
 
-static void write_truth(FILE *file, const char *scene, const char *name, struct orl_crew *crew)
+static void write_truth(FILE *file, const char *scene, const char *name,
+                        struct orl_thread_pool *pool)
 {
     struct brute_value truth[PATH_SENSORS];
     char digest[DIGEST_TEXT];
-    trace_truth(scene, 1000000, crew, truth);
+    trace_truth(scene, 1000000, pool, truth);
     digest_of(scene, digest);
     fprintf(file, "%s", digest);
     for (size_t i = 0; i < PATH_SENSORS; i++)
@@ -117,13 +118,13 @@ static void compare_truths(const char *name, const struct brute_value *truth,
     }
 }
 
-static void find_truth(const char *scene, const char *name, struct orl_crew *crew,
+static void find_truth(const char *scene, const char *name, struct orl_thread_pool *pool,
                        struct brute_value truth[PATH_SENSORS])
 {
     struct brute_value kept[PATH_SENSORS];
     const bool has_kept = read_truth(scene, kept);
     if (extent_is_long()) {
-        trace_truth(scene, 4000000, crew, truth);
+        trace_truth(scene, 4000000, pool, truth);
         if (has_kept)
             compare_truths(name, truth, kept);
         return;
@@ -161,7 +162,7 @@ static void count_run(const struct orl_result *r, const struct brute_value *trut
     }
 }
 
-static void run_cell(size_t source, size_t chain, struct orl_crew *crew,
+static void run_cell(size_t source, size_t chain, struct orl_thread_pool *pool,
                      struct count counts[TECHNIQUES])
 {
     char text[PATH_TEXT], name[128];
@@ -169,7 +170,7 @@ static void run_cell(size_t source, size_t chain, struct orl_crew *crew,
     if (!path_cell_scene(source, chain, text))
         return;
     snprintf(name, sizeof name, "%s, %s", path_chain_name(chain), path_source_name(source));
-    find_truth(text, name, crew, truth);
+    find_truth(text, name, pool, truth);
     for (int t = 0; t < TECHNIQUES; t++) {
         struct orl_result r = scene_run(&(struct scene_run){.scene = text,
                                                             .resource_name = "pane.xml",
@@ -196,14 +197,14 @@ static void run_cell(size_t source, size_t chain, struct orl_crew *crew,
 static void test_every_chain(void **state)
 {
     struct count counts[TECHNIQUES] = {{0}};
-    struct orl_crew *const crew = orl_crew_start(1);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(1);
     (void)state;
     for (size_t chain = 0; chain < path_chain_count(); chain++)
         for (size_t source = 0; source < path_source_count(); source++)
             if (!is_too_rare(path_chain_name(chain)) &&
                 (extent_is_long() || is_of_short_form(source, chain)))
-                run_cell(source, chain, crew, counts);
-    orl_crew_stop(crew);
+                run_cell(source, chain, pool, counts);
+    orl_thread_pool_stop(pool);
     for (int t = 0; t < TECHNIQUES; t++) {
         print_message("technique %d: %zu of %zu intervals hold the truth, %zu values are off\n",
                       (int)techniques[t], counts[t].held, counts[t].values, counts[t].off);
@@ -216,7 +217,7 @@ static void test_every_chain(void **state)
 static void write_truths(const char *path)
 {
     char text[PATH_TEXT], name[128];
-    struct orl_crew *const crew = orl_crew_start(2);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(2);
     FILE *file = fopen(path, "w");
     assert_non_null(file);
     fprintf(file, "# Written by tests/validation/test_paths.c: the digest of a scene, and of each "
@@ -227,10 +228,10 @@ static void write_truths(const char *path)
                 !path_cell_scene(source, chain, text))
                 continue;
             snprintf(name, sizeof name, "%s, %s", path_chain_name(chain), path_source_name(source));
-            write_truth(file, text, name, crew);
+            write_truth(file, text, name, pool);
         }
     fclose(file);
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 int main(void)

@@ -43,17 +43,18 @@ static const struct orl_sensor sensors[SENSORS] = {{{2, 1, .8}, {0, 0, 1}},
                                                    {{3.9, 2, 1.5}, {-1, 0, 0}}};
 
 static struct orl_result run_room(enum orl_technique technique, enum orl_effect effect,
-                                  enum orl_wish wish, uint32_t threads, const char *folder)
+                                  enum orl_effect_override override, uint32_t threads,
+                                  const char *folder)
 {
-    enum orl_wish wishes[ORL_EFFECT_COUNT] = {ORL_WISH_AUTO};
-    wishes[effect] = wish;
+    enum orl_effect_override overrides[ORL_EFFECT_COUNT] = {ORL_OVERRIDE_AUTO};
+    overrides[effect] = override;
     return scene_run(&(struct scene_run){.scene = scene,
                                          .resource_name = "f.cal",
                                          .resource_text = functions,
                                          .sensors = sensors,
                                          .n_sensors = SENSORS,
                                          .technique = technique,
-                                         .wishes = wishes,
+                                         .overrides = overrides,
                                          .global = 50000,
                                          .samples = 1024,
                                          .view = folder ? "-vp 2 4.5 1.5 -vd 0 -1 -.2" : NULL,
@@ -71,10 +72,10 @@ static void test_bounds(void **state)
                                               ORL_EFFECT_INTERREFLECTION};
     (void)state;
     struct orl_result whole =
-        run_room(ORL_TECHNIQUE_BACKWARD, ORL_EFFECT_SUN, ORL_WISH_AUTO, 2, NULL);
+        run_room(ORL_TECHNIQUE_BACKWARD, ORL_EFFECT_SUN, ORL_OVERRIDE_AUTO, 2, NULL);
     for (size_t e = 0; e < sizeof effects / sizeof *effects; e++) {
         struct orl_result without =
-            run_room(ORL_TECHNIQUE_BACKWARD, effects[e], ORL_WISH_SKIP, 2, NULL);
+            run_room(ORL_TECHNIQUE_BACKWARD, effects[e], ORL_OVERRIDE_SKIP, 2, NULL);
         const double bound = whole.plan.effects[effects[e]].bound;
         double most = 0;
         for (int i = 0; i < SENSORS; i++)
@@ -103,7 +104,7 @@ static void test_threads(void **state)
             size_t size = 0;
             cli_make_folder(folder);
             struct orl_result r =
-                run_room(techniques[t], ORL_EFFECT_SUN, ORL_WISH_AUTO, threads[i], folder);
+                run_room(techniques[t], ORL_EFFECT_SUN, ORL_OVERRIDE_AUTO, threads[i], folder);
             snprintf(path, sizeof path, "%s/view.hdr", folder);
             unsigned char *const picture = scene_read_bytes(path, &size);
             if (first) {

@@ -36,18 +36,18 @@ static double bounds_lx(const struct orl_plan *plan, double lx)
 }
 
 static struct orl_result run_room(const struct random_scene *room, const char *bsdf,
-                                  enum orl_wish wish, uint64_t seed)
+                                  enum orl_effect_override override, uint64_t seed)
 {
-    enum orl_wish wishes[ORL_EFFECT_COUNT];
+    enum orl_effect_override overrides[ORL_EFFECT_COUNT];
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
-        wishes[i] = wish;
+        overrides[i] = override;
     return scene_run(&(struct scene_run){.scene = room->text,
                                          .resource_name = room->bsdf ? "pane.xml" : NULL,
                                          .resource_text = room->bsdf ? bsdf : NULL,
                                          .sensors = room->sensors,
                                          .n_sensors = RANDOM_SENSORS,
                                          .technique = ORL_TECHNIQUE_BACKWARD,
-                                         .wishes = wishes,
+                                         .overrides = overrides,
                                          .seed = seed,
                                          .global = 10000,
                                          .samples = 256});
@@ -57,8 +57,8 @@ static void compare_room(uint32_t index, const char *bsdf, struct tally *tally)
 {
     struct random_scene room;
     random_scene(index, &room);
-    struct orl_result planned = run_room(&room, bsdf, ORL_WISH_AUTO, 1);
-    struct orl_result forced = run_room(&room, bsdf, ORL_WISH_FORCE, 2);
+    struct orl_result planned = run_room(&room, bsdf, ORL_OVERRIDE_AUTO, 1);
+    struct orl_result forced = run_room(&room, bsdf, ORL_OVERRIDE_FORCE, 2);
     for (int i = 0; i < RANDOM_SENSORS; i++) {
         const double off = fabs(planned.illuminance_lx[i] - forced.illuminance_lx[i]);
         const double se = hypot(planned.standard_error_lx[i], forced.standard_error_lx[i]);

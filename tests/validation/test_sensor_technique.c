@@ -264,28 +264,28 @@ static struct orl_job sensor_job(enum orl_technique technique)
 /* Runs the sensors of a faulty result again, for that job. */
 static struct orl_result run_again(struct orl_job job)
 {
-    struct orl_crew *crew = orl_crew_start(1);
-    struct orl_world *world = scene_world(ROOM, NULL, NULL, crew);
-    struct orl_told told = {0};
+    struct orl_thread_pool *pool = orl_thread_pool_start(1);
+    struct orl_lit_scene *lit_scene = build_lit_scene(ROOM, NULL, NULL, pool);
+    struct orl_progress progress = {0};
     struct orl_error err;
     atomic_bool cancel;
     atomic_init(&cancel, false);
-    const struct orl_run_env env = {.crew = crew, .cancel = &cancel, .now_s = no_clock};
+    const struct orl_run_env env = {.pool = pool, .cancel = &cancel, .now_s = no_clock};
     struct orl_result result = faulty_result();
     struct orl_run_state state = {.job = &job,
                                   .env = &env,
                                   .result = &result,
                                   .sensors = job.sensors,
                                   .n_sensors = SENSORS,
-                                  .scene = world->scene,
-                                  .world = world,
-                                  .told = &told,
+                                  .scene = lit_scene->scene,
+                                  .lit_scene = lit_scene,
+                                  .progress = &progress,
                                   .run_sensors = orl_run_only_sensors};
     orl_run_warn(&state, "of the scene");
     orl_run_warn(&state, "of the first technique");
-    assert_int_equal(orl_sensor_run_again(&state, 1, &err), 0);
-    orl_world_free(world);
-    orl_crew_free(crew);
+    assert_int_equal(orl_sensor_run_retry(&state, 1, &err), 0);
+    orl_lit_scene_free(lit_scene);
+    orl_thread_pool_free(pool);
     return result;
 }
 

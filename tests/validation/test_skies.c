@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <oriel/skies.h>
+#include <oriel/job/skies.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,7 +29,7 @@ struct fixture {
     struct orl_sensor sensors[SENSORS];
     struct orl_view_request view;
     struct orl_job job;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     atomic_bool cancel;
     double lx[SKIES][SENSORS];
     bool dark[SKIES], done[SKIES], keep[SKIES];
@@ -37,7 +37,7 @@ struct fixture {
     double fraction;               /* fraction of the whole job, last reported */
     struct orl_result *sensors_of; /* stored results; or NULL */
     size_t n_sensors_done;
-    struct orl_shelf *shelf;
+    struct orl_memory_cache *memory_cache;
     const char *files_id;
     int scene_reads; /* number of times that the scene's file was opened */
 };
@@ -124,7 +124,7 @@ static int setup(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     cli_make_folder(f->folder);
-    f->crew = orl_crew_start(1);
+    f->pool = orl_thread_pool_start(1);
     fill_skies(f->skies);
     f->sensors[0] = (struct orl_sensor){{2, 1, 0.8}, {0, 0, 1}};
     f->sensors[1] = (struct orl_sensor){{2, 4, 0.8}, {0, 0, 1}};
@@ -150,7 +150,7 @@ static int setup(void **state)
 static int teardown(void **state)
 {
     struct fixture *f = *state;
-    orl_crew_stop(f->crew);
+    orl_thread_pool_stop(f->pool);
     cli_remove_folder(f->folder);
     free(f);
     return 0;
@@ -193,10 +193,10 @@ static int run_skies(struct fixture *f, struct orl_result *ret_result, struct or
     struct orl_folder_store maps;
     const struct orl_map_store store = orl_map_store_in_folder(&maps);
     const struct orl_skies_env skies = {.ctx = f, .kept = on_sky_kept, .done = on_sky_done};
-    const struct orl_run_env env = {.crew = f->crew,
+    const struct orl_run_env env = {.pool = f->pool,
                                     .files = &files,
                                     .store = &store,
-                                    .shelf = f->shelf,
+                                    .memory_cache = f->memory_cache,
                                     .files_id = f->files_id,
                                     .output_folder = f->folder,
                                     .cancel = &f->cancel,
@@ -264,19 +264,19 @@ static void test_one_scene_for_all(void **state)
     assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_int_equal(f->scene_reads, 1);
     memcpy(first, f->lx, sizeof first);
-    f->shelf = orl_shelf_new(1 << 20);
+    f->memory_cache = orl_memory_cache_new(1 << 20);
     for (int i = 0; i < 3; i++) {
         memset(f->lx, 0, sizeof f->lx);
         f->files_id = i < 2 ? "these" : "others";
         assert_int_equal(run_skies(f, NULL, NULL), 0);
         assert_int_equal(f->scene_reads, i < 2 ? 2 : 3);
         assert_memory_equal(f->lx, first, sizeof first);
-        assert_int_equal(orl_shelf_totals(f->shelf).shared, i < 2 ? 1 : 2);
+        assert_int_equal(orl_memory_cache_totals(f->memory_cache).shared, i < 2 ? 1 : 2);
     }
     f->files_id = NULL;
     assert_int_equal(run_skies(f, NULL, NULL), 0);
     assert_int_equal(f->scene_reads, 4);
-    orl_shelf_free(f->shelf);
+    orl_memory_cache_free(f->memory_cache);
 }
 
 static void test_kept_skies_are_not_run(void **state)

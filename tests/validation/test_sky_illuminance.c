@@ -16,7 +16,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #include "support/references.h"
 #include "support/scene_text.h"
@@ -278,16 +278,16 @@ static void test_scene_skies(void **state)
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         char text[512];
         snprintf(text, sizeof text, "!%s\n" SOURCE, commands[i]);
-        struct orl_description d = scene_parse_text(text, NULL, NULL);
+        struct orl_parsed_scene d = scene_parse_text(text, NULL, NULL);
         double lux = efficacy * irradiance(&d.skies[0], orl_v3(0, 0, 1));
-        for (size_t s = 0; s < d.n_distants; s++) {
-            const struct orl_material *m = &d.materials[d.distants[s].material];
-            const double quarter = sin(0.25 * d.distants[s].angle_deg * deg);
+        for (size_t s = 0; s < d.n_distant_sources; s++) {
+            const struct orl_material *m = &d.materials[d.distant_sources[s].material];
+            const double quarter = sin(0.25 * d.distant_sources[s].angle_deg * deg);
             if (m->kind == ORL_MATERIAL_LIGHT)
                 lux += efficacy * m->color.g * 4 * ORL_PI * quarter * quarter *
-                       d.distants[s].direction.z;
+                       d.distant_sources[s].direction.z;
         }
-        orl_description_done(&d);
+        orl_parsed_scene_done(&d);
         reference_row(&set, commands[i], lux,
                       read_sensor(&(struct scene_run){.scene = text}, orl_v3(0, 0, 1)));
     }

@@ -71,7 +71,7 @@ static struct orl_sky sky_of_job(const char *line)
     if (r.model == ORL_SKY_BY_CIE)
         r.input = ORL_SKY_TYPICAL;
     assert_int_equal(orl_daylight_check(&r, NULL), 0);
-    assert_int_equal(orl_daylight_find(&r, NULL, &d, NULL), 0);
+    assert_int_equal(orl_daylight_from_request(&r, NULL, &d, NULL), 0);
     return d.pattern;
 }
 
@@ -79,10 +79,10 @@ static struct orl_sky sky_of_command(const char *command)
 {
     char scene[300];
     snprintf(scene, sizeof scene, "!%s\n", command);
-    struct orl_description d = scene_parse_text(scene, NULL, NULL);
+    struct orl_parsed_scene d = scene_parse_text(scene, NULL, NULL);
     assert_int_equal(d.n_skies, 1);
     const struct orl_sky sky = d.skies[0];
-    orl_description_done(&d);
+    orl_parsed_scene_done(&d);
     return sky;
 }
 

@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include <oriel/study.h>
+#include <oriel/job/study.h>
 
 #include "support/cli.h"
 #include "support/extent.h"
@@ -80,7 +80,7 @@ static int run_study(const struct orl_study_request *request, uint32_t threads,
     const struct orl_files files = orl_files_from_memory(&memory);
     char folder[64];
     cli_make_folder(folder);
-    const struct orl_study_env env = {.crew = orl_crew_start(threads),
+    const struct orl_study_env env = {.pool = orl_thread_pool_start(threads),
                                       .files = &files,
                                       .work_folder = folder,
                                       .cancel = &witness->cancel,
@@ -90,7 +90,7 @@ static int run_study(const struct orl_study_request *request, uint32_t threads,
                                       .spent = on_spent,
                                       .ctx = witness};
     const int code = orl_study_run(request, &env, ret_study, err);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     /* Runs leave no files behind, however the study ended. */
     DIR *left = opendir(folder);
     size_t entries = 0;
@@ -109,7 +109,7 @@ static struct orl_study_request make_request(void)
     static enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     static uint64_t photons[] = {2000, 30000};
     static uint32_t samples[] = {32, 512};
-    static struct orl_study_given given[] = {
+    static struct orl_study_external external[] = {
         {.name = view_name, .seconds = 3, .rms = 0.1, .rays_per_s = 1000},
         {.name = view_name, .seconds = 3, .rms = 0.1}};
     struct orl_study_request r;
@@ -128,8 +128,8 @@ static struct orl_study_request make_request(void)
     r.repeats = 4;
     r.reference_samples = (uint32_t)extent(32768, 65536);
     r.reference_runs = 4;
-    r.given = given;
-    r.n_given = 2;
+    r.external = external;
+    r.n_external = 2;
     return r;
 }
 
@@ -167,12 +167,12 @@ static void test_sensors(void **state)
     assert_true(study.points[1].rms < 0.5 * study.points[0].rms);
     assert_int_equal(study.n_fits, 2);
     assert_true(study.fits[0].terms[ORL_FIT_SAMPLES] > 0);
-    assert_int_equal(study.n_given, 2);
-    assert_string_equal(study.given[0].name, request.given[0].name);
+    assert_int_equal(study.n_external, 2);
+    assert_string_equal(study.external[0].name, request.external[0].name);
     /* Three seconds of a machine a thousand times slower, and of an unknown one. */
     assert_true(study.rays_per_s > 1000);
-    assert_true(fabs(study.given[0].here_s - 3000 / study.rays_per_s) < 1e-9);
-    assert_true(study.given[1].here_s == 3);
+    assert_true(fabs(study.external[0].here_s - 3000 / study.rays_per_s) < 1e-9);
+    assert_true(study.external[1].here_s == 3);
     orl_study_done(&study);
 }
 

@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#include <oriel/annual.h>
-#include <oriel/sun_exposure.h>
+#include <oriel/annual/annual.h>
+#include <oriel/annual/sun_exposure.h>
 
 #define LATITUDE 38.42
 #define STONE "void plastic w 0 0 5 0 0 0 0 0\nw sphere stone 0 0 4 0 0 -50 .1\n"
@@ -49,20 +49,20 @@ static struct orl_exposure expose(const struct site *site)
     const struct orl_files files = orl_files_from_memory(&memory);
     atomic_bool cancel = false;
     const struct orl_run_env env = {
-        .crew = orl_crew_start(2), .files = &files, .cancel = &cancel, .now_s = no_clock};
+        .pool = orl_thread_pool_start(2), .files = &files, .cancel = &cancel, .now_s = no_clock};
     const struct orl_annual_request request = {.scene_files = scene_names,
                                                .n_scene_files = 1,
                                                .north_deg = site->north_deg,
                                                .sun_method = site->sun_method};
-    struct orl_named_place point = {point_name, {0, 0, 0}};
-    const struct orl_exposure_wish wish = {&point, 1, site->least_altitude_deg};
+    struct orl_named_point point = {point_name, {0, 0, 0}};
+    const struct orl_exposure_request exposure_request = {&point, 1, site->least_altitude_deg};
     const struct orl_exposure_site place = {
         site->latitude_deg, site->longitude_deg != 0 ? site->longitude_deg : 27.14, 2};
     struct orl_exposure exposure = {0};
     struct orl_error err = {0};
-    if (orl_exposure_find(&wish, &place, &request, &env, &exposure, &err) < 0)
+    if (orl_exposure_compute(&exposure_request, &place, &request, &env, &exposure, &err) < 0)
         fail_msg("%s", err.message);
-    orl_crew_stop(env.crew);
+    orl_thread_pool_stop(env.pool);
     return exposure;
 }
 
@@ -98,7 +98,7 @@ static void test_open_ground(void **state)
         double altitude;
         enum orl_exposure_level level;
     } cases[] = {{0, ORL_EXPOSED_HIGH},     {40, ORL_EXPOSED_HIGH}, {45, ORL_EXPOSED_MEDIUM},
-                 {49, ORL_EXPOSED_MINIMUM}, {51, ORL_EXPOSED_LESS}, {60, ORL_EXPOSED_LESS}};
+                 {49, ORL_EXPOSED_MINIMUM}, {51, ORL_EXPOSED_NONE}, {60, ORL_EXPOSED_NONE}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const struct orl_exposure e =
@@ -161,7 +161,7 @@ static void test_panes(void **state)
         "void trans t 0 0 7 .8 .8 .8 0 0 .7 .5\n" BOX("t"), LATITUDE, 0, 0, 0, ORL_SUN_ACCURATE});
     (void)state;
     assert_true(fabs(glass.hours - day_hours(LATITUDE, 80, 0)) < minute);
-    assert_true(paper.hours == 0 && paper.level == ORL_EXPOSED_LESS);
+    assert_true(paper.hours == 0 && paper.level == ORL_EXPOSED_NONE);
 }
 
 /* At the equinox the sun moves along a plane of 90 degrees less the latitude, 52, which the roof

@@ -35,7 +35,7 @@ static struct orl_result run_step(const char *scene, const char *folder, struct 
     const struct scene_run run = {.scene = scene,
                                   .sensors = room_sensors,
                                   .n_sensors = ROOM_SENSORS,
-                                  .wishes = scene_wish_maps,
+                                  .overrides = scene_wish_maps,
                                   .global = step.global,
                                   .caustic = step.caustic,
                                   .threads = step.threads,
@@ -204,7 +204,7 @@ static void test_precomputed(void **state)
     struct scene_run run = {.scene = CLOSED,
                             .sensors = room_sensors,
                             .n_sensors = ROOM_SENSORS,
-                            .wishes = scene_wish_maps,
+                            .overrides = scene_wish_maps,
                             .technique = ORL_TECHNIQUE_PRECOMPUTED,
                             .global = 10000,
                             .caustic = 10000};
@@ -284,7 +284,7 @@ static void test_families(void **state)
     struct scene_run run = {.scene = CLOSED,
                             .sensors = room_sensors,
                             .n_sensors = 1,
-                            .wishes = scene_wish_maps,
+                            .overrides = scene_wish_maps,
                             .global = 5000,
                             .samples = 64};
     (void)state;

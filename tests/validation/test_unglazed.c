@@ -98,17 +98,17 @@ static void test_found(void **state)
          "w polygon d 0 0 12 .1 0 1.9 .2 0 1.9 .2 0 2 .1 0 2\n" SKY,
          0, 0},
     };
-    struct orl_crew *const crew = orl_crew_start(1);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(1);
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct orl_world *const world = scene_world(cases[i].text, NULL, NULL, crew);
-        print_message("%s: %zu openings, %zu ports\n", cases[i].name, world->scene->n_openings,
-                      world->n_ports);
-        assert_int_equal(world->scene->n_openings, cases[i].openings);
-        assert_int_equal(world->n_ports, cases[i].ports);
-        orl_world_free(world);
+        struct orl_lit_scene *const lit_scene = build_lit_scene(cases[i].text, NULL, NULL, pool);
+        print_message("%s: %zu openings, %zu ports\n", cases[i].name, lit_scene->scene->n_openings,
+                      lit_scene->n_ports);
+        assert_int_equal(lit_scene->scene->n_openings, cases[i].openings);
+        assert_int_equal(lit_scene->n_ports, cases[i].ports);
+        orl_lit_scene_free(lit_scene);
     }
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* The opening is also detected in a room that is rotated about the vertical by odd angles and away
@@ -116,7 +116,7 @@ static void test_found(void **state)
 static void test_turned(void **state)
 {
     static const double angles_deg[] = {13.7, 45, 199.3};
-    struct orl_crew *const crew = orl_crew_start(1);
+    struct orl_thread_pool *const pool = orl_thread_pool_start(1);
     (void)state;
     for (size_t i = 0; i < sizeof angles_deg / sizeof *angles_deg; i++) {
         static const double corners[][4][3] = {
@@ -142,11 +142,11 @@ static void test_turned(void **state)
                                       corners[k][j][2]);
             n += (size_t)snprintf(text + n, sizeof text - n, "\n");
         }
-        struct orl_world *const world = scene_world(text, NULL, NULL, crew);
-        assert_int_equal(world->n_ports, 1);
-        orl_world_free(world);
+        struct orl_lit_scene *const lit_scene = build_lit_scene(text, NULL, NULL, pool);
+        assert_int_equal(lit_scene->n_ports, 1);
+        orl_lit_scene_free(lit_scene);
     }
-    orl_crew_stop(crew);
+    orl_thread_pool_stop(pool);
 }
 
 /* Returns irradiance over radiance at a point, by a rectangle in the plane y = 0, for a normal

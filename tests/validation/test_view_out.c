@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/annual_report.h>
+#include <oriel/annual/annual_report.h>
 
 #define MATERIALS                                                                                  \
     "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glass g 0 0 3 .9 .9 .9\nvoid glass h 0 0 3 .9 .9 "    \
@@ -88,8 +88,8 @@ static double no_clock(void *ctx)
     return 0;
 }
 
-static int try_look(const struct text *scene, const struct orl_view_out_wish *wish, uint32_t crew,
-                    struct orl_view_out *ret_views, struct orl_error *err)
+static int try_look(const struct text *scene, const struct orl_view_out_request *view_out_request,
+                    uint32_t pool, struct orl_view_out *ret_views, struct orl_error *err)
 {
     static char scene_name[] = "scene.rad";
     static char *scene_names[] = {scene_name};
@@ -99,21 +99,22 @@ static int try_look(const struct text *scene, const struct orl_view_out_wish *wi
     const struct orl_files files = orl_files_from_memory(&memory);
     atomic_bool cancel = false;
     const struct orl_run_env env = {
-        .crew = orl_crew_start(crew), .files = &files, .cancel = &cancel, .now_s = no_clock};
+        .pool = orl_thread_pool_start(pool), .files = &files, .cancel = &cancel, .now_s = no_clock};
     const struct orl_annual_request request = {.scene_files = scene_names, .n_scene_files = 1};
-    const int code = orl_view_out_find(wish, &request, &env, ret_views, err);
-    orl_crew_stop(env.crew);
+    const int code = orl_view_out_compute(view_out_request, &request, &env, ret_views, err);
+    orl_thread_pool_stop(env.pool);
     return code;
 }
 
 static struct orl_view_out view_out_at(const struct text *scene, double x, double y)
 {
     static char name[] = "eye";
-    struct orl_named_place eye = {name, {x, y, 1.2}};
-    const struct orl_view_out_wish wish = {.points = &eye, .n_points = 1, .above_sensors = NAN};
+    struct orl_named_point eye = {name, {x, y, 1.2}};
+    const struct orl_view_out_request view_out_request = {
+        .points = &eye, .n_points = 1, .above_sensors = NAN};
     struct orl_view_out view = {0};
     struct orl_error err = {0};
-    if (try_look(scene, &wish, 2, &view, &err) < 0)
+    if (try_look(scene, &view_out_request, 2, &view, &err) < 0)
         fail_msg("%s", err.message);
     return view;
 }
@@ -250,24 +251,24 @@ static void test_names(void **state)
     char *openings[] = {h}, *ground[] = {lawn}, *bad[] = {nothing};
     const struct pane panes[2] = {{0.9, 1.3, "g"}, {1.7, 2.4, "h"}};
     const struct text scene = room(3.2, panes, 2);
-    struct orl_named_place eye = {name, {0, 3, 1.2}};
-    struct orl_view_out_wish wish = {
+    struct orl_named_point eye = {name, {0, 3, 1.2}};
+    struct orl_view_out_request view_out_request = {
         .points = &eye, .n_points = 1, .above_sensors = NAN, .openings = openings, .n_openings = 1};
     struct orl_view_out view = {0};
     struct orl_error err = {0};
     (void)state;
-    assert_int_equal(try_look(&scene, &wish, 1, &view, &err), 0);
+    assert_int_equal(try_look(&scene, &view_out_request, 1, &view, &err), 0);
     assert_int_equal(view.layers, ORL_VIEW_SKY);
-    wish.n_openings = 0;
-    wish.ground = ground;
-    wish.n_ground = 1;
-    assert_int_equal(try_look(&scene, &wish, 1, &view, &err), 0);
+    view_out_request.n_openings = 0;
+    view_out_request.ground = ground;
+    view_out_request.n_ground = 1;
+    assert_int_equal(try_look(&scene, &view_out_request, 1, &view, &err), 0);
     assert_int_equal(view.layers, ALL);
-    wish.ground = bad;
-    assert_int_equal(try_look(&scene, &wish, 1, &view, &err), ORL_ERR_NOT_FOUND);
+    view_out_request.ground = bad;
+    assert_int_equal(try_look(&scene, &view_out_request, 1, &view, &err), ORL_ERR_NOT_FOUND);
     assert_non_null(strstr(err.message, "nothing"));
-    wish.n_points = ORL_VIEW_OUT_MOST_PLACES + 1;
-    assert_int_equal(try_look(&scene, &wish, 1, &view, &err), ORL_ERR_LIMIT);
+    view_out_request.n_points = ORL_VIEW_OUT_MOST_POINTS + 1;
+    assert_int_equal(try_look(&scene, &view_out_request, 1, &view, &err), ORL_ERR_LIMIT);
 }
 
 /* Hills that are not named as ground are landscape. */
@@ -284,19 +285,20 @@ static void test_what_is_ground(void **state)
 }
 
 /* The bytes are equal for any crew. */
-static void test_crews(void **state)
+static void test_pool_sizes(void **state)
 {
     static char name[] = "eye";
-    struct orl_named_place eyes[5] = {{0}};
+    struct orl_named_point eyes[5] = {{0}};
     const struct text scene = room(3.2, &usual, 1);
-    const struct orl_view_out_wish wish = {.points = eyes, .n_points = 5, .above_sensors = NAN};
+    const struct orl_view_out_request view_out_request = {
+        .points = eyes, .n_points = 5, .above_sensors = NAN};
     struct orl_view_out one[5], three[5];
     struct orl_error err = {0};
     (void)state;
     for (int i = 0; i < 5; i++)
-        eyes[i] = (struct orl_named_place){name, {i - 2.0, 1 + i, 1.2}};
-    assert_int_equal(try_look(&scene, &wish, 1, one, &err), 0);
-    assert_int_equal(try_look(&scene, &wish, 3, three, &err), 0);
+        eyes[i] = (struct orl_named_point){name, {i - 2.0, 1 + i, 1.2}};
+    assert_int_equal(try_look(&scene, &view_out_request, 1, one, &err), 0);
+    assert_int_equal(try_look(&scene, &view_out_request, 3, three, &err), 0);
     for (int i = 0; i < 5; i++) {
         assert_true(one[i].sight_angle_deg == three[i].sight_angle_deg);
         assert_true(one[i].distance_m == three[i].distance_m);
@@ -313,12 +315,12 @@ static void test_shares(void **state)
     double area[4] = {1, 1, 1, 1};
     struct orl_view_out *views = calloc(4, sizeof *views);
     struct orl_annual_report report = {.grids = &grid, .n_grids = 1, .n_sensors = 4, .area = area};
-    const struct orl_annual_wishes wishes = {.view_out = {.above_sensors = 0.4}};
+    const struct orl_report_request report_request = {.view_out = {.above_sensors = 0.4}};
     struct orl_error err = {0};
     (void)state;
     for (int i = 0; i < 4; i++)
         views[i].level = levels[i];
-    assert_int_equal(orl_annual_report_view(&wishes, views, 4, &report, &err), 0);
+    assert_int_equal(orl_annual_report_add_views(&report_request, views, 4, &report, &err), 0);
     assert_true(report.view_shares[0].percent[0] == 75 && report.view_shares[0].percent[1] == 75 &&
                 report.view_shares[0].percent[2] == 25);
     assert_int_equal(report.view_shares[0].level, ORL_VIEW_MEDIUM);
@@ -337,7 +339,7 @@ int main(void)
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_what_is_no_opening),
         cmocka_unit_test(test_what_is_ground),
-        cmocka_unit_test(test_crews),
+        cmocka_unit_test(test_pool_sizes),
         cmocka_unit_test(test_shares),
     };
     return cmocka_run_group_tests_name("view_out", tests, NULL, NULL);

@@ -1,6 +1,6 @@
 // Radiance pictures (RGBE) as floats: W/sr/m2 in Radiance's RGB, without the file's exposure.
 
-// Radiance's own weights and efficacy (core/include/oriel/units.h).
+// Radiance's own weights and efficacy (core/include/oriel/base/units.h).
 export const LUMA = [0.265074126, 0.670114631, 0.064811243];
 export const EFFICACY = 179;
 

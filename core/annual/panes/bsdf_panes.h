@@ -19,52 +19,56 @@
 #ifndef ORL_ANNUAL_PANES_BSDF_PANES_H
 #define ORL_ANNUAL_PANES_BSDF_PANES_H
 
+#include "annual/panes/bounding_rects.h"
 #include "annual/panes/bsdf_pane_samples.h"
-#include "annual/panes/sun_windows.h"
-#include "annual/sun/sun_rows.h"
+#include "annual/sun/sensor_sunlight.h"
 #include "annual/year/annual_scene.h"
 
-enum { ORL_PANEL_PROBING_SENSORS = 16 }; /* with fewer sensors, probes cost more than they save */
+enum {
+    ORL_BSDF_PANE_PROBING_SENSORS = 16
+}; /* with fewer sensors, probes cost more than they save */
 
 enum {
-    ORL_PANEL_SIDE = 8, /* parts of a pane along an edge */
-    ORL_PANEL_PARTS = ORL_PANEL_SIDE * ORL_PANEL_SIDE,
-    ORL_PANEL_GROUPS = 8,      /* independent groups, for standard errors */
-    ORL_PANEL_MOST_KINDS = 32, /* kinds: combinations of material and normal */
+    ORL_BSDF_PANE_SIDE = 8, /* strata of a pane along an edge */
+    ORL_BSDF_PANE_STRATA = ORL_BSDF_PANE_SIDE * ORL_BSDF_PANE_SIDE,
+    ORL_BSDF_PANE_BATCHES = 8,     /* independent batches, for standard errors */
+    ORL_BSDF_PANE_MOST_KINDS = 32, /* kinds: combinations of material and normal */
 };
 
-struct orl_panel {
-    struct orl_window window;
+struct orl_bsdf_pane {
+    struct orl_bounding_rect window;
     struct orl_vec3 inward;
-    uint32_t kind, part; /* part of the windows (annual_scene.h) */
+    uint32_t kind, part; /* window group (annual_scene.h) */
     double area;
 };
 
-struct orl_panels {
-    const struct orl_world *world; /* borrowed, like suns */
+struct orl_bsdf_panes {
+    const struct orl_lit_scene *lit_scene; /* borrowed, like suns */
     const struct orl_year_suns *suns;
-    struct orl_panel *at;
+    struct orl_bsdf_pane *at;
     size_t count;
-    struct orl_panel_kind kinds[ORL_PANEL_MOST_KINDS];
+    struct orl_bsdf_pane_kind kinds[ORL_BSDF_PANE_MOST_KINDS];
     size_t n_kinds;
-    struct orl_panel_draws *draws; /* [kind][sun] */
+    struct orl_bsdf_pane_samples *samples; /* [kind][sun] */
     uint64_t seed;
     /* [pane][sun]: share of the sun's light that reaches all points of the pane. -1: points differ;
      * -2: not probed yet. NULL: panes are not probed. */
     _Atomic float *sunlit;
 };
 
-/* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED. The caller calls orl_panels_done
- * in either case. */
-int orl_panels_init(struct orl_panels *panels, const struct orl_annual_scene *scene,
-                    const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
-                    struct orl_crew *crew);
-void orl_panels_done(struct orl_panels *panels);
+/* Returns 0, ORL_ERR_NOMEM, _LIMIT (too many kinds) or _CANCELLED. The caller calls
+ * orl_bsdf_panes_done in either case. */
+int orl_bsdf_panes_init(struct orl_bsdf_panes *bsdf_panes, const struct orl_annual_scene *scene,
+                        const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
+                        struct orl_thread_pool *pool);
+void orl_bsdf_panes_done(struct orl_bsdf_panes *bsdf_panes);
 
-/* Adds the direct sunlight through panels for every wanted sun, and the square of its standard
+/* Adds the direct sunlight through BSDF panes for every wanted sun, and the square of its standard
  * error. name: number of the sensor, for random numbers. Cancellation of the crew is checked before
  * each pane; the remaining panes are then left out. crew may be NULL. */
-void orl_panels_add(const struct orl_panels *panels, const struct orl_place *place, uint64_t name,
-                    const struct orl_crew *crew, const struct orl_sun_rows *rows);
+void orl_bsdf_panes_add(const struct orl_bsdf_panes *bsdf_panes,
+                        const struct orl_shading_point *place, uint64_t name,
+                        const struct orl_thread_pool *pool,
+                        const struct orl_sensor_sunlight *sunlight);
 
 #endif

@@ -2,22 +2,22 @@
 
 #include <stdlib.h>
 
-#include "base/circle.h"
+#include "base/sampling/sincos.h"
 #include "light/direct.h"
 
 enum { MOST_POINTS = 64, LEAST_POINTS = 8, DIMENSIONS = 5 };
 static const double most_rays = 4e6; /* for all suns and kinds: some seconds of one thread */
 
-static struct orl_port_point draw_point(const struct orl_world *world, uint32_t port,
+static struct orl_port_point draw_point(const struct orl_lit_scene *lit_scene, uint32_t port,
                                         const double u[DIMENSIONS])
 {
     const double far = sqrt(u[3]);
-    const struct orl_circle circle = orl_circle_turn(u[4]);
+    const struct orl_sincos circle = orl_sincos_turn(u[4]);
     struct orl_port_point point = {.port = port,
-                                   .hit = {.facet = world->ports[port].facet},
+                                   .hit = {.facet = lit_scene->ports[port].facet},
                                    .on_disc = {far * circle.cosine, far * circle.sine}};
-    orl_facet_sample(world->geometry, point.hit.facet, u, &point.hit.point, &point.hit.normal);
-    point.hit.front = world->ports[port].outside_is_front;
+    orl_facet_sample(lit_scene->geometry, point.hit.facet, u, &point.hit.point, &point.hit.normal);
+    point.hit.front = lit_scene->ports[port].outside_is_front;
     return point;
 }
 
@@ -26,20 +26,20 @@ static void draw_points(struct orl_port_shadows *shadows, const struct orl_sobol
                         uint32_t kind)
 {
     const struct orl_sun_beams *beams = shadows->beams;
-    const struct orl_world *world = beams->world;
+    const struct orl_lit_scene *lit_scene = beams->lit_scene;
     struct orl_port_point *points = shadows->points + (size_t)kind * shadows->n_points;
     double area = 0, below = 0;
     uint32_t n = 0;
-    for (size_t i = 0; i < world->n_ports; i++)
-        area += beams->kind_of_port[i] == kind ? world->ports[i].area : 0;
-    for (uint32_t i = 0; i < world->n_ports; i++) {
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        area += beams->kind_of_port[i] == kind ? lit_scene->ports[i].area : 0;
+    for (uint32_t i = 0; i < lit_scene->n_ports; i++) {
         if (beams->kind_of_port[i] != kind)
             continue;
-        below += world->ports[i].area;
+        below += lit_scene->ports[i].area;
         for (; n < shadows->n_points && (n + 0.5) * area < below * shadows->n_points; n++) {
             double u[DIMENSIONS];
             orl_sobol_point(sobol, n, kind + 1, DIMENSIONS, u);
-            points[n] = draw_point(world, i, u);
+            points[n] = draw_point(lit_scene, i, u);
         }
     }
     for (; n > 0 && n < shadows->n_points; n++) /* rounding may have left out the last point */
@@ -51,8 +51,8 @@ static void find_clear(struct orl_port_shadows *shadows)
     const struct orl_sun_beams *beams = shadows->beams;
     for (uint32_t kind = 0; kind < beams->n_kinds; kind++)
         shadows->clear[kind] = true;
-    for (size_t i = 0; i < beams->world->n_ports; i++)
-        if (!beams->world->ports[i].clear)
+    for (size_t i = 0; i < beams->lit_scene->n_ports; i++)
+        if (!beams->lit_scene->ports[i].clear)
             shadows->clear[beams->kind_of_port[i]] = false;
 }
 
@@ -84,7 +84,7 @@ void orl_port_shadows_done(struct orl_port_shadows *shadows)
 double orl_port_shadows_lit(const struct orl_port_shadows *shadows, uint32_t kind,
                             struct orl_vec3 towards)
 {
-    const struct orl_world *world = shadows->beams->world;
+    const struct orl_lit_scene *lit_scene = shadows->beams->lit_scene;
     const struct orl_port_point *points = shadows->points + (size_t)kind * shadows->n_points;
     const struct orl_frame frame = orl_frame_about(towards);
     const double radius = tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
@@ -96,12 +96,12 @@ double orl_port_shadows_lit(const struct orl_port_shadows *shadows, uint32_t kin
         const struct orl_vec3 light =
             orl_normalize(orl_madd(orl_madd(towards, frame.u, radius * point->on_disc[0]), frame.v,
                                    radius * point->on_disc[1]));
-        const double cosine = orl_dot(light, world->ports[point->port].outward);
+        const double cosine = orl_dot(light, lit_scene->ports[point->port].outward);
         if (!(cosine > 0))
             continue;
-        const struct orl_vec3 origin = orl_hit_leave(world->geometry, &point->hit, light);
+        const struct orl_vec3 origin = orl_hit_ray_origin(lit_scene->geometry, &point->hit, light);
         faced += cosine;
-        lit += cosine * orl_luma(orl_transmittance(world, origin, light, INFINITY, false));
+        lit += cosine * orl_luma(orl_transmittance(lit_scene, origin, light, INFINITY, false));
     }
     return faced > 0 ? lit / faced : 0;
 }

@@ -9,7 +9,7 @@
 #define ORL_ANNUAL_PANES_PORT_SHADOWS_H
 
 #include "annual/sun_map/sun_beams.h"
-#include "base/sobol.h"
+#include "base/sampling/sobol.h"
 
 struct orl_port_point {
     uint32_t port;

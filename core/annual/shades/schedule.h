@@ -1,9 +1,9 @@
-/* State of each window group of a year at every row of the weather file (oriel/annual_shades.h has
- * the rules). */
+/* State of each window group of a year at every row of the weather file
+ * (oriel/annual/annual_shades.h has the rules). */
 #ifndef ORL_ANNUAL_SHADES_SCHEDULE_H
 #define ORL_ANNUAL_SHADES_SCHEDULE_H
 
-#include <oriel/annual.h>
+#include <oriel/annual/annual.h>
 
 /* Sets the states by series and spans; groups with a control, or without any of these, get 0.
  * result: only its steps are read. ret_states: [group * n_steps + step]. Returns 0 or ORL_ERR_RANGE

@@ -5,9 +5,9 @@
  * its last one. These bound the largest combination of states. Sizes add up over files, so a
  * combination has no more than the scene's own files and the largest state of each group.
  */
-#include <oriel/annual.h>
+#include <oriel/annual/annual.h>
 
-#include "annual/shades/variant.h"
+#include "annual/shades/shaded_scene.h"
 #include "run/cache/scene_cache.h"
 
 static size_t count_rounds(const struct orl_annual_request *request)
@@ -33,13 +33,14 @@ static size_t count_groups_with_files(const struct orl_annual_request *request)
     return groups;
 }
 
-static int measure_files(const struct orl_annual_variant *variant, size_t n_files,
-                         const struct orl_files *files, const struct orl_swaps *swaps,
+static int measure_files(const struct orl_shaded_scene *shaded_scene, size_t n_files,
+                         const struct orl_files *files,
+                         const struct orl_material_overrides *material_overrides,
                          struct orl_scene_size *ret_size, struct orl_error *err)
 {
     struct orl_scene_summary summary;
-    const int code = orl_run_measure_swapped((const char *const *)variant->files, n_files, files,
-                                             swaps, &summary, err);
+    const int code = orl_run_measure_overridden((const char *const *)shaded_scene->files, n_files,
+                                                files, material_overrides, &summary, err);
     if (code == 0)
         *ret_size = (struct orl_scene_size){summary.surfaces, summary.triangles};
     return code;
@@ -51,22 +52,22 @@ static int measure_round(const struct orl_annual_request *request, const struct 
                          struct orl_scene_size *ret_own, struct orl_error *err)
 {
     unsigned char states[ORL_SHADES_MOST_GROUPS] = {0};
-    struct orl_annual_variant variant;
+    struct orl_shaded_scene shaded_scene;
     for (size_t g = 0; g < request->n_groups; g++) {
         const size_t n = request->groups[g].n_states;
         states[g] = (unsigned char)(round < n ? round : n - 1);
     }
-    int code = orl_annual_variant_init(&variant, request, states, true, err);
+    int code = orl_shaded_scene_init(&shaded_scene, request, states, true, err);
     if (code == 0)
-        code = measure_files(&variant, variant.request.n_scene_files, files, &variant.swaps,
-                             ret_size, err);
-    const size_t n_own = code == 0 ? variant.items[0].first_file : 0;
+        code = measure_files(&shaded_scene, shaded_scene.request.n_scene_files, files,
+                             &shaded_scene.material_overrides, ret_size, err);
+    const size_t n_own = code == 0 ? shaded_scene.items[0].first_file : 0;
     /* The size of these files is subtracted from a bound, so files that cannot stand alone count as
      * empty. */
     if (code == 0 && ret_own && n_own > 0 &&
-        measure_files(&variant, n_own, files, NULL, ret_own, NULL) < 0)
+        measure_files(&shaded_scene, n_own, files, NULL, ret_own, NULL) < 0)
         *ret_own = (struct orl_scene_size){0};
-    orl_annual_variant_done(&variant);
+    orl_shaded_scene_done(&shaded_scene);
     return code;
 }
 

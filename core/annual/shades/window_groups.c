@@ -1,6 +1,6 @@
 /* Window groups of a request: validation and freeing. */
-#include <oriel/annual.h>
-#include <oriel/annual_glare.h>
+#include <oriel/annual/annual.h>
+#include <oriel/annual/annual_glare.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,7 +29,7 @@ void orl_window_group_done(struct orl_window_group *group)
     free(group->schedule_file);
     free(group->spans);
     free(group->control.grid);
-    orl_seats_wish_done(&group->control.seats);
+    orl_viewpoint_request_done(&group->control.viewpoints);
     *group = (struct orl_window_group){.name = NULL};
 }
 
@@ -83,11 +83,12 @@ static int check_control(const struct orl_annual_request *request,
     if (control->state >= group->n_states)
         return no_state(group, control->state, err);
     if (control->kind == ORL_SHADES_BY_GLARE) {
-        if (control->seats.n_seats == 0 || !(control->above_dgp > 0 && control->above_dgp < 1))
+        if (control->viewpoints.n_viewpoints == 0 ||
+            !(control->above_dgp > 0 && control->above_dgp < 1))
             return orl_error_set(err, ORL_ERR_RANGE,
                                  "the control of '%.100s' wants a seat, and a DGP between 0 and 1",
                                  group->name);
-        return orl_seats_validate(&control->seats, request, err);
+        return orl_viewpoints_validate(&control->viewpoints, request, err);
     }
     if (!(control->above_lx > 0) || !(control->share_percent >= 0 && control->share_percent <= 100))
         return orl_error_set(err, ORL_ERR_RANGE,

@@ -15,7 +15,7 @@
 
 #include <stdint.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 enum {
     ORL_BINS_FINE = 4,

@@ -36,8 +36,8 @@ static void read_row(void *arg, size_t index, uint32_t member)
     struct reader *r = arg;
     const struct orl_weather_row *row = &r->weather->rows[index];
     (void)member;
-    if (!row->missing && orl_daylight_of_row(r->weather, row, &r->daylights[index],
-                                             &r->diffuse_w[index], &r->errors[index]) < 0)
+    if (!row->missing && orl_daylight_from_row(r->weather, row, &r->daylights[index],
+                                               &r->diffuse_w[index], &r->errors[index]) < 0)
         orl_error_at(&r->errors[index], r->name, row->line, NULL);
     else
         r->suns[index] = sun_of(r, index);
@@ -60,7 +60,7 @@ static struct orl_annual_step step_of(const struct reader *r, size_t index)
     step.sun_azimuth_deg = atan2(-d->sun.x, -d->sun.y) / ORL_DEG_TO_RAD;
     if (d->black)
         return step;
-    step.direct_normal_lx = ORL_EFFICACY_LM_PER_W * orl_daylight_normal(d);
+    step.direct_normal_lx = ORL_EFFICACY_LM_PER_W * orl_daylight_direct_normal(d);
     step.diffuse_lx = ORL_EFFICACY_LM_PER_W * r->diffuse_w[index];
     step.global_lx = step.diffuse_lx + step.direct_normal_lx * fmax(0, d->sun.z);
     return step;
@@ -95,7 +95,7 @@ static int make_steps(struct orl_hours *hours, const struct reader *r, struct or
 /* Lists the suns of all rows, including rows without measured light. */
 static void place_suns(struct orl_hours *hours, const struct reader *r, double north_deg)
 {
-    const struct orl_turn turn = orl_turn_by(north_deg);
+    const struct orl_sky_rotation turn = orl_sky_rotation_by_north(north_deg);
     struct orl_year_suns *suns = &hours->suns;
     for (size_t i = 0; i < hours->n_steps; i++) {
         const struct orl_annual_step *step = &hours->steps[i];
@@ -108,7 +108,7 @@ static void place_suns(struct orl_hours *hours, const struct reader *r, double n
         const struct orl_vec3 sun = orl_normalize(r->suns[i].towards);
         suns->in_sky[suns->count] = sun;
         suns->at[suns->count++] =
-            (struct orl_hour_sun){.towards = orl_turn_to_scene(turn, sun),
+            (struct orl_hour_sun){.towards = orl_sky_rotation_to_scene(turn, sun),
                                   .angle_rad = r->suns[i].angle_deg * ORL_DEG_TO_RAD,
                                   .wanted = step->direct_normal_lx > 0};
     }
@@ -122,15 +122,15 @@ void orl_hours_want_all(struct orl_hours *hours)
 
 /* ---- Skies ----------------------------------------------------------------------------------- */
 
-struct painter {
+struct sky_context {
     struct orl_hours *hours;
-    const struct orl_sky_rows *rows;
+    const struct orl_horizon_blend *rows;
     const struct reader *reader;
 };
 
-static void paint_tile(void *arg, size_t index, uint32_t member)
+static void compute_tile(void *arg, size_t index, uint32_t member)
 {
-    const struct painter *p = arg;
+    const struct sky_context *p = arg;
     struct orl_hours *hours = p->hours;
     const struct orl_daylight *skies[ORL_HOURS_TILE];
     double diffuse_w[ORL_HOURS_TILE];
@@ -141,24 +141,24 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
         skies[n] = &p->reader->daylights[step];
         diffuse_w[n] = p->reader->diffuse_w[step];
     }
-    orl_sky_tile_paint(p->rows, skies, diffuse_w, n, p->reader->reflectance,
-                       hours->fine + index * ORL_BINS * ORL_HOURS_TILE,
-                       hours->coarse + index * ORL_BINS_COARSE * ORL_HOURS_TILE);
+    orl_sky_tile_compute(p->rows, skies, diffuse_w, n, p->reader->reflectance,
+                         hours->fine + index * ORL_BINS * ORL_HOURS_TILE,
+                         hours->coarse + index * ORL_BINS_COARSE * ORL_HOURS_TILE);
 }
 
-static int paint_skies(struct orl_hours *hours, const struct orl_bins *bins, const struct reader *r,
-                       struct orl_crew *crew)
+static int compute_skies(struct orl_hours *hours, const struct orl_bins *bins,
+                         const struct reader *r, struct orl_thread_pool *pool)
 {
-    struct orl_sky_rows rows;
-    const struct painter painter = {hours, &rows, r};
+    struct orl_horizon_blend rows;
+    const struct sky_context sky_context = {hours, &rows, r};
     hours->n_tiles = (hours->n_columns + ORL_HOURS_TILE - 1) / ORL_HOURS_TILE;
     const size_t floats = (hours->n_tiles + 1) * ORL_HOURS_TILE;
     hours->fine = malloc(floats * ORL_BINS * sizeof *hours->fine);
     hours->coarse = malloc(floats * ORL_BINS_COARSE * sizeof *hours->coarse);
     if (!hours->fine || !hours->coarse)
         return ORL_ERR_NOMEM;
-    orl_sky_rows_init(&rows, bins);
-    return orl_crew_try(crew, hours->n_tiles, paint_tile, (void *)(uintptr_t)&painter);
+    orl_horizon_blend_init(&rows, bins);
+    return orl_parallel_try(pool, hours->n_tiles, compute_tile, (void *)(uintptr_t)&sky_context);
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
@@ -169,10 +169,10 @@ static struct orl_vec3 direction_of_sun(const void *suns, uint32_t index)
 }
 
 static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct reader *r,
-                    double north_deg, struct orl_crew *crew, struct orl_error *err)
+                    double north_deg, struct orl_thread_pool *pool, struct orl_error *err)
 {
     const size_t n = hours->n_steps;
-    int code = orl_crew_try(crew, n, read_row, r);
+    int code = orl_parallel_try(pool, n, read_row, r);
     if (code == 0)
         code = make_steps(hours, r, err);
     if (code < 0)
@@ -186,12 +186,12 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
     if (orl_direction_tree_init(&hours->suns.tree, direction_of_sun, hours->suns.at, NULL,
                                 hours->suns.count) < 0)
         return ORL_ERR_NOMEM;
-    return paint_skies(hours, bins, r, crew);
+    return compute_skies(hours, bins, r, pool);
 }
 
 int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
                    const struct orl_weather *weather, const char *weather_name, double north_deg,
-                   double ground_reflectance, struct orl_crew *crew, struct orl_error *err)
+                   double ground_reflectance, struct orl_thread_pool *pool, struct orl_error *err)
 {
     const size_t n = weather->n_rows;
     struct reader r = {.weather = weather, .name = weather_name, .reflectance = ground_reflectance};
@@ -210,7 +210,7 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
     r.errors = calloc(n + 1, sizeof *r.errors);
     struct orl_error why = {0};
     if (hours->steps && hours->step_of_column && r.daylights && r.diffuse_w && r.suns && r.errors)
-        code = make_all(hours, bins, &r, north_deg, crew, &why);
+        code = make_all(hours, bins, &r, north_deg, pool, &why);
     if (code < 0 && why.code == code && err)
         *err = why;
     else if (code < 0)

@@ -14,8 +14,8 @@
 
 #include <stdbool.h>
 
-#include <oriel/annual.h>
-#include <oriel/limits.h>
+#include <oriel/annual/annual.h>
+#include <oriel/base/limits.h>
 
 #include "annual/sky/bins.h"
 #include "annual/sun/direction_tree.h"
@@ -64,24 +64,26 @@ struct orl_hours {
  * orl_hours_done in either case. */
 int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
                    const struct orl_weather *weather, const char *weather_name, double north_deg,
-                   double ground_reflectance, struct orl_crew *crew, struct orl_error *err);
+                   double ground_reflectance, struct orl_thread_pool *pool, struct orl_error *err);
 void orl_hours_done(struct orl_hours *hours);
 /* Marks every sun as wanted, as if each had a column with sunlight. */
 void orl_hours_want_all(struct orl_hours *hours);
 
 /* Rotation between scene and sky axes, which differ by the direction of true north. */
-struct orl_turn {
+struct orl_sky_rotation {
     double cosine, sine;
 };
-static inline struct orl_turn orl_turn_by(double north_deg)
+static inline struct orl_sky_rotation orl_sky_rotation_by_north(double north_deg)
 {
-    return (struct orl_turn){cos(north_deg * ORL_DEG_TO_RAD), sin(north_deg * ORL_DEG_TO_RAD)};
+    return (struct orl_sky_rotation){cos(north_deg * ORL_DEG_TO_RAD),
+                                     sin(north_deg * ORL_DEG_TO_RAD)};
 }
-static inline struct orl_vec3 orl_turn_to_sky(struct orl_turn t, struct orl_vec3 d)
+static inline struct orl_vec3 orl_sky_rotation_to_sky(struct orl_sky_rotation t, struct orl_vec3 d)
 {
     return orl_v3(t.cosine * d.x + t.sine * d.y, t.cosine * d.y - t.sine * d.x, d.z);
 }
-static inline struct orl_vec3 orl_turn_to_scene(struct orl_turn t, struct orl_vec3 d)
+static inline struct orl_vec3 orl_sky_rotation_to_scene(struct orl_sky_rotation t,
+                                                        struct orl_vec3 d)
 {
     return orl_v3(t.cosine * d.x - t.sine * d.y, t.cosine * d.y + t.sine * d.x, d.z);
 }

@@ -1,6 +1,6 @@
 #include "annual/sky/overcast.h"
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 void orl_overcast_init(struct orl_overcast *overcast, const struct orl_bins *bins,
                        double ground_reflectance)
@@ -31,7 +31,8 @@ void orl_overcast_add(const struct orl_overcast *overcast,
     }
 }
 
-void orl_overcast_find(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx, float *ret_se)
+void orl_overcast_illuminance(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx,
+                              float *ret_se)
 {
     double mean = 0, squares = 0;
     for (int b = 0; b < ORL_ANNUAL_BATCHES; b++)

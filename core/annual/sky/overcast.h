@@ -9,7 +9,7 @@
 #ifndef ORL_ANNUAL_SKY_OVERCAST_H
 #define ORL_ANNUAL_SKY_OVERCAST_H
 
-#include "annual/rows/product.h"
+#include "annual/coefficients/apply_weather.h"
 
 struct orl_overcast {
     double luminance[ORL_BINS]; /* cd/m2 */
@@ -18,11 +18,12 @@ struct orl_overcast {
 void orl_overcast_init(struct orl_overcast *overcast, const struct orl_bins *bins,
                        double ground_reflectance);
 
-/* Adds the illuminance by a part's coefficients to each batch, lx. */
+/* Adds the illuminance by a window group's coefficients to each batch, lx. */
 void orl_overcast_add(const struct orl_overcast *overcast,
                       const struct orl_annual_coefficients *coefficients,
                       double batches[ORL_ANNUAL_BATCHES]);
 /* Computes the mean of the batches, and its standard error. */
-void orl_overcast_find(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx, float *ret_se);
+void orl_overcast_illuminance(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx,
+                              float *ret_se);
 
 #endif

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "annual/sky/hours.h"
-#include "base/vectors.h"
+#include "base/multiversion.h"
 
 enum { TILE = ORL_HOURS_TILE };
 
@@ -58,7 +58,7 @@ static double sky_share(double sine)
     return w / (w + 1);
 }
 
-void orl_sky_rows_init(struct orl_sky_rows *rows, const struct orl_bins *bins)
+void orl_horizon_blend_init(struct orl_horizon_blend *rows, const struct orl_bins *bins)
 {
     rows->bins = bins;
     rows->per_ground = 0;
@@ -98,7 +98,7 @@ static void load_patterns(struct patterns *p, const struct orl_daylight *const *
 }
 
 /* Computes the mean over a row of the gradation times the sky's share. */
-static ORL_FOR_WIDE_VECTORS void grade_row(const struct orl_sky_rows *rows, int row,
+static ORL_FOR_WIDE_VECTORS void grade_row(const struct orl_horizon_blend *rows, int row,
                                            const struct patterns *p, float ret[TILE])
 {
     float at[TILE], exps[TILE];
@@ -117,8 +117,8 @@ static ORL_FOR_WIDE_VECTORS void grade_row(const struct orl_sky_rows *rows, int 
 }
 
 /* Computes the pattern in a bin: the indicatrix times the gradation of its row. */
-static ORL_FOR_WIDE_VECTORS void paint_bin(struct orl_vec3 towards, const struct patterns *p,
-                                           const float graded[TILE], float ret[TILE])
+static ORL_FOR_WIDE_VECTORS void compute_bin(struct orl_vec3 towards, const struct patterns *p,
+                                             const float graded[TILE], float ret[TILE])
 {
     const float x = (float)towards.x, y = (float)towards.y, z = (float)towards.z;
     float cosines[TILE], at[TILE], exps[TILE];
@@ -163,9 +163,9 @@ static void make_coarse(const struct orl_bins *bins, const float *fine, float *r
     }
 }
 
-void orl_sky_tile_paint(const struct orl_sky_rows *rows, const struct orl_daylight *const *skies,
-                        const double *diffuse_w, uint32_t n, double reflectance, float *ret_fine,
-                        float *ret_coarse)
+void orl_sky_tile_compute(const struct orl_horizon_blend *rows,
+                          const struct orl_daylight *const *skies, const double *diffuse_w,
+                          uint32_t n, double reflectance, float *ret_fine, float *ret_coarse)
 {
     const struct orl_bins *bins = rows->bins;
     struct patterns patterns;
@@ -177,7 +177,7 @@ void orl_sky_tile_paint(const struct orl_sky_rows *rows, const struct orl_daylig
         float *to = ret_fine + (size_t)bin * TILE;
         if (bin == bins->rows[row].first)
             grade_row(rows, row, &patterns, graded);
-        paint_bin(bins->at[bin], &patterns, graded, to);
+        compute_bin(bins->at[bin], &patterns, graded, to);
         if (bin < ORL_BINS_ABOVE)
             add_scaled(to, bins->level_sr[bin], per_sky);
     }

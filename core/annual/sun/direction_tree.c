@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 enum { MOST_DEPTH = 64 };
 

@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 struct orl_direction_entry {
     struct orl_vec3 towards; /* unit */

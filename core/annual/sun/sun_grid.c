@@ -4,28 +4,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 /* The sun in equatorial coordinates. */
-struct place {
+struct equatorial {
     double declination, hour_angle; /* radians, hour angle positive towards west */
 };
 
 /* Converts horizon coordinates to equatorial ones (Duffett-Smith 1988, section 25). */
-static struct place place_of(double latitude, struct orl_vec3 sun)
+static struct equatorial to_equatorial(double latitude, struct orl_vec3 sun)
 {
     const double s = sin(latitude), c = cos(latitude);
     const double sine = fmin(fmax(s * sun.z + c * sun.y, -1), 1);
-    return (struct place){asin(sine), atan2(-sun.x, c * sun.z - s * sun.y)};
+    return (struct equatorial){asin(sine), atan2(-sun.x, c * sun.z - s * sun.y)};
 }
 
-static struct orl_vec3 sun_at(double latitude, struct place place)
+static struct orl_vec3 from_equatorial(double latitude, struct equatorial equatorial)
 {
     const double s = sin(latitude), c = cos(latitude);
-    const double d = cos(place.declination), up = sin(place.declination);
-    const double w = cos(place.hour_angle);
+    const double d = cos(equatorial.declination), up = sin(equatorial.declination);
+    const double w = cos(equatorial.hour_angle);
     return orl_normalize(
-        orl_v3(-d * sin(place.hour_angle), c * up - s * d * w, s * up + c * d * w));
+        orl_v3(-d * sin(equatorial.hour_angle), c * up - s * d * w, s * up + c * d * w));
 }
 
 /* Hour angle of sunset, rad: 0 if the sun never rises, pi if it never sets. */
@@ -35,7 +35,7 @@ static double sunset_angle(double latitude, double declination)
     return acos(fmin(fmax(x, -1), 1));
 }
 
-static double circle_rad(const struct orl_sun_nodes *nodes, uint32_t circle)
+static double circle_rad(const struct orl_sun_grid *nodes, uint32_t circle)
 {
     return nodes->circles < 2 ? nodes->low_rad
                               : nodes->low_rad + (nodes->high_rad - nodes->low_rad) * circle /
@@ -47,24 +47,23 @@ static uint32_t count_steps(double span_deg, double step_deg)
     return (uint32_t)ceil(span_deg / step_deg - 1e-9) + 1;
 }
 
-static void span_declinations(struct orl_sun_nodes *nodes, const struct orl_vec3 *suns,
-                              size_t count)
+static void span_declinations(struct orl_sun_grid *nodes, const struct orl_vec3 *suns, size_t count)
 {
     nodes->low_rad = INFINITY;
     nodes->high_rad = -INFINITY;
     for (size_t i = 0; i < count; i++) {
-        const double d = place_of(nodes->latitude_rad, suns[i]).declination;
+        const double d = to_equatorial(nodes->latitude_rad, suns[i]).declination;
         nodes->low_rad = fmin(nodes->low_rad, d);
         nodes->high_rad = fmax(nodes->high_rad, d);
     }
 }
 
-int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
-                       const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps)
+int orl_sun_grid_init(struct orl_sun_grid *nodes, double latitude_deg, const struct orl_vec3 *suns,
+                      size_t count, struct orl_sun_spacing steps)
 {
     /* At a pole hour angles are undefined, so the latitude is clamped. */
     const double most_rad = 89.999 * ORL_DEG_TO_RAD;
-    *nodes = (struct orl_sun_nodes){
+    *nodes = (struct orl_sun_grid){
         .latitude_rad = fmin(fmax(latitude_deg * ORL_DEG_TO_RAD, -most_rad), most_rad)};
     if (count == 0)
         return 0;
@@ -73,25 +72,27 @@ int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
                                 sunset_angle(nodes->latitude_rad, nodes->high_rad));
     nodes->circles =
         count_steps((nodes->high_rad - nodes->low_rad) / ORL_DEG_TO_RAD, steps.declination_deg);
-    nodes->a_circle = count_steps(2 * longest / ORL_DEG_TO_RAD, steps.hour_angle_deg) | 1;
-    nodes->count = (size_t)nodes->circles * nodes->a_circle;
+    nodes->nodes_per_circle = count_steps(2 * longest / ORL_DEG_TO_RAD, steps.hour_angle_deg) | 1;
+    nodes->count = (size_t)nodes->circles * nodes->nodes_per_circle;
     nodes->at = malloc(nodes->count * sizeof *nodes->at);
     if (!nodes->at)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < nodes->count; i++) {
-        const double d = circle_rad(nodes, (uint32_t)(i / nodes->a_circle));
-        const double along =
-            nodes->a_circle < 2 ? 0.5 : (double)(i % nodes->a_circle) / (nodes->a_circle - 1);
+        const double d = circle_rad(nodes, (uint32_t)(i / nodes->nodes_per_circle));
+        const double along = nodes->nodes_per_circle < 2 ? 0.5
+                                                         : (double)(i % nodes->nodes_per_circle) /
+                                                               (nodes->nodes_per_circle - 1);
         const double widest = sunset_angle(nodes->latitude_rad, d);
-        nodes->at[i] = sun_at(nodes->latitude_rad, (struct place){d, widest * (2 * along - 1)});
+        nodes->at[i] =
+            from_equatorial(nodes->latitude_rad, (struct equatorial){d, widest * (2 * along - 1)});
     }
     return 0;
 }
 
-void orl_sun_nodes_done(struct orl_sun_nodes *nodes)
+void orl_sun_grid_done(struct orl_sun_grid *nodes)
 {
     free(nodes->at);
-    *nodes = (struct orl_sun_nodes){.at = NULL};
+    *nodes = (struct orl_sun_grid){.at = NULL};
 }
 
 enum { TAPS = 4 };
@@ -149,7 +150,7 @@ static struct taps taps_at(double share, uint32_t n)
 
 /* Returns true if the sun sets on some of the circles and never on others. Node positions then have
  * a kink that a cubic cannot follow. */
-static bool is_kinked(const struct orl_sun_nodes *nodes, const struct taps *up)
+static bool is_kinked(const struct orl_sun_grid *nodes, const struct taps *up)
 {
     bool sets = false, never = false;
     for (int i = 0; i < TAPS; i++) {
@@ -160,21 +161,22 @@ static bool is_kinked(const struct orl_sun_nodes *nodes, const struct taps *up)
     return sets && never;
 }
 
-struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes, struct orl_vec3 sun)
+struct orl_sun_interpolation orl_sun_grid_interpolate(const struct orl_sun_grid *nodes,
+                                                      struct orl_vec3 sun)
 {
-    const struct place place = place_of(nodes->latitude_rad, sun);
+    const struct equatorial equatorial = to_equatorial(nodes->latitude_rad, sun);
     const double height = nodes->high_rad - nodes->low_rad;
-    const double widest = sunset_angle(nodes->latitude_rad, place.declination);
-    struct taps up =
-        taps_at(height > 0 ? (place.declination - nodes->low_rad) / height : 0, nodes->circles);
-    const struct taps along =
-        taps_at(widest > 0 ? 0.5 + 0.5 * place.hour_angle / widest : 0.5, nodes->a_circle);
+    const double widest = sunset_angle(nodes->latitude_rad, equatorial.declination);
+    struct taps up = taps_at(height > 0 ? (equatorial.declination - nodes->low_rad) / height : 0,
+                             nodes->circles);
+    const struct taps along = taps_at(widest > 0 ? 0.5 + 0.5 * equatorial.hour_angle / widest : 0.5,
+                                      nodes->nodes_per_circle);
     if (is_kinked(nodes, &up))
         memcpy(up.cubic, up.plain, sizeof up.cubic);
-    struct orl_sun_between ret;
+    struct orl_sun_interpolation ret;
     for (int i = 0; i < ORL_SUN_CORNERS; i++) {
         const int c = i / TAPS, k = i % TAPS;
-        ret.nodes[i] = up.at[c] * nodes->a_circle + along.at[k];
+        ret.nodes[i] = up.at[c] * nodes->nodes_per_circle + along.at[k];
         ret.weights[i] = (float)(up.cubic[c] * along.cubic[k]);
         ret.plain[i] = (float)(up.plain[c] * along.plain[k]);
         ret.wide[i] = (float)(up.wide[c] * along.wide[k]);

@@ -12,12 +12,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
-struct orl_sun_nodes {
+struct orl_sun_grid {
     struct orl_vec3 *at; /* unit vectors, circle by circle */
     size_t count;
-    uint32_t circles, a_circle;             /* number of circles, and nodes per circle (odd) */
+    uint32_t circles, nodes_per_circle;     /* number of circles, and nodes per circle (odd) */
     double latitude_rad, low_rad, high_rad; /* declinations of the first and the last circle */
 };
 
@@ -28,7 +28,7 @@ struct orl_sun_nodes {
  * weights may be negative.
  */
 enum { ORL_SUN_CORNERS = 16 };
-struct orl_sun_between {
+struct orl_sun_interpolation {
     uint32_t nodes[ORL_SUN_CORNERS];
     float weights[ORL_SUN_CORNERS], plain[ORL_SUN_CORNERS], wide[ORL_SUN_CORNERS];
 };
@@ -47,12 +47,12 @@ static inline struct orl_sun_spacing orl_sun_spacing_at(double latitude_deg,
     return steps;
 }
 /* Builds the nodes for the given suns; count may be 0. Returns 0 or ORL_ERR_NOMEM; the caller calls
- * orl_sun_nodes_done in either case. */
-int orl_sun_nodes_init(struct orl_sun_nodes *nodes, double latitude_deg,
-                       const struct orl_vec3 *suns, size_t count, struct orl_sun_spacing steps);
-void orl_sun_nodes_done(struct orl_sun_nodes *nodes);
+ * orl_sun_grid_done in either case. */
+int orl_sun_grid_init(struct orl_sun_grid *nodes, double latitude_deg, const struct orl_vec3 *suns,
+                      size_t count, struct orl_sun_spacing steps);
+void orl_sun_grid_done(struct orl_sun_grid *nodes);
 
-struct orl_sun_between orl_sun_nodes_between(const struct orl_sun_nodes *nodes,
-                                             struct orl_vec3 sun);
+struct orl_sun_interpolation orl_sun_grid_interpolate(const struct orl_sun_grid *nodes,
+                                                      struct orl_vec3 sun);
 
 #endif

@@ -12,18 +12,18 @@
 
 #include "annual/sun/direction_tree.h"
 
-enum { ORL_LOTS_INSIDE = 2, ORL_LOTS_OUTSIDE = 6 };
+enum { ORL_SUN_SUBSETS_INSIDE = 2, ORL_SUN_SUBSETS_OUTSIDE = 6 };
 
-struct orl_node_lots {
+struct orl_sun_grid_subsets {
     const struct orl_frame *nodes; /* borrowed; n is towards them */
     size_t n_nodes;
-    uint32_t a_circle;
-    struct orl_direction_tree all, inside[ORL_LOTS_INSIDE], outside[ORL_LOTS_OUTSIDE];
+    uint32_t nodes_per_circle;
+    struct orl_direction_tree all, inside[ORL_SUN_SUBSETS_INSIDE], outside[ORL_SUN_SUBSETS_OUTSIDE];
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; orl_node_lots_done in either case. */
-int orl_node_lots_init(struct orl_node_lots *lots, const struct orl_frame *nodes, size_t n_nodes,
-                       uint32_t a_circle);
-void orl_node_lots_done(struct orl_node_lots *lots);
+/* Returns 0 or ORL_ERR_NOMEM; orl_sun_grid_subsets_done in either case. */
+int orl_sun_grid_subsets_init(struct orl_sun_grid_subsets *subsets, const struct orl_frame *nodes,
+                              size_t n_nodes, uint32_t nodes_per_circle);
+void orl_sun_grid_subsets_done(struct orl_sun_grid_subsets *subsets);
 
 #endif

@@ -2,12 +2,12 @@
 
 #include <string.h>
 
-#include "base/circle.h"
+#include "base/sampling/sincos.h"
 #include "light/direct.h"
 #include "light/path.h"
 
 enum { FIRST_POINTS = 7, MIRROR_POINTS = 4, MOST_PANES = 64 };
-enum { MOST_PARTS = ORL_SHADES_MOST_GROUPS + 1 };
+enum { MOST_WINDOW_GROUPS = ORL_SHADES_MOST_GROUPS + 1 };
 
 /* Least probability that a vertex of a path searches for mirrored suns. */
 static const double least_survival = 0.125;
@@ -34,10 +34,11 @@ static struct orl_vec3 on_disc(const struct orl_frame *frame, double radius, con
 
 /* Returns false if no sunlight from that direction can reach the place. Inside a building, all
  * sunlight passes a window. */
-static bool may_come_from(const struct orl_annual_scene *scene, const struct orl_place *place,
-                          struct orl_vec3 towards, double slack)
+static bool may_come_from(const struct orl_annual_scene *scene,
+                          const struct orl_shading_point *place, struct orl_vec3 towards,
+                          double slack)
 {
-    return place->outside || orl_windows_passed(&scene->ports, place->point, towards, slack);
+    return place->outside || orl_port_rects_passed(&scene->ports, place->point, towards, slack);
 }
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
@@ -45,7 +46,7 @@ static bool may_come_from(const struct orl_annual_scene *scene, const struct orl
 /* Returns the cosine, or what the lobes send towards the eye. */
 static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
 {
-    const struct orl_sunlit_query *query = ctx;
+    const struct orl_sunlight_query *query = ctx;
     const double cosine = orl_dot(light, query->place.normal);
     if (!(cosine > 0))
         return orl_gray(0);
@@ -55,82 +56,92 @@ static struct orl_rgb response(const void *ctx, struct orl_vec3 light)
         return orl_rgb_scale(
             orl_material_albedo(query->lobes, query->hit, light, ORL_LOBE_REFLECTED),
             cosine / ORL_PI);
-    return orl_rgb_scale(orl_scatter_eval_lobes(query->lobes, query->hit, light, query->eye),
+    return orl_rgb_scale(orl_material_eval_lobes(query->lobes, query->hit, light, query->eye),
                          cosine);
 }
 
 /* Adds light of every other node of a circle. Each neighbour in between gets half of it, so it
  * becomes the mean of its two neighbours. */
-static void add_coarsely(const struct orl_annual_sums *sums, uint32_t part, uint32_t a_circle,
-                         size_t node, double light)
+static void add_coarsely(const struct orl_path_sums *sums, uint32_t window_group,
+                         uint32_t nodes_per_circle, size_t node, double light)
 {
-    const size_t at = node % a_circle;
-    orl_annual_add_to_node(sums, part, node, light);
+    const size_t at = node % nodes_per_circle;
+    orl_path_sums_add_node(sums, window_group, node, light);
     if (at > 0)
-        orl_annual_add_to_node(sums, part, node - 1, 0.5 * light);
-    if (at + 1 < a_circle)
-        orl_annual_add_to_node(sums, part, node + 1, 0.5 * light);
+        orl_path_sums_add_node(sums, window_group, node - 1, 0.5 * light);
+    if (at + 1 < nodes_per_circle)
+        orl_path_sums_add_node(sums, window_group, node + 1, 0.5 * light);
 }
 
 /* Random choices of a vertex: a point of the disc, and a subset of the nodes. */
-struct lot {
+struct sun_sample {
     const struct orl_annual_scene *scene;
-    const struct orl_sunlit_query *query;
-    const struct orl_annual_sums *sums;
+    const struct orl_sunlight_query *query;
+    const struct orl_path_sums *sums;
     double radius, at[2];
     bool coarse; /* true if only every other node of a circle is sampled */
     size_t stride, first;
 };
 
-static struct lot draw_lot(const struct orl_annual_scene *scene,
-                           const struct orl_sunlit_query *query, struct orl_random *random,
-                           const struct orl_annual_sums *sums)
+static struct sun_sample draw_sun_sample(const struct orl_annual_scene *scene,
+                                         const struct orl_sunlight_query *query,
+                                         struct orl_random *random,
+                                         const struct orl_path_sums *sums)
 {
     const double far = sqrt(orl_random_uniform(random));
-    const struct orl_circle circle = orl_circle_turn(orl_random_uniform(random));
-    struct lot lot = {.scene = scene,
-                      .query = query,
-                      .sums = sums,
-                      .radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD),
-                      .at = {far * circle.cosine, far * circle.sine},
-                      .coarse = query->place.outside && !query->all};
-    lot.stride = query->all ? 1 : lot.coarse ? ORL_LOTS_OUTSIDE : ORL_LOTS_INSIDE;
-    lot.first = (size_t)(orl_random_uniform(random) * (double)lot.stride);
-    return lot;
+    const struct orl_sincos circle = orl_sincos_turn(orl_random_uniform(random));
+    struct sun_sample sun_sample = {.scene = scene,
+                                    .query = query,
+                                    .sums = sums,
+                                    .radius = disc_radius(ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD),
+                                    .at = {far * circle.cosine, far * circle.sine},
+                                    .coarse = query->place.outside && !query->all};
+    sun_sample.stride = query->all          ? 1
+                        : sun_sample.coarse ? ORL_SUN_SUBSETS_OUTSIDE
+                                            : ORL_SUN_SUBSETS_INSIDE;
+    sun_sample.first = (size_t)(orl_random_uniform(random) * (double)sun_sample.stride);
+    return sun_sample;
 }
 
-static const struct orl_direction_tree *tree_of(const struct lot *lot)
+static const struct orl_direction_tree *tree_of(const struct sun_sample *sun_sample)
 {
-    const struct orl_node_lots *lots = &lot->scene->lots;
-    return lot->stride == 1 ? &lots->all
-           : lot->coarse    ? &lots->outside[lot->first]
-                            : &lots->inside[lot->first];
+    const struct orl_sun_grid_subsets *subsets = &sun_sample->scene->subsets;
+    return sun_sample->stride == 1 ? &subsets->all
+           : sun_sample->coarse    ? &subsets->outside[sun_sample->first]
+                                   : &subsets->inside[sun_sample->first];
 }
 
 /* port: the first port by which the light's path, followed back, leaves the building. */
-static void add_to_node(const struct lot *lot, size_t node, struct orl_rgb light, int32_t port,
-                        double share)
+static void add_to_node(const struct sun_sample *sun_sample, size_t node, struct orl_rgb light,
+                        int32_t port, double share)
 {
     if (!(orl_rgb_max(light) > 0))
         return;
-    const uint32_t part = orl_annual_part_of(lot->scene, port);
-    const double luma =
-        orl_luma(orl_rgb_mul(lot->query->weight, light)) * (double)lot->stride * share;
-    if (lot->coarse)
-        add_coarsely(lot->sums, part, lot->scene->a_circle, node, luma);
+    const uint32_t window_group = orl_annual_window_group_of(sun_sample->scene, port);
+    const double luma = orl_luma(orl_rgb_mul(sun_sample->query->weight, light)) *
+                        (double)sun_sample->stride * share;
+    if (sun_sample->coarse)
+        add_coarsely(sun_sample->sums, window_group, sun_sample->scene->nodes_per_circle, node,
+                     luma);
     else
-        orl_annual_add_to_node(lot->sums, part, node, luma);
+        orl_path_sums_add_node(sun_sample->sums, window_group, node, luma);
 }
 
-static void add_straight(const struct lot *lot)
+static void add_straight(const struct sun_sample *sun_sample)
 {
-    const struct orl_annual_scene *scene = lot->scene;
-    const struct orl_place *place = &lot->query->place;
-    const size_t a_circle = lot->coarse ? (scene->a_circle + 1) / 2 : scene->a_circle;
-    const size_t count = scene->a_circle > 0 ? scene->n_nodes / scene->a_circle * a_circle : 0;
-    for (size_t i = lot->first; i < count; i += lot->stride) {
-        const size_t k = lot->coarse ? i / a_circle * scene->a_circle + i % a_circle * 2 : i;
-        const struct orl_vec3 sun = disc_point(&scene->nodes[k], lot->radius, lot->at);
+    const struct orl_annual_scene *scene = sun_sample->scene;
+    const struct orl_shading_point *place = &sun_sample->query->place;
+    const size_t nodes_per_circle =
+        sun_sample->coarse ? (scene->nodes_per_circle + 1) / 2 : scene->nodes_per_circle;
+    const size_t count = scene->nodes_per_circle > 0
+                             ? scene->n_nodes / scene->nodes_per_circle * nodes_per_circle
+                             : 0;
+    for (size_t i = sun_sample->first; i < count; i += sun_sample->stride) {
+        const size_t k = sun_sample->coarse ? i / nodes_per_circle * scene->nodes_per_circle +
+                                                  i % nodes_per_circle * 2
+                                            : i;
+        const struct orl_vec3 sun =
+            disc_point(&scene->nodes[k], sun_sample->radius, sun_sample->at);
         /* Half of all suns are behind the place, and are skipped before any other test. */
         if (!(orl_dot(sun, place->normal) > 0))
             continue;
@@ -138,13 +149,13 @@ static void add_straight(const struct lot *lot)
         /* The windows are tested first, because a BSDF takes longer to evaluate. */
         if (!may_come_from(scene, place, towards, 0))
             continue;
-        const struct orl_rgb seen = response(lot->query, towards);
-        int32_t port = lot->query->port;
+        const struct orl_rgb seen = response(sun_sample->query, towards);
+        int32_t port = sun_sample->query->port;
         if (!(orl_rgb_max(seen) > 0))
             continue;
         const struct orl_rgb share =
-            orl_transmittance_by(scene->world, place->point, towards, &port);
-        add_to_node(lot, k, orl_rgb_mul(seen, share), port, 1);
+            orl_transmittance_to_infinity(scene->lit_scene, place->point, towards, &port);
+        add_to_node(sun_sample, k, orl_rgb_mul(seen, share), port, 1);
     }
 }
 
@@ -152,7 +163,7 @@ static void add_straight(const struct lot *lot)
 
 /* A pane in which the place may see suns. */
 struct mirrored {
-    const struct lot *lot;
+    const struct sun_sample *sun_sample;
     const struct orl_mirror_set *set;
     uint32_t item;
     double survival; /* probability that the vertex searches for mirrored suns */
@@ -162,46 +173,47 @@ struct mirrored {
 static void add_mirrored_node(void *ctx, uint32_t node)
 {
     const struct mirrored *m = ctx;
-    const struct lot *lot = m->lot;
-    const struct orl_vec3 towards = on_disc(&lot->scene->nodes[node], lot->radius, lot->at);
-    int32_t port = lot->query->port;
-    const struct orl_rgb light =
-        orl_mirrors_light_of(&lot->scene->mirrors, m->set, m->item, &lot->query->place, towards,
-                             response, lot->query, &port);
-    add_to_node(lot, node, light, port, m->share);
+    const struct sun_sample *sun_sample = m->sun_sample;
+    const struct orl_vec3 towards =
+        on_disc(&sun_sample->scene->nodes[node], sun_sample->radius, sun_sample->at);
+    int32_t port = sun_sample->query->port;
+    const struct orl_rgb light = orl_mirrors_light_of(&sun_sample->scene->mirrors, m->set, m->item,
+                                                      &sun_sample->query->place, towards, response,
+                                                      sun_sample->query, &port);
+    add_to_node(sun_sample, node, light, port, m->share);
 }
 
 /* Adds the suns that a pane may mirror. Its cone is widened by the radius of the sun's disc. */
 static void add_by_pane(void *ctx, uint32_t item, double probability)
 {
     struct mirrored *m = ctx;
-    const struct orl_annual_scene *scene = m->lot->scene;
+    const struct orl_annual_scene *scene = m->sun_sample->scene;
     const struct orl_cone cone = orl_cone_widened(
-        orl_mirrors_cone(&scene->mirrors, m->set, item, m->lot->query->place.point),
-        1.01 * m->lot->radius);
+        orl_mirrors_cone(&scene->mirrors, m->set, item, m->sun_sample->query->place.point),
+        1.01 * m->sun_sample->radius);
     m->item = item;
     m->share = 1 / (probability * m->survival);
-    orl_direction_tree_find(tree_of(m->lot), &cone, add_mirrored_node, m);
+    orl_direction_tree_find(tree_of(m->sun_sample), &cone, add_mirrored_node, m);
 }
 
 /* Russian roulette with a probability proportional to the vertex's weight. */
-static double survival_of(const struct orl_sunlit_query *query)
+static double survival_of(const struct orl_sunlight_query *query)
 {
     return query->all ? 1 : fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_survival), 1);
 }
 
-void orl_sunlit_add(const struct orl_annual_scene *scene, const struct orl_sunlit_query *query,
-                    struct orl_random *random, const struct orl_annual_sums *sums)
+void orl_sunlight_add(const struct orl_annual_scene *scene, const struct orl_sunlight_query *query,
+                      struct orl_random *random, const struct orl_path_sums *sums)
 {
-    const struct lot lot = draw_lot(scene, query, random, sums);
-    struct mirrored m = {.lot = &lot,
+    const struct sun_sample sun_sample = draw_sun_sample(scene, query, random, sums);
+    struct mirrored m = {.sun_sample = &sun_sample,
                          .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere,
                          .survival = survival_of(query)};
     if (!query->mapped)
-        add_straight(&lot);
+        add_straight(&sun_sample);
     if (m.set->count > 0 && (m.survival >= 1 || orl_random_uniform(random) < m.survival))
-        orl_pane_tree_draw(&m.set->tree, query->place.point, query->place.normal, random,
-                           add_by_pane, &m);
+        orl_pane_bvh_sample(&m.set->tree, query->place.point, query->place.normal, random,
+                            add_by_pane, &m);
 }
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
@@ -215,7 +227,7 @@ static void point_of_disc(uint32_t n, uint32_t points, double turn, double ret_a
     const double far = first ? (n == 0 ? 0 : 0.985) : sqrt((k + 0.5) / points);
     const double angle = first ? k / (FIRST_POINTS - 1) : k * 0.3819660112501051;
     const double whole = turn + angle;
-    const struct orl_circle circle = orl_circle_turn(whole - floor(whole));
+    const struct orl_sincos circle = orl_sincos_turn(whole - floor(whole));
     ret_at[0] = far * circle.cosine;
     ret_at[1] = far * circle.sine;
 }
@@ -226,16 +238,16 @@ struct disc {
     uint32_t points; /* samples, used if an edge crosses the disc */
 };
 
-/* Transmittance towards a point of the disc, its cosine, and the part through which its light comes
- * in. */
+/* Transmittance towards a point of the disc, its cosine, and the window group through which its
+ * light comes in. */
 struct point {
     double share, cosine;
-    uint32_t part;
+    uint32_t window_group;
 };
 
-static struct point look_at_point(const struct orl_annual_scene *scene,
-                                  const struct orl_place *place, const struct disc *disc,
-                                  uint32_t n)
+static struct point sample_disc_point(const struct orl_annual_scene *scene,
+                                      const struct orl_shading_point *place,
+                                      const struct disc *disc, uint32_t n)
 {
     double at[2];
     point_of_disc(n, disc->points, disc->turn, at);
@@ -246,30 +258,31 @@ static struct point look_at_point(const struct orl_annual_scene *scene,
     int32_t port = ORL_NO_PORT;
     if (!may_come_from(scene, place, towards, 0))
         return (struct point){0, cosine, 0};
-    const double share = orl_luma(orl_transmittance_by(scene->world, place->point, towards, &port));
-    return (struct point){share, cosine, share > 0 ? orl_annual_part_of(scene, port) : 0};
+    const double share =
+        orl_luma(orl_transmittance_to_infinity(scene->lit_scene, place->point, towards, &port));
+    return (struct point){share, cosine, share > 0 ? orl_annual_window_group_of(scene, port) : 0};
 }
 
 /* Returns the facet that blocks a ray to the sun; UINT32_MAX: none. */
-static uint32_t blocker_of(const struct orl_annual_scene *scene, const struct orl_place *place,
-                           struct orl_vec3 towards)
+static uint32_t blocker_of(const struct orl_annual_scene *scene,
+                           const struct orl_shading_point *place, struct orl_vec3 towards)
 {
-    const struct orl_world *world = scene->world;
+    const struct orl_lit_scene *lit_scene = scene->lit_scene;
     struct orl_path path = orl_path_from(place->point, towards);
     for (int pane = 0; pane < MOST_PANES; pane++) {
         struct orl_hit hit;
-        if (!orl_path_meet(world, &path, &hit))
+        if (!orl_path_intersect(lit_scene, &path, &hit))
             return UINT32_MAX;
-        if (!orl_path_look_through(&path, orl_world_material(world, &hit), &hit))
+        if (!orl_path_transmit_straight(&path, orl_lit_scene_material(lit_scene, &hit), &hit))
             return hit.facet;
-        orl_path_pass(&path, world, &hit);
+        orl_path_skip_surface(&path, lit_scene, &hit);
     }
     return UINT32_MAX;
 }
 
 /* Returns true if one surface covers all first points of the disc. There may be a slit between
  * several surfaces. */
-static bool is_covered(const struct orl_annual_scene *scene, const struct orl_place *place,
+static bool is_covered(const struct orl_annual_scene *scene, const struct orl_shading_point *place,
                        const struct disc *disc)
 {
     uint32_t by = UINT32_MAX;
@@ -287,80 +300,85 @@ static bool is_covered(const struct orl_annual_scene *scene, const struct orl_pl
     return true;
 }
 
-/* Light from a disc's points that comes in through one part. */
-struct of_part {
-    uint32_t part;
+/* Light from a disc's points that comes in through one window group. */
+struct group_light {
+    uint32_t window_group;
     double sum, squares;
 };
 
-static struct of_part *find_part(struct of_part *parts, uint32_t *n, uint32_t part)
+static struct group_light *find_group_light(struct group_light *group_lights, uint32_t *n,
+                                            uint32_t window_group)
 {
     uint32_t i = 0;
-    while (i < *n && parts[i].part != part)
+    while (i < *n && group_lights[i].window_group != window_group)
         i++;
     if (i == *n)
-        parts[(*n)++] = (struct of_part){.part = part};
-    return &parts[i];
+        group_lights[(*n)++] = (struct group_light){.window_group = window_group};
+    return &group_lights[i];
 }
 
 /* Samples many points of a disc that an edge crosses, or where there may be a slit. */
-static void add_points_of_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
-                               const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
+static void add_points_of_disc(const struct orl_annual_scene *scene,
+                               const struct orl_shading_point *place, const struct disc *disc,
+                               size_t sun, const struct orl_sensor_sunlight *sunlight)
 {
-    struct of_part parts[MOST_PARTS];
-    uint32_t n_parts = 0;
+    struct group_light group_lights[MOST_WINDOW_GROUPS];
+    uint32_t n_group_lights = 0;
     for (uint32_t n = 0; n < disc->points; n++) {
-        const struct point p = look_at_point(scene, place, disc, FIRST_POINTS + n);
+        const struct point p = sample_disc_point(scene, place, disc, FIRST_POINTS + n);
         const double light = p.share * p.cosine;
         if (!(light > 0))
             continue;
-        struct of_part *of = find_part(parts, &n_parts, p.part);
+        struct group_light *of = find_group_light(group_lights, &n_group_lights, p.window_group);
         of->sum += light / disc->points;
         of->squares += light * light / disc->points;
     }
     /* The error of such even points falls with their number to the power of -3/4, if edges are
      * straight (Beck and Chen 1987, irregularities of distribution). */
     const double share = pow(disc->points, -0.75);
-    for (uint32_t i = 0; i < n_parts; i++) {
-        const struct of_part *of = &parts[i];
+    for (uint32_t i = 0; i < n_group_lights; i++) {
+        const struct group_light *of = &group_lights[i];
         const double unsure = sqrt(fmax(of->squares - of->sum * of->sum, 0)) * share;
-        orl_sun_rows_add(rows, of->part, ORL_SUN_DIRECT, sun, of->sum);
-        orl_sun_rows_add(rows, of->part, ORL_SUN_SQUARES, sun, unsure * unsure);
+        orl_sensor_sunlight_add(sunlight, of->window_group, ORL_SUNLIGHT_DIRECT, sun, of->sum);
+        orl_sensor_sunlight_add(sunlight, of->window_group, ORL_SUNLIGHT_VARIANCE, sun,
+                                unsure * unsure);
     }
 }
 
 /* Adds the light of a disc. If rim and centre have the same transmittance, no more points are
  * needed. */
-static void add_disc(const struct orl_annual_scene *scene, const struct orl_place *place,
-                     const struct disc *disc, size_t sun, const struct orl_sun_rows *rows)
+static void add_disc(const struct orl_annual_scene *scene, const struct orl_shading_point *place,
+                     const struct disc *disc, size_t sun,
+                     const struct orl_sensor_sunlight *sunlight)
 {
-    const struct point middle = look_at_point(scene, place, disc, 0);
+    const struct point middle = sample_disc_point(scene, place, disc, 0);
     double least = middle.share, most = middle.share;
     bool alike = true;
     for (uint32_t n = 1; n < FIRST_POINTS; n++) {
-        const struct point p = look_at_point(scene, place, disc, n);
+        const struct point p = sample_disc_point(scene, place, disc, n);
         least = fmin(least, p.share);
         most = fmax(most, p.share);
-        alike = alike && p.part == middle.part;
+        alike = alike && p.window_group == middle.window_group;
     }
     alike = alike && most - least <= 0.02 * most;
     if (!alike || (!(most > 0) && !is_covered(scene, place, disc)))
-        add_points_of_disc(scene, place, disc, sun, rows);
+        add_points_of_disc(scene, place, disc, sun, sunlight);
     else if (middle.share > 0)
-        orl_sun_rows_add(rows, middle.part, ORL_SUN_DIRECT, sun, middle.share * middle.cosine);
+        orl_sensor_sunlight_add(sunlight, middle.window_group, ORL_SUNLIGHT_DIRECT, sun,
+                                middle.share * middle.cosine);
 }
 
 static struct orl_rgb cosine_of(const void *ctx, struct orl_vec3 light)
 {
-    const struct orl_place *place = ctx;
+    const struct orl_shading_point *place = ctx;
     return orl_gray(fmax(orl_dot(light, place->normal), 0));
 }
 
 static struct disc disc_of(const struct orl_year_suns *suns, size_t sun, uint64_t name,
-                           const struct orl_sun_rows *rows)
+                           const struct orl_sensor_sunlight *sunlight)
 {
     return (struct disc){.frame = orl_frame_about(suns->at[sun].towards),
-                         .points = rows->disc_points,
+                         .points = sunlight->disc_points,
                          .radius = disc_radius(suns->at[sun].angle_rad),
                          .turn = (double)(orl_mix64(name ^ orl_mix64(sun + 1)) >> 11) * 0x1p-53};
 }
@@ -369,18 +387,18 @@ static struct disc disc_of(const struct orl_year_suns *suns, size_t sun, uint64_
 struct mirrored_hours {
     const struct orl_annual_scene *scene;
     const struct orl_year_suns *suns;
-    const struct orl_place *place;
-    const struct orl_crew *crew;
+    const struct orl_shading_point *place;
+    const struct orl_thread_pool *pool;
     uint64_t name;
     uint32_t item; /* the current pane */
-    const struct orl_sun_rows *rows;
+    const struct orl_sensor_sunlight *sunlight;
 };
 
 static void add_mirrored_hour(void *ctx, uint32_t sun)
 {
     const struct mirrored_hours *m = ctx;
-    const struct disc disc = disc_of(m->suns, sun, m->name, m->rows);
-    if (!m->suns->at[sun].wanted || orl_crew_cancelled(m->crew))
+    const struct disc disc = disc_of(m->suns, sun, m->name, m->sunlight);
+    if (!m->suns->at[sun].wanted || orl_thread_pool_cancelled(m->pool))
         return;
     for (uint32_t n = 0; n < MIRROR_POINTS; n++) {
         double at[2];
@@ -390,8 +408,8 @@ static void add_mirrored_hour(void *ctx, uint32_t sun)
             &m->scene->mirrors, &m->scene->mirrors.everywhere, m->item, m->place,
             on_disc(&disc.frame, disc.radius, at), cosine_of, m->place, &port));
         if (light > 0)
-            orl_sun_rows_add(m->rows, orl_annual_part_of(m->scene, port), ORL_SUN_MIRRORED, sun,
-                             light / MIRROR_POINTS);
+            orl_sensor_sunlight_add(m->sunlight, orl_annual_window_group_of(m->scene, port),
+                                    ORL_SUNLIGHT_MIRRORED, sun, light / MIRROR_POINTS);
     }
 }
 
@@ -410,7 +428,7 @@ static void find_mirrored(struct mirrored_hours *m)
 }
 
 /* Returns true if some point of the disc may be visible. */
-static bool may_see(const struct orl_annual_scene *scene, const struct orl_place *place,
+static bool may_see(const struct orl_annual_scene *scene, const struct orl_shading_point *place,
                     const struct orl_hour_sun *sun)
 {
     const double slack = sin(0.5 * sun->angle_rad) * 1.01;
@@ -418,20 +436,25 @@ static bool may_see(const struct orl_annual_scene *scene, const struct orl_place
            may_come_from(scene, place, sun->towards, slack);
 }
 
-void orl_sunlit_hours_find(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
-                           const struct orl_place *place, uint64_t name,
-                           const struct orl_crew *crew, const struct orl_sun_rows *rows)
+void orl_sunlight_find_hours(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
+                             const struct orl_shading_point *place, uint64_t name,
+                             const struct orl_thread_pool *pool,
+                             const struct orl_sensor_sunlight *sunlight)
 {
-    for (size_t c = 0; c < suns->count && !orl_crew_cancelled(crew); c++) {
+    for (size_t c = 0; c < suns->count && !orl_thread_pool_cancelled(pool); c++) {
         const struct orl_hour_sun *sun = &suns->at[c];
         if (!sun->wanted || !may_see(scene, place, sun))
             continue;
-        const struct disc disc = disc_of(suns, c, name, rows);
-        add_disc(scene, place, &disc, c, rows);
+        const struct disc disc = disc_of(suns, c, name, sunlight);
+        add_disc(scene, place, &disc, c, sunlight);
     }
-    if (rows->direct_only)
+    if (sunlight->direct_only)
         return;
-    struct mirrored_hours m = {
-        .scene = scene, .suns = suns, .place = place, .crew = crew, .name = name, .rows = rows};
+    struct mirrored_hours m = {.scene = scene,
+                               .suns = suns,
+                               .place = place,
+                               .pool = pool,
+                               .name = name,
+                               .sunlight = sunlight};
     find_mirrored(&m);
 }

@@ -2,46 +2,47 @@
 
 #include <stdlib.h>
 
-#include "base/circle.h"
+#include "base/sampling/sincos.h"
 #include "scene/material/scatter.h"
 
 /* Returns the kind of a port, and adds one if there is room. most: largest number of kinds of a
- * part. */
-static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port, uint16_t part,
-                          uint32_t most)
+ * window group. */
+static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *port,
+                          uint16_t window_group, uint32_t most)
 {
     static const double about = 0.98; /* least cosine between ports of a kind */
-    const struct orl_world *world = beams->world;
+    const struct orl_lit_scene *lit_scene = beams->lit_scene;
     const struct orl_material *m =
-        &world->materials[orl_facet_material(world->geometry, port->facet)];
-    uint32_t of_part = 0, last = 0;
+        &lit_scene->materials[orl_facet_material(lit_scene->geometry, port->facet)];
+    uint32_t of_group = 0, last = 0;
     for (uint32_t k = 0; k < beams->n_kinds; k++) {
         const struct orl_sun_kind *kind = &beams->kinds[k];
-        if (kind->part != part)
+        if (kind->window_group != window_group)
             continue;
         if (kind->material == m && orl_dot(kind->outward, port->outward) >= about)
             return k;
-        of_part++;
+        of_group++;
         last = k;
     }
-    if (of_part == most)
+    if (of_group == most)
         return last;
-    beams->kinds[beams->n_kinds] = (struct orl_sun_kind){m, port->outward, part};
+    beams->kinds[beams->n_kinds] = (struct orl_sun_kind){m, port->outward, window_group};
     return beams->n_kinds++;
 }
 
-static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port *port,
-                        struct orl_vec3 towards)
+static double flux_by_port(const struct orl_sun_beams *beams, const struct orl_port *port,
+                           struct orl_vec3 towards)
 {
-    const struct orl_world *world = beams->world;
+    const struct orl_lit_scene *lit_scene = beams->lit_scene;
     struct orl_facet own;
-    const struct orl_facet *facet = orl_facet_own(world->geometry, port->facet, &own);
+    const struct orl_facet *facet = orl_facet_get_own(lit_scene->geometry, port->facet, &own);
     const double cosine = orl_dot(towards, port->outward);
     if (!(cosine > 0))
         return 0;
-    const struct orl_hit hit = orl_hit_anywhere(facet->normal, orl_dot(towards, facet->normal) > 0);
+    const struct orl_hit hit =
+        orl_hit_surface_mean(facet->normal, orl_dot(towards, facet->normal) > 0);
     return port->area * cosine *
-           orl_luma(orl_material_albedo(&world->materials[facet->material], &hit, towards,
+           orl_luma(orl_material_albedo(&lit_scene->materials[facet->material], &hit, towards,
                                         ORL_LOBE_TRANSMITTED));
 }
 
@@ -52,64 +53,65 @@ static double let_in_by(const struct orl_sun_beams *beams, const struct orl_port
 enum { DISC_POINTS = 7 };
 /* Mean distance from the centre, in disc radii, of the outer six sevenths of the area. */
 static const double mean_of_ring = 0.73578;
-static double let_in_of_disc(const struct orl_sun_beams *beams, const struct orl_port *port,
-                             struct orl_vec3 towards)
+static double flux_of_disc(const struct orl_sun_beams *beams, const struct orl_port *port,
+                           struct orl_vec3 towards)
 {
     const struct orl_material *m =
-        &beams->world->materials[orl_facet_material(beams->world->geometry, port->facet)];
+        &beams->lit_scene->materials[orl_facet_material(beams->lit_scene->geometry, port->facet)];
     const struct orl_frame frame = orl_frame_about(towards);
     const double ring = mean_of_ring * tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
-    double sum = let_in_by(beams, port, towards);
+    double sum = flux_by_port(beams, port, towards);
     if (m->kind != ORL_MATERIAL_BSDF)
         return sum;
     for (int i = 1; i < DISC_POINTS; i++) {
-        const struct orl_circle at = orl_circle_turn((i - 1) / (DISC_POINTS - 1.0));
+        const struct orl_sincos at = orl_sincos_turn((i - 1) / (DISC_POINTS - 1.0));
         const struct orl_vec3 off =
             orl_madd(orl_scale(frame.u, ring * at.cosine), frame.v, ring * at.sine);
-        sum += let_in_by(beams, port, orl_normalize(orl_add(towards, off)));
+        sum += flux_by_port(beams, port, orl_normalize(orl_add(towards, off)));
     }
     return sum / DISC_POINTS;
 }
 
 /* Ports of a kind differ only by small rotations. A port that faces exactly like the one before,
  * with the same material, takes that one's value per area. */
-double orl_sun_beams_let_in(const struct orl_sun_beams *beams, uint32_t kind,
-                            struct orl_vec3 towards)
+double orl_sun_beams_flux(const struct orl_sun_beams *beams, uint32_t kind, struct orl_vec3 towards)
 {
-    const struct orl_world *world = beams->world;
+    const struct orl_lit_scene *lit_scene = beams->lit_scene;
     const struct orl_port *last = NULL;
     double sum = 0, of_last = 0;
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const struct orl_port *port = &world->ports[i];
+    for (size_t i = 0; i < lit_scene->n_ports; i++) {
+        const struct orl_port *port = &lit_scene->ports[i];
         if (beams->kind_of_port[i] != kind)
             continue;
         const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
-                          orl_facet_material(world->geometry, last->facet) ==
-                              orl_facet_material(world->geometry, port->facet);
-        of_last = same ? of_last / last->area * port->area : let_in_of_disc(beams, port, towards);
+                          orl_facet_material(lit_scene->geometry, last->facet) ==
+                              orl_facet_material(lit_scene->geometry, port->facet);
+        of_last = same ? of_last / last->area * port->area : flux_of_disc(beams, port, towards);
         last = port;
         sum += of_last;
     }
     return sum;
 }
 
-int orl_sun_beams_init(struct orl_sun_beams *beams, const struct orl_world *world,
-                       const struct orl_frame *nodes, size_t n_nodes, const uint16_t *part_of_port)
+int orl_sun_beams_init(struct orl_sun_beams *beams, const struct orl_lit_scene *lit_scene,
+                       const struct orl_frame *nodes, size_t n_nodes,
+                       const uint16_t *window_group_of_port)
 {
     *beams = (struct orl_sun_beams){
-        .world = world, .kind_of_port = calloc(world->n_ports + 1, sizeof *beams->kind_of_port)};
+        .lit_scene = lit_scene,
+        .kind_of_port = calloc(lit_scene->n_ports + 1, sizeof *beams->kind_of_port)};
     if (!beams->kind_of_port)
         return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < world->n_ports; i++)
-        beams->kind_of_port[i] =
-            (uint8_t)find_kind(beams, &world->ports[i], part_of_port ? part_of_port[i] : 0,
-                               part_of_port ? ORL_SUN_KINDS_OF_PART : ORL_SUN_KINDS_OF_ALL);
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        beams->kind_of_port[i] = (uint8_t)find_kind(
+            beams, &lit_scene->ports[i], window_group_of_port ? window_group_of_port[i] : 0,
+            window_group_of_port ? ORL_SUN_KINDS_OF_GROUP : ORL_SUN_KINDS_OF_ALL);
     beams->at = malloc((n_nodes * beams->n_kinds + 1) * sizeof *beams->at);
     if (!beams->at)
         return ORL_ERR_NOMEM;
     for (uint32_t node = 0; node < n_nodes; node++)
         for (uint32_t kind = 0; kind < beams->n_kinds; kind++)
-            if (orl_sun_beams_let_in(beams, kind, nodes[node].n) > 0)
+            if (orl_sun_beams_flux(beams, kind, nodes[node].n) > 0)
                 beams->at[beams->count++] = (struct orl_sun_beam){node, kind};
     return 0;
 }

@@ -4,166 +4,169 @@
 #include <string.h>
 
 #include "annual/sun_map/sun_photons.h"
-#include "annual/sun_map/sun_squares.h"
-#include "annual/year/scope.h"
+#include "annual/sun_map/sun_texels.h"
+#include "annual/year/check_supported.h"
 
 enum { MOST_AT_ONCE = 64, CHANNELS = 3 };
-enum { BATCH = 1024 }; /* photons of a beam traced in one call; bounds the deposits in memory */
-static const double widths_a_window = 12; /* squares along the side of a window of mean area */
+enum {
+    TASK_PHOTONS = 1024
+}; /* photons of a beam traced in one call; bounds the deposits in memory */
+static const double texels_per_window = 12; /* texels along the side of a window of mean area */
 
-/* Light that one lot of one beam brought to a square. */
-struct brought {
-    uint32_t row; /* square and lot */
+/* Light that one batch of one beam brought to a texel. */
+struct deposit_sums {
+    uint32_t row; /* texel and batch */
     uint32_t beam;
     float light[CHANNELS]; /* irradiance */
 };
 
 struct orl_sun_map {
-    const struct orl_world *world;
-    struct orl_sun_squares squares;
+    const struct orl_lit_scene *lit_scene;
+    struct orl_sun_texels texels;
     struct orl_sun_beams beams;
     uint32_t channels; /* 1 if no material on the way colours light */
-    /* Hash table of square identifiers, by open addressing: index of the square, and areas by
+    /* Hash table of texel identifiers, by open addressing: index of the texel, and areas by
      * index. */
-    uint64_t *names;
-    uint32_t *places;
+    uint64_t *keys;
+    uint32_t *texel_indices;
     size_t room, count, areas_room;
     double *areas;
     /* Deposits while photons are traced: one entry for each pair of a beam and a row. */
-    struct brought *brought;
+    struct deposit_sums *deposit_sums;
     uint32_t *latest; /* by row: index of its latest entry, plus one; 0: none */
-    size_t n_brought, brought_room;
-    /* Rows, one for each lot of each square: the beams that reached it. */
+    size_t n_deposit_sums, deposit_sums_room;
+    /* Rows, one for each batch of each texel: the beams that reached it. */
     size_t *first; /* by row, plus one at the end: first index into the next two */
     uint32_t *which;
     float *light; /* [entry][channel]: irradiance */
 };
 
-/* ---- Squares --------------------------------------------------------------------------------- */
+/* ---- Texels --------------------------------------------------------------------------------- */
 
-static size_t slot_of(const struct orl_sun_map *map, uint64_t name)
+static size_t slot_of(const struct orl_sun_map *map, uint64_t key)
 {
-    size_t slot = (size_t)orl_mix64(name) & (map->room - 1);
-    while (map->names[slot] != 0 && map->names[slot] != name)
+    size_t slot = (size_t)orl_mix64(key) & (map->room - 1);
+    while (map->keys[slot] != 0 && map->keys[slot] != key)
         slot = (slot + 1) & (map->room - 1);
     return slot;
 }
 
 static int rehash(struct orl_sun_map *map, size_t room)
 {
-    uint64_t *names = map->names;
-    uint32_t *places = map->places;
+    uint64_t *keys = map->keys;
+    uint32_t *texel_indices = map->texel_indices;
     const size_t before = map->room;
-    map->names = calloc(room, sizeof *map->names);
-    map->places = calloc(room, sizeof *map->places);
+    map->keys = calloc(room, sizeof *map->keys);
+    map->texel_indices = calloc(room, sizeof *map->texel_indices);
     map->room = room;
-    for (size_t i = 0; map->names && map->places && i < before; i++) {
-        if (names[i] == 0)
+    for (size_t i = 0; map->keys && map->texel_indices && i < before; i++) {
+        if (keys[i] == 0)
             continue;
-        const size_t slot = slot_of(map, names[i]);
-        map->names[slot] = names[i];
-        map->places[slot] = places[i];
+        const size_t slot = slot_of(map, keys[i]);
+        map->keys[slot] = keys[i];
+        map->texel_indices[slot] = texel_indices[i];
     }
-    free(names);
-    free(places);
-    return map->names && map->places ? 0 : ORL_ERR_NOMEM;
+    free(keys);
+    free(texel_indices);
+    return map->keys && map->texel_indices ? 0 : ORL_ERR_NOMEM;
 }
 
-static int grow_squares(struct orl_sun_map *map)
+static int grow_texels(struct orl_sun_map *map)
 {
     const size_t room = map->areas_room > 0 ? 2 * map->areas_room : 1024;
     double *areas = realloc(map->areas, room * sizeof *areas);
     if (!areas)
         return ORL_ERR_NOMEM;
     map->areas = areas;
-    uint32_t *latest = realloc(map->latest, room * ORL_SUN_MAP_LOTS * sizeof *latest);
+    uint32_t *latest = realloc(map->latest, room * ORL_SUN_PHOTON_BATCHES * sizeof *latest);
     if (!latest)
         return ORL_ERR_NOMEM;
-    memset(latest + map->areas_room * ORL_SUN_MAP_LOTS, 0,
-           (room - map->areas_room) * ORL_SUN_MAP_LOTS * sizeof *latest);
+    memset(latest + map->areas_room * ORL_SUN_PHOTON_BATCHES, 0,
+           (room - map->areas_room) * ORL_SUN_PHOTON_BATCHES * sizeof *latest);
     map->latest = latest;
     map->areas_room = room;
     return 0;
 }
 
-/* Adds a square. */
-static int add_square(struct orl_sun_map *map, size_t slot, uint64_t name,
-                      const struct orl_hit *hit)
+/* Adds a texel. */
+static int add_texel(struct orl_sun_map *map, size_t slot, uint64_t key, const struct orl_hit *hit)
 {
-    if (map->count == ORL_SUN_MAP_MOST_SQUARES)
+    if (map->count == ORL_SUN_MAP_MOST_TEXELS)
         return ORL_ERR_LIMIT;
-    const int code = map->count == map->areas_room ? grow_squares(map) : 0;
+    const int code = map->count == map->areas_room ? grow_texels(map) : 0;
     if (code < 0)
         return code;
-    map->areas[map->count] = orl_sun_square_area(&map->squares, hit);
-    map->names[slot] = name;
-    map->places[slot] = (uint32_t)map->count++;
+    map->areas[map->count] = orl_sun_texel_area(&map->texels, hit);
+    map->keys[slot] = key;
+    map->texel_indices[slot] = (uint32_t)map->count++;
     return 2 * map->count > map->room ? rehash(map, 2 * map->room) : 0;
 }
 
-/* Finds the square of a hit, and adds it if it is missing. */
-static int need_square(struct orl_sun_map *map, const struct orl_hit *hit, uint32_t *ret_place)
+/* Finds the texel of a hit, and adds it if it is missing. */
+static int find_or_add_texel(struct orl_sun_map *map, const struct orl_hit *hit,
+                             uint32_t *ret_texel)
 {
-    const uint64_t name = orl_sun_square_of(&map->squares, hit);
-    size_t slot = slot_of(map, name);
-    if (map->names[slot] == 0) {
-        const int code = add_square(map, slot, name, hit);
+    const uint64_t key = orl_sun_texel_of(&map->texels, hit);
+    size_t slot = slot_of(map, key);
+    if (map->keys[slot] == 0) {
+        const int code = add_texel(map, slot, key, hit);
         if (code < 0)
             return code;
-        slot = slot_of(map, name);
+        slot = slot_of(map, key);
     }
-    *ret_place = map->places[slot];
+    *ret_texel = map->texel_indices[slot];
     return 0;
 }
 
 /* ---- Photons --------------------------------------------------------------------------------- */
 
-static void trace_shot(void *arg, size_t index, uint32_t member)
+static void trace_task(void *arg, size_t index, uint32_t member)
 {
-    struct orl_sun_shot *shots = arg;
+    struct orl_sun_photon_task *tasks = arg;
     (void)member;
-    orl_sun_shoot(&shots[index]);
+    orl_sun_photon_task_trace(&tasks[index]);
 }
 
 /* Finds the entry of a row and a beam, and adds it if it is missing. Beams must come in order. */
-static int need_entry(struct orl_sun_map *map, uint32_t row, uint32_t beam,
-                      struct brought **ret_entry)
+static int find_or_add_sum(struct orl_sun_map *map, uint32_t row, uint32_t beam,
+                           struct deposit_sums **ret_entry)
 {
     const uint32_t latest = map->latest[row];
-    if (latest > 0 && map->brought[latest - 1].beam == beam) {
-        *ret_entry = &map->brought[latest - 1];
+    if (latest > 0 && map->deposit_sums[latest - 1].beam == beam) {
+        *ret_entry = &map->deposit_sums[latest - 1];
         return 0;
     }
-    if (map->n_brought == ORL_SUN_MAP_MOST_ENTRIES)
+    if (map->n_deposit_sums == ORL_SUN_MAP_MOST_ENTRIES)
         return ORL_ERR_LIMIT;
-    if (map->n_brought == map->brought_room) {
-        const size_t room = map->brought_room + map->brought_room / 2 + 4096;
-        struct brought *grown = realloc(map->brought, room * sizeof *grown);
+    if (map->n_deposit_sums == map->deposit_sums_room) {
+        const size_t room = map->deposit_sums_room + map->deposit_sums_room / 2 + 4096;
+        struct deposit_sums *grown = realloc(map->deposit_sums, room * sizeof *grown);
         if (!grown)
             return ORL_ERR_NOMEM;
-        map->brought = grown;
-        map->brought_room = room;
+        map->deposit_sums = grown;
+        map->deposit_sums_room = room;
     }
-    *ret_entry = &map->brought[map->n_brought++];
-    **ret_entry = (struct brought){.row = row, .beam = beam};
-    map->latest[row] = (uint32_t)map->n_brought;
+    *ret_entry = &map->deposit_sums[map->n_deposit_sums++];
+    **ret_entry = (struct deposit_sums){.row = row, .beam = beam};
+    map->latest[row] = (uint32_t)map->n_deposit_sums;
     return 0;
 }
 
-static int add_deposits(struct orl_sun_map *map, const struct orl_sun_shot *s)
+static int add_deposits(struct orl_sun_map *map, const struct orl_sun_photon_task *s)
 {
     int code = s->code;
     for (size_t i = 0; i < s->n_deposits && code == 0; i++) {
         const struct orl_sun_deposit *d = &s->deposits[i];
         const struct orl_hit hit = {
             .facet = d->facet, .front = d->front, .point = d->point, .normal = d->normal};
-        struct brought *b = NULL;
-        uint32_t place = 0;
-        code = need_square(map, &hit, &place);
-        const double area = code == 0 ? map->areas[place] : 0;
+        struct deposit_sums *b = NULL;
+        uint32_t texel = 0;
+        code = find_or_add_texel(map, &hit, &texel);
+        const double area = code == 0 ? map->areas[texel] : 0;
         if (!(area > 0))
             continue;
-        code = need_entry(map, place * ORL_SUN_MAP_LOTS + d->lot, (uint32_t)s->beam, &b);
+        code =
+            find_or_add_sum(map, texel * ORL_SUN_PHOTON_BATCHES + d->batch, (uint32_t)s->beam, &b);
         for (int c = 0; c < CHANNELS && code == 0; c++)
             b->light[c] += (float)((double)d->flux[c] / area);
     }
@@ -171,58 +174,59 @@ static int add_deposits(struct orl_sun_map *map, const struct orl_sun_shot *s)
 }
 
 /* A node's photons are divided evenly among its beams. */
-static uint32_t photons_of_lot(const struct orl_sun_map *map,
-                               const struct orl_sun_map_request *request, size_t beam)
+static uint32_t photons_of_batch(const struct orl_sun_map *map,
+                                 const struct orl_sun_map_request *request, size_t beam)
 {
-    const uint32_t parts = ORL_SUN_MAP_LOTS * orl_sun_beams_of_node(&map->beams, beam);
-    const uint32_t least = request->of_beam / ORL_SUN_MAP_LOTS;
+    const uint32_t parts = ORL_SUN_PHOTON_BATCHES * orl_sun_beams_of_node(&map->beams, beam);
+    const uint32_t least = request->of_beam / ORL_SUN_PHOTON_BATCHES;
     const uint32_t share = (request->photons + parts - 1) / parts;
     return share > least ? share : least;
 }
 
-/* Start of the next batch. */
+/* Start of the next task. */
 struct cursor {
     size_t beam;
     uint32_t photon;
 };
 
-/* Lists up to MOST_AT_ONCE batches from the cursor on, and advances it. Returns their number. */
-static size_t list_shots(const struct orl_sun_map *map, const struct orl_sun_map_request *request,
-                         struct cursor *next, struct orl_sun_shot ret_shots[MOST_AT_ONCE])
+/* Lists up to MOST_AT_ONCE tasks from the cursor on, and advances it. Returns their number. */
+static size_t list_tasks(const struct orl_sun_map *map, const struct orl_sun_map_request *request,
+                         struct cursor *next, struct orl_sun_photon_task ret_tasks[MOST_AT_ONCE])
 {
     size_t n = 0;
     while (n < MOST_AT_ONCE && next->beam < map->beams.count) {
-        const uint32_t photons = photons_of_lot(map, request, next->beam);
-        const uint32_t left = photons * ORL_SUN_MAP_LOTS - next->photon;
-        ret_shots[n++] = (struct orl_sun_shot){.beams = &map->beams,
-                                               .nodes = request->nodes,
-                                               .sobol = request->sobol,
-                                               .seed = request->seed,
-                                               .beam = next->beam,
-                                               .photons = photons,
-                                               .first = next->photon,
-                                               .end = next->photon + (left < BATCH ? left : BATCH),
-                                               .whole = request->whole};
-        next->photon += BATCH;
-        if (left <= BATCH)
+        const uint32_t photons = photons_of_batch(map, request, next->beam);
+        const uint32_t left = photons * ORL_SUN_PHOTON_BATCHES - next->photon;
+        ret_tasks[n++] = (struct orl_sun_photon_task){
+            .beams = &map->beams,
+            .nodes = request->nodes,
+            .sobol = request->sobol,
+            .seed = request->seed,
+            .beam = next->beam,
+            .photons = photons,
+            .first = next->photon,
+            .end = next->photon + (left < TASK_PHOTONS ? left : TASK_PHOTONS),
+            .interreflection = request->interreflection};
+        next->photon += TASK_PHOTONS;
+        if (left <= TASK_PHOTONS)
             *next = (struct cursor){.beam = next->beam + 1};
     }
     return n;
 }
 
 static int trace_photons(struct orl_sun_map *map, const struct orl_sun_map_request *request,
-                         struct orl_crew *crew)
+                         struct orl_thread_pool *pool)
 {
-    struct orl_sun_shot shots[MOST_AT_ONCE];
+    struct orl_sun_photon_task tasks[MOST_AT_ONCE];
     struct cursor next = {.beam = 0};
     int code = rehash(map, 4096);
     while (next.beam < map->beams.count && code == 0) {
-        const size_t n = list_shots(map, request, &next, shots);
-        code = orl_crew_try(crew, n, trace_shot, shots);
+        const size_t n = list_tasks(map, request, &next, tasks);
+        code = orl_parallel_try(pool, n, trace_task, tasks);
         for (size_t i = 0; i < n; i++) {
             if (code == 0)
-                code = add_deposits(map, &shots[i]);
-            orl_sun_shot_done(&shots[i]);
+                code = add_deposits(map, &tasks[i]);
+            orl_sun_photon_task_done(&tasks[i]);
         }
     }
     free(map->latest);
@@ -233,16 +237,16 @@ static int trace_photons(struct orl_sun_map *map, const struct orl_sun_map_reque
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 /* Sorts the entries by row; entries of a row stay in the order of beams. */
-static struct brought *sort_by_row(const struct orl_sun_map *map, size_t n_rows)
+static struct deposit_sums *sort_by_row(const struct orl_sun_map *map, size_t n_rows)
 {
-    struct brought *sorted = calloc(map->n_brought + 1, sizeof *sorted);
+    struct deposit_sums *sorted = calloc(map->n_deposit_sums + 1, sizeof *sorted);
     size_t *next = calloc(n_rows + 1, sizeof *next);
-    for (size_t i = 0; sorted && next && i < map->n_brought; i++)
-        next[map->brought[i].row + 1]++;
+    for (size_t i = 0; sorted && next && i < map->n_deposit_sums; i++)
+        next[map->deposit_sums[i].row + 1]++;
     for (size_t r = 0; sorted && next && r < n_rows; r++)
         next[r + 1] += next[r];
-    for (size_t i = 0; sorted && next && i < map->n_brought; i++)
-        sorted[next[map->brought[i].row]++] = map->brought[i];
+    for (size_t i = 0; sorted && next && i < map->n_deposit_sums; i++)
+        sorted[next[map->deposit_sums[i].row]++] = map->deposit_sums[i];
     if (!next) {
         free(sorted);
         sorted = NULL;
@@ -251,10 +255,10 @@ static struct brought *sort_by_row(const struct orl_sun_map *map, size_t n_rows)
     return sorted;
 }
 
-static void fill_rows(struct orl_sun_map *map, const struct brought *sorted, size_t n_rows)
+static void fill_rows(struct orl_sun_map *map, const struct deposit_sums *sorted, size_t n_rows)
 {
     size_t row = 0;
-    for (size_t i = 0; i < map->n_brought; i++) {
+    for (size_t i = 0; i < map->n_deposit_sums; i++) {
         for (; row <= sorted[i].row; row++)
             map->first[row] = i;
         map->which[i] = sorted[i].beam;
@@ -262,15 +266,15 @@ static void fill_rows(struct orl_sun_map *map, const struct brought *sorted, siz
             map->light[i * map->channels + c] = sorted[i].light[c];
     }
     for (; row <= n_rows; row++)
-        map->first[row] = map->n_brought;
+        map->first[row] = map->n_deposit_sums;
 }
 
 static int make_rows(struct orl_sun_map *map)
 {
-    const size_t n_rows = map->count * ORL_SUN_MAP_LOTS, n = map->n_brought;
-    struct brought *sorted = sort_by_row(map, n_rows);
-    free(map->brought);
-    map->brought = NULL;
+    const size_t n_rows = map->count * ORL_SUN_PHOTON_BATCHES, n = map->n_deposit_sums;
+    struct deposit_sums *sorted = sort_by_row(map, n_rows);
+    free(map->deposit_sums);
+    map->deposit_sums = NULL;
     map->first = malloc((n_rows + 1) * sizeof *map->first);
     map->which = malloc((n + 1) * sizeof *map->which);
     map->light = malloc((n + 1) * map->channels * sizeof *map->light);
@@ -291,20 +295,20 @@ const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map)
 /* Creates a map that has everything except photons. */
 static int init_map(const struct orl_sun_map_request *request, struct orl_sun_map **ret_map)
 {
-    const struct orl_world *world = request->world;
+    const struct orl_lit_scene *lit_scene = request->lit_scene;
     double area = 0;
     struct orl_sun_map *map = *ret_map = calloc(1, sizeof *map);
     if (!map)
         return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < world->n_ports; i++)
-        area += world->ports[i].area / (double)world->n_ports;
-    *map = (struct orl_sun_map){.world = world,
-                                .channels = orl_annual_is_colourless(world) ? 1 : CHANNELS};
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        area += lit_scene->ports[i].area / (double)lit_scene->n_ports;
+    *map = (struct orl_sun_map){.lit_scene = lit_scene,
+                                .channels = orl_annual_is_colourless(lit_scene) ? 1 : CHANNELS};
     const int code =
-        orl_sun_squares_init(&map->squares, world->geometry, sqrt(area) / widths_a_window);
+        orl_sun_texels_init(&map->texels, lit_scene->geometry, sqrt(area) / texels_per_window);
     return code < 0 ? code
-                    : orl_sun_beams_init(&map->beams, world, request->nodes, request->n_nodes,
-                                         request->part_of_port);
+                    : orl_sun_beams_init(&map->beams, lit_scene, request->nodes, request->n_nodes,
+                                         request->window_group_of_port);
 }
 
 static int return_map(int code, struct orl_sun_map *map, struct orl_sun_map **ret_map)
@@ -315,17 +319,17 @@ static int return_map(int code, struct orl_sun_map *map, struct orl_sun_map **re
     return code;
 }
 
-int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
+int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_thread_pool *pool,
                     struct orl_sun_map **ret_map)
 {
-    const struct orl_world *world = request->world;
+    const struct orl_lit_scene *lit_scene = request->lit_scene;
     struct orl_sun_map *map = NULL;
     *ret_map = NULL;
-    if (world->open || world->n_ports == 0 || request->n_nodes == 0)
+    if (lit_scene->open || lit_scene->n_ports == 0 || request->n_nodes == 0)
         return 0; /* there are no beams */
     int code = init_map(request, &map);
     if (code == 0)
-        code = trace_photons(map, request, crew);
+        code = trace_photons(map, request, pool);
     if (code == 0)
         code = make_rows(map);
     return return_map(code, map, ret_map);
@@ -343,10 +347,10 @@ enum { ARRAYS = 5 };
 /* Lists the arrays of a map whose room, count and number of entries are set. */
 static void list_arrays(struct orl_sun_map *map, size_t entries, struct array ret[ARRAYS])
 {
-    ret[0] = (struct array){(void **)&map->names, map->room * sizeof *map->names};
+    ret[0] = (struct array){(void **)&map->keys, map->room * sizeof *map->keys};
     ret[1] = (struct array){(void **)&map->first,
-                            (map->count * ORL_SUN_MAP_LOTS + 1) * sizeof *map->first};
-    ret[2] = (struct array){(void **)&map->places, map->room * sizeof *map->places};
+                            (map->count * ORL_SUN_PHOTON_BATCHES + 1) * sizeof *map->first};
+    ret[2] = (struct array){(void **)&map->texel_indices, map->room * sizeof *map->texel_indices};
     ret[3] = (struct array){(void **)&map->which, entries * sizeof *map->which};
     ret[4] = (struct array){(void **)&map->light, entries * map->channels * sizeof *map->light};
 }
@@ -354,7 +358,8 @@ static void list_arrays(struct orl_sun_map *map, size_t entries, struct array re
 int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size)
 {
     struct orl_sun_map copy = *map;
-    const uint64_t numbers[] = {map->room, map->count, map->first[map->count * ORL_SUN_MAP_LOTS]};
+    const uint64_t numbers[] = {map->room, map->count,
+                                map->first[map->count * ORL_SUN_PHOTON_BATCHES]};
     struct array arrays[ARRAYS];
     size_t size = sizeof numbers;
     list_arrays(&copy, numbers[2], arrays);
@@ -400,12 +405,12 @@ void orl_sun_map_free(struct orl_sun_map *map)
 {
     if (!map)
         return;
-    orl_sun_squares_done(&map->squares);
+    orl_sun_texels_done(&map->texels);
     orl_sun_beams_done(&map->beams);
-    free(map->names);
-    free(map->places);
+    free(map->keys);
+    free(map->texel_indices);
     free(map->areas);
-    free(map->brought);
+    free(map->deposit_sums);
     free(map->latest);
     free(map->first);
     free(map->which);
@@ -414,20 +419,20 @@ void orl_sun_map_free(struct orl_sun_map *map)
 }
 
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
-                     struct orl_rgb weight, double *beams, float *lots)
+                     struct orl_rgb weight, double *beams, float *photon_batches)
 {
-    const size_t slot = slot_of(map, orl_sun_square_of(&map->squares, hit));
-    if (map->names[slot] == 0)
+    const size_t slot = slot_of(map, orl_sun_texel_of(&map->texels, hit));
+    if (map->keys[slot] == 0)
         return;
     const double r = ORL_LUMA_R * weight.r, g = ORL_LUMA_G * weight.g, b = ORL_LUMA_B * weight.b;
-    const size_t first = (size_t)map->places[slot] * ORL_SUN_MAP_LOTS;
-    for (size_t lot = 0; lot < ORL_SUN_MAP_LOTS; lot++)
-        for (size_t i = map->first[first + lot]; i < map->first[first + lot + 1]; i++) {
+    const size_t first = (size_t)map->texel_indices[slot] * ORL_SUN_PHOTON_BATCHES;
+    for (size_t batch = 0; batch < ORL_SUN_PHOTON_BATCHES; batch++)
+        for (size_t i = map->first[first + batch]; i < map->first[first + batch + 1]; i++) {
             const float *light = map->light + i * map->channels;
             const double here = map->channels == 1 ? (r + g + b) * (double)light[0]
                                                    : r * (double)light[0] + g * (double)light[1] +
                                                          b * (double)light[2];
-            beams[map->which[i]] += here / ORL_SUN_MAP_LOTS;
-            lots[(size_t)map->which[i] * ORL_SUN_MAP_LOTS + lot] += (float)here;
+            beams[map->which[i]] += here / ORL_SUN_PHOTON_BATCHES;
+            photon_batches[(size_t)map->which[i] * ORL_SUN_PHOTON_BATCHES + batch] += (float)here;
         }
 }

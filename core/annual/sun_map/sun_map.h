@@ -1,54 +1,55 @@
 /*
  * Map of sunlight on surfaces inside a sealed building, for each beam (sun_beams.h). It holds the
- * light that reaches each square of a surface through ports, mirrors and lobes, but no diffuse
- * surface. A whole map includes diffuse interreflection (contribution photons, oriel/annual.h).
- * Photons pass straight through clear panes, are deflected or scattered by BSDFs, and are reflected
- * by surfaces that are not diffuse. All sensors share the map. A path that hits a surface looks up
- * the light of all nodes there, without shadow rays.
+ * light that reaches each texel of a surface through ports, mirrors and lobes, but no diffuse
+ * surface. A whole map includes diffuse interreflection (contribution photons,
+ * oriel/annual/annual.h). Photons pass straight through clear panes, are deflected or scattered by
+ * BSDFs, and are reflected by surfaces that are not diffuse. All sensors share the map. A path that
+ * hits a surface looks up the light of all nodes there, without shadow rays.
  *
- * A square lies on one side of a facet. It is a small fraction of a window wide, or of a slat's
+ * A texel lies on one side of a facet. It is a small fraction of a window wide, or of a slat's
  * width. It stores flux divided by the surface area in it, so no flux is lost at edges. Its value
  * is a mean, which suffices for light seen from elsewhere. A sensor's own direct light is not taken
  * from the map.
  *
- * Photons form ORL_SUN_MAP_LOTS independent groups, which yield standard errors. The map depends on
- * seed and scene alone; immutable once made.
+ * Photons form ORL_SUN_PHOTON_BATCHES independent groups, which yield standard errors. The map
+ * depends on seed and scene alone; immutable once made.
  */
 #ifndef ORL_ANNUAL_SUN_MAP_SUN_MAP_H
 #define ORL_ANNUAL_SUN_MAP_SUN_MAP_H
 
-#include <oriel/annual.h>
-#include <oriel/crew.h>
+#include <oriel/annual/annual.h>
+#include <oriel/base/thread_pool.h>
 
 #include "annual/sun_map/sun_beams.h"
 #include "annual/sun_map/sun_photons.h"
-#include "base/random.h"
-#include "base/sobol.h"
-#include "light/world.h"
+#include "base/sampling/random.h"
+#include "base/sampling/sobol.h"
+#include "light/lit_scene.h"
 
 struct orl_sun_map;
 
-/* Limits of a map: squares, and entries. There is one entry for each beam that reaches a lot of a
- * square. */
-enum { ORL_SUN_MAP_MOST_SQUARES = 1 << 22, ORL_SUN_MAP_MOST_ENTRIES = ORL_ANNUAL_MOST_MAP_VALUES };
+/* Limits of a map: texels, and entries. There is one entry for each beam that reaches a batch of a
+ * texel. */
+enum { ORL_SUN_MAP_MOST_TEXELS = 1 << 22, ORL_SUN_MAP_MOST_ENTRIES = ORL_ANNUAL_MOST_MAP_VALUES };
 
 struct orl_sun_map_request {
-    const struct orl_world *world; /* borrowed, also by the map */
+    const struct orl_lit_scene *lit_scene; /* borrowed, also by the map */
     const struct orl_sobol *sobol;
     /* Frames in scene axes, n towards the sun; used during the call only. */
     const struct orl_frame *nodes;
     size_t n_nodes;
     uint64_t seed;
-    uint32_t photons; /* photons per node, over all its beams and lots */
+    uint32_t photons; /* photons per node, over all its beams and batches */
     uint32_t of_beam; /* least photons per beam */
-    /* By port of the world (window_parts.h), used during the call only; NULL: one part. */
-    const uint16_t *part_of_port;
-    bool whole; /* true if light between diffuse surfaces is included */
+    /* By port of the world (window_group_ports.h), used during the call only; NULL: one window
+     * group. */
+    const uint16_t *window_group_of_port;
+    bool interreflection; /* true if light between diffuse surfaces is included */
 };
 
 /* Builds a map. *ret_map is NULL if there is nothing to map: an open scene, no ports or no nodes.
  * Returns 0, ORL_ERR_NOMEM, ORL_ERR_CANCELLED, or ORL_ERR_LIMIT beyond the limits above. */
-int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_crew *crew,
+int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_thread_pool *pool,
                     struct orl_sun_map **ret_map);
 /* Restores a map from the data that orl_sun_map_save wrote for an equal request. Returns 0 or
  * ORL_ERR_NOMEM. */
@@ -64,9 +65,10 @@ const struct orl_sun_beams *orl_sun_map_beams(const struct orl_sun_map *map);
 
 /*
  * Adds the light of every beam on the hit side of the surface, times weight, to beams: luma, for a
- * sun with a normal illuminance of 1. Adds the estimate of each lot alone to lots, [beam][lot].
+ * sun with a normal illuminance of 1. Adds the estimate of each batch alone to photon_batches,
+ * [beam][batch].
  */
 void orl_sun_map_add(const struct orl_sun_map *map, const struct orl_hit *hit,
-                     struct orl_rgb weight, double *beams, float *lots);
+                     struct orl_rgb weight, double *beams, float *photon_batches);
 
 #endif

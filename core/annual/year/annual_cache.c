@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "annual/year/annual_year.h"
 #include "run/cache/word_file.h"
@@ -28,15 +28,16 @@ static void add_vector(struct orl_sha256 *hash, struct orl_vec3 v)
     orl_sha256_add(hash, numbers, sizeof numbers);
 }
 
-static bool may_keep(const struct orl_year *year)
+static bool may_store(const struct orl_year *year)
 {
     const size_t most = year->env->reuse_most;
-    if (year->env->run->pieces && year->env->run->store)
+    if (year->env->run->tasks && year->env->run->store)
         return true;
     return year->env->reuse && (most == 0 || year->request->n_sensors <= most);
 }
 
-void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned char *scene)
+void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year,
+                           const unsigned char *scene)
 {
     const struct orl_year_suns *suns = &year->hours.suns;
     const double numbers[] = {year->request->north_deg,
@@ -46,8 +47,9 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
                               (double)year->request->technique,
                               (double)year->request->photons};
     struct orl_sha256 hash;
-    *keep = (struct orl_keep){.year = year, .store = may_keep(year) ? year->env->run->store : NULL};
-    keep->off = keep->store == NULL;
+    *cache = (struct orl_annual_cache){.year = year,
+                                       .store = may_store(year) ? year->env->run->store : NULL};
+    cache->disabled = cache->store == NULL;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, recipe, sizeof recipe);
     orl_sha256_add(&hash, scene, ORL_SHA256_BYTES);
@@ -57,211 +59,222 @@ void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned
         add_vector(&hash, suns->at[i].towards);
         orl_sha256_add(&hash, &suns->at[i].angle_rad, sizeof suns->at[i].angle_rad);
     }
-    finish_key(&hash, keep->site);
-    year->result->reuse.asked = keep->store != NULL;
+    finish_key(&hash, cache->site);
+    year->result->reuse.asked = cache->store != NULL;
 }
 
-/* Adds the columns that want light, by part, to the digest. */
+/* Adds the columns that want light, by window group, to the digest. */
 static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
 {
-    const struct orl_year_parts *parts = year->variant ? year->variant->parts : NULL;
-    if (parts && parts->wanted)
-        orl_sha256_add(hash, parts->wanted, year->n_parts * year->hours.n_columns);
+    const struct orl_year_window_groups *window_groups =
+        year->overrides ? year->overrides->window_groups : NULL;
+    if (window_groups && window_groups->wanted)
+        orl_sha256_add(hash, window_groups->wanted, year->n_window_groups * year->hours.n_columns);
 }
 
-static void name_entry(const struct orl_keep *keep, struct orl_keeping *it)
+static void name_entry(const struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry)
 {
-    const uint32_t samples = keep->year->request->samples;
-    const uint64_t numbers[] = {(uint64_t)it->what, it->first, it->count,
-                                it->what == ORL_YEARS_SUN ? orl_disc_points(samples) : 0};
-    const struct orl_pieces *const shared = keep->year->env->run->pieces;
+    const uint32_t samples = cache->year->request->samples;
+    const uint64_t numbers[] = {
+        (uint64_t)entry->data_kind, entry->first, entry->count,
+        entry->data_kind == ORL_ANNUAL_CACHE_SUNLIGHT ? orl_disc_points(samples) : 0};
+    const struct orl_job_tasks *const shared = cache->year->env->run->tasks;
     const char *const job = shared && shared->job ? shared->job : "";
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
-    orl_sha256_add(&hash, keep->site, ORL_DIGEST_HEX);
+    orl_sha256_add(&hash, cache->site, ORL_DIGEST_HEX);
     orl_sha256_add(&hash, numbers, sizeof numbers);
-    for (size_t i = it->first; i < it->first + it->count; i++) {
-        add_vector(&hash, keep->year->request->sensors[i].position);
-        add_vector(&hash, keep->year->request->sensors[i].direction);
+    for (size_t i = entry->first; i < entry->first + entry->count; i++) {
+        add_vector(&hash, cache->year->request->sensors[i].position);
+        add_vector(&hash, cache->year->request->sensors[i].direction);
     }
-    finish_key(&hash, it->key);
-    if (it->what != ORL_YEARS_PATHS && it->what != ORL_YEARS_ROWS)
+    finish_key(&hash, entry->key);
+    if (entry->data_kind != ORL_ANNUAL_CACHE_PATHS && entry->data_kind != ORL_ANNUAL_CACHE_ROWS)
         return;
-    memcpy(it->family, it->key, sizeof it->family);
+    memcpy(entry->family, entry->key, sizeof entry->family);
     orl_sha256_init(&hash);
-    orl_sha256_add(&hash, it->family, ORL_DIGEST_HEX);
-    orl_sha256_add(&hash, &it->samples, sizeof it->samples);
-    if (it->what == ORL_YEARS_ROWS) {
+    orl_sha256_add(&hash, entry->family, ORL_DIGEST_HEX);
+    orl_sha256_add(&hash, &entry->samples, sizeof entry->samples);
+    if (entry->data_kind == ORL_ANNUAL_CACHE_ROWS) {
         orl_sha256_add(&hash, job, strlen(job));
-        add_wanted(&hash, keep->year);
+        add_wanted(&hash, cache->year);
     }
-    finish_key(&hash, it->key);
+    finish_key(&hash, entry->key);
 }
 
 /* ---- Look-up --------------------------------------------------------------------------------- */
 
-static void disable_store(struct orl_keep *keep, const struct orl_error *why)
+static void disable_store(struct orl_annual_cache *cache, const struct orl_error *why)
 {
-    keep->off = true;
-    keep->why = *why;
+    cache->disabled = true;
+    cache->why = *why;
 }
 
-static struct orl_annual_reused *counters_of(struct orl_keep *keep, const struct orl_keeping *it)
+static struct orl_annual_cache_stats *counters_of(struct orl_annual_cache *cache,
+                                                  const struct orl_annual_cache_entry *entry)
 {
-    return it->what < ORL_YEARS_KINDS ? &keep->year->result->reuse.of[it->what] : &keep->rows;
+    return entry->data_kind < ORL_ANNUAL_CACHE_KINDS
+               ? &cache->year->result->reuse.of[entry->data_kind]
+               : &cache->rows_stats;
 }
 
 /* Reads an entry that the store has; abandons it if it is damaged. */
-static void read_entry(struct orl_keep *keep, struct orl_keeping *it)
+static void read_entry(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry)
 {
-    struct orl_kept_about about;
-    if (orl_kept_read(it->path, it->key, &about, &it->data, &it->size, NULL) == 0) {
-        it->had = it->samples;
-        it->rays = about.rays;
-        counters_of(keep, it)->found++;
-        counters_of(keep, it)->rays_saved += about.rays;
-        keep->store->release(keep->store->ctx, kind, it->key);
+    struct orl_word_file_info file_info;
+    if (orl_word_file_read(entry->path, entry->key, &file_info, &entry->data, &entry->size, NULL) ==
+        0) {
+        entry->stored_samples = entry->samples;
+        entry->rays = file_info.rays;
+        counters_of(cache, entry)->found++;
+        counters_of(cache, entry)->rays_saved += file_info.rays;
+        cache->store->release(cache->store->ctx, kind, entry->key);
         return;
     }
-    keep->damaged = true;
-    keep->store->abandon(keep->store->ctx, kind, it->key);
+    cache->damaged = true;
+    cache->store->abandon(cache->store->ctx, kind, entry->key);
 }
 
 /* Looks for paths with fewer samples. A damaged entry is left for a run that requests exactly that
  * entry. */
-static void read_smaller(struct orl_keep *keep, struct orl_keeping *it)
+static void read_fewer_samples(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry)
 {
-    const struct orl_map_store *store = keep->store;
+    const struct orl_map_store *store = cache->store;
     struct orl_map_info info;
-    struct orl_kept_about about;
+    struct orl_word_file_info file_info;
     char path[4096];
     bool found = false;
-    if (it->what != ORL_YEARS_PATHS || !store->find_smaller ||
-        store->find_smaller(store->ctx, kind, it->family, it->samples, path, &found, &info, NULL) <
-            0 ||
+    if (entry->data_kind != ORL_ANNUAL_CACHE_PATHS || !store->find_smaller ||
+        store->find_smaller(store->ctx, kind, entry->family, entry->samples, path, &found, &info,
+                            NULL) < 0 ||
         !found)
         return;
-    if (orl_kept_read(path, info.key, &about, &it->data, &it->size, NULL) == 0) {
-        it->had = (uint32_t)about.target;
-        it->rays = about.rays;
-        it->earlier_s = info.seconds;
-        counters_of(keep, it)->topped_up++;
-        counters_of(keep, it)->rays_saved += about.rays;
+    if (orl_word_file_read(path, info.key, &file_info, &entry->data, &entry->size, NULL) == 0) {
+        entry->stored_samples = (uint32_t)file_info.target;
+        entry->rays = file_info.rays;
+        entry->stored_s = info.seconds;
+        counters_of(cache, entry)->topped_up++;
+        counters_of(cache, entry)->rays_saved += file_info.rays;
     }
     store->release(store->ctx, kind, info.key);
 }
 
-bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it)
+bool orl_annual_cache_has(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry)
 {
     struct orl_map_info info;
     bool hit = false;
-    if (keep->off)
+    if (cache->disabled)
         return false;
-    name_entry(keep, it);
-    if (keep->store->acquire(keep->store->ctx, kind, it->key, keep->year->env->run->cancel,
-                             it->path, &hit, &info, NULL) < 0)
+    name_entry(cache, entry);
+    if (cache->store->acquire(cache->store->ctx, kind, entry->key, cache->year->env->run->cancel,
+                              entry->path, &hit, &info, NULL) < 0)
         return false;
     if (hit)
-        keep->store->release(keep->store->ctx, kind, it->key);
+        cache->store->release(cache->store->ctx, kind, entry->key);
     else
-        keep->store->abandon(keep->store->ctx, kind, it->key);
+        cache->store->abandon(cache->store->ctx, kind, entry->key);
     return hit;
 }
 
-/* Distributed runs: asks other processes to compute what all blocks need. */
-static int share_entry(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
+/* Distributed runs: asks other processes to compute what all chunks need. */
+static int distribute_entry(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
+                            struct orl_error *err)
 {
-    const struct orl_pieces *pieces = keep->year->env->run->pieces;
-    struct orl_piece piece = {.work = 1, .core_s = it->core_s};
+    const struct orl_job_tasks *tasks = cache->year->env->run->tasks;
+    struct orl_job_task job_task = {.work = 1, .core_s = entry->core_s};
     bool here = false;
-    if (!pieces || keep->off || (it->what != ORL_YEARS_SUNS && it->what != ORL_YEARS_MAP) ||
-        orl_keep_has(keep, it))
+    if (!tasks || cache->disabled ||
+        (entry->data_kind != ORL_ANNUAL_CACHE_SUN_WEIGHTS &&
+         entry->data_kind != ORL_ANNUAL_CACHE_SUN_MAP) ||
+        orl_annual_cache_has(cache, entry))
         return 0;
-    memcpy(piece.kind, kind, sizeof kind);
-    memcpy(piece.key, it->key, sizeof piece.key);
-    return pieces->divide(pieces->ctx, &piece, 1, &here, NULL, err);
+    memcpy(job_task.kind, kind, sizeof kind);
+    memcpy(job_task.key, entry->key, sizeof job_task.key);
+    return tasks->claim(tasks->ctx, &job_task, 1, &here, NULL, err);
 }
 
-int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err)
+int orl_annual_cache_get(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
+                         struct orl_error *err)
 {
-    const struct orl_run_env *run = keep->year->env->run;
+    const struct orl_run_env *run = cache->year->env->run;
     struct orl_map_info info;
     struct orl_error why = {0};
     bool hit = true;
-    const int shared = share_entry(keep, it, err);
-    it->began_s = orl_year_now(keep->year);
+    const int shared = distribute_entry(cache, entry, err);
+    entry->start_s = orl_year_now(cache->year);
     if (shared < 0)
         return shared;
-    if (!keep->off)
-        name_entry(keep, it);
-    for (int attempt = 0; attempt < 2 && !keep->off && hit && !it->data; attempt++) {
-        const int code = keep->store->acquire(keep->store->ctx, kind, it->key, run->cancel,
-                                              it->path, &hit, &info, &why);
+    if (!cache->disabled)
+        name_entry(cache, entry);
+    for (int attempt = 0; attempt < 2 && !cache->disabled && hit && !entry->data; attempt++) {
+        const int code = cache->store->acquire(cache->store->ctx, kind, entry->key, run->cancel,
+                                               entry->path, &hit, &info, &why);
         if (code == ORL_ERR_CANCELLED)
             return orl_error_set(err, code, "cancelled");
         if (code < 0)
-            disable_store(keep, &why);
+            disable_store(cache, &why);
         else if (hit)
-            read_entry(keep, it);
+            read_entry(cache, entry);
         else
-            it->owed = true;
+            entry->must_commit = true;
     }
-    if (it->owed)
-        read_smaller(keep, it);
-    if (keep->store && !it->data)
-        counters_of(keep, it)->made++;
+    if (entry->must_commit)
+        read_fewer_samples(cache, entry);
+    if (cache->store && !entry->data)
+        counters_of(cache, entry)->made++;
     return 0;
 }
 
 /* ---- Storing --------------------------------------------------------------------------------- */
 
-void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *data, size_t size)
+void orl_annual_cache_put(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
+                          const void *data, size_t size)
 {
-    struct orl_kept_about about = {.target = it->samples, .rays = it->rays};
+    struct orl_word_file_info file_info = {.target = entry->samples, .rays = entry->rays};
     struct orl_error why = {0};
-    if (!it->owed)
+    if (!entry->must_commit)
         return;
-    memcpy(about.key, it->key, sizeof about.key);
-    memcpy(about.family, it->family, sizeof about.family);
-    int code = orl_kept_write(it->path, &about, data, size, &why);
+    memcpy(file_info.key, entry->key, sizeof file_info.key);
+    memcpy(file_info.family, entry->family, sizeof file_info.family);
+    int code = orl_word_file_write(entry->path, &file_info, data, size, &why);
     if (code == 0) {
-        struct orl_map_info info = {.target = it->samples,
-                                    .emitted = it->rays,
+        struct orl_map_info info = {.target = entry->samples,
+                                    .emitted = entry->rays,
                                     .stored = size / sizeof(float),
-                                    .bytes = about.bytes,
-                                    .seconds =
-                                        it->earlier_s + orl_year_now(keep->year) - it->began_s};
+                                    .bytes = file_info.bytes,
+                                    .seconds = entry->stored_s + orl_year_now(cache->year) -
+                                               entry->start_s};
         memcpy(info.kind, kind, sizeof kind);
-        memcpy(info.key, it->key, sizeof info.key);
-        memcpy(info.family, it->family, sizeof info.family);
-        code = keep->store->commit(keep->store->ctx, &info, &why);
+        memcpy(info.key, entry->key, sizeof info.key);
+        memcpy(info.family, entry->family, sizeof info.family);
+        code = cache->store->commit(cache->store->ctx, &info, &why);
     }
     if (code < 0) {
-        orl_keep_done(keep, it);
-        disable_store(keep, &why);
+        orl_annual_cache_release(cache, entry);
+        disable_store(cache, &why);
         return;
     }
-    keep->store->release(keep->store->ctx, kind, it->key);
-    it->owed = false;
+    cache->store->release(cache->store->ctx, kind, entry->key);
+    entry->must_commit = false;
 }
 
-void orl_keep_done(struct orl_keep *keep, struct orl_keeping *it)
+void orl_annual_cache_release(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry)
 {
-    if (it->owed)
-        keep->store->abandon(keep->store->ctx, kind, it->key);
-    it->owed = false;
-    free(it->data);
-    it->data = NULL;
+    if (entry->must_commit)
+        cache->store->abandon(cache->store->ctx, kind, entry->key);
+    entry->must_commit = false;
+    free(entry->data);
+    entry->data = NULL;
 }
 
-void orl_keep_end(struct orl_keep *keep)
+void orl_annual_cache_report(struct orl_annual_cache *cache)
 {
-    keep->year->hushed = false;
-    if (keep->damaged)
-        orl_year_warn(keep->year, "parts of this year's light were kept, but damaged or out of "
-                                  "date: they were made again");
-    if (keep->why.code < 0)
-        orl_year_warn(keep->year,
+    cache->year->warnings_emitted = false;
+    if (cache->damaged)
+        orl_year_warn(cache->year, "parts of this year's light were kept, but damaged or out of "
+                                   "date: they were made again");
+    if (cache->why.code < 0)
+        orl_year_warn(cache->year,
                       "what this year's light is made of is not kept for later jobs: %s",
-                      keep->why.message);
+                      cache->why.message);
 }

@@ -1,10 +1,10 @@
 /*
- * Persistent cache of a year's intermediate results, in a store (oriel/run.h) as kind "annual".
+ * Persistent cache of a year's intermediate results, in a store (oriel/job/run.h) as kind "annual".
  * Each entry's key digests exactly the data that it depends on:
  *
  *   suns   scene, site, seed             interpolation weights of each sun over nodes and beams
  *   map    as suns                       sunlight on surfaces inside (sun_map.h)
- *   paths  as suns, sensors, samples     coefficients of a block of sensors, batch by batch
+ *   paths  as suns, sensors, samples     coefficients of a chunk of sensors, batch by batch
  *   sun    as suns, sensors, disc points direct sunlight at them, for every time of the file
  *   rows   as paths, the job             all hours of them; shared by the runs of one job
  *
@@ -17,54 +17,60 @@
 #ifndef ORL_ANNUAL_YEAR_ANNUAL_CACHE_H
 #define ORL_ANNUAL_YEAR_ANNUAL_CACHE_H
 
-#include <oriel/annual.h>
+#include <oriel/annual/annual.h>
 
 struct orl_year;
 
-enum { ORL_YEARS_ROWS = ORL_YEARS_KINDS }; /* internal kind, not reported in the result */
+enum {
+    ORL_ANNUAL_CACHE_ROWS = ORL_ANNUAL_CACHE_KINDS
+}; /* internal kind, not reported in the result */
 
-struct orl_keep {
+struct orl_annual_cache {
     struct orl_year *year;
-    const struct orl_map_store *store; /* NULL: nothing is stored */
-    bool off;                          /* true if the store is no longer used */
-    struct orl_error why;              /* reason for off, if something failed */
-    bool damaged;                      /* true if an entry was damaged */
-    struct orl_annual_reused rows;     /* counters of ORL_YEARS_ROWS, not reported */
-    char site[ORL_DIGEST_HEX + 1];     /* digest of the data on which all entries depend */
+    const struct orl_map_store *store;        /* NULL: nothing is stored */
+    bool disabled;                            /* true if the store is no longer used */
+    struct orl_error why;                     /* reason for disabled, if something failed */
+    bool damaged;                             /* true if an entry was damaged */
+    struct orl_annual_cache_stats rows_stats; /* counters of ORL_ANNUAL_CACHE_ROWS, not reported */
+    char site[ORL_DIGEST_HEX + 1];            /* digest of the data on which all entries depend */
 };
 
 /* Starts the cache of a year whose scene is loaded and whose hours are read. scene: the scene's
  * digest. */
-void orl_keep_begin(struct orl_keep *keep, struct orl_year *year, const unsigned char *scene);
+void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year,
+                           const unsigned char *scene);
 
 /* A requested entry. first and count select its sensors; both are 0 for suns and map. */
-struct orl_keeping {
-    unsigned what; /* an orl_annual_kept, or ORL_YEARS_ROWS */
+struct orl_annual_cache_entry {
+    unsigned data_kind; /* an orl_annual_cache_kind, or ORL_ANNUAL_CACHE_ROWS */
     size_t first, count;
     uint32_t samples; /* for paths and rows */
-    double core_s;    /* for suns and map: estimated time of one core (oriel/pieces.h) */
+    double core_s;    /* for suns and map: estimated time of one core (oriel/job/job_tasks.h) */
     char key[ORL_DIGEST_HEX + 1], family[ORL_DIGEST_HEX + 1], path[4096];
-    bool owed; /* true if the entry must be stored or abandoned */
+    bool must_commit; /* true if the entry must be stored or abandoned */
     /* Start by the run's clock; time that the samples found in the store took. */
-    double began_s, earlier_s;
-    uint64_t rays; /* rays that it took, including those of samples found in the store */
-    uint32_t had;  /* samples of paths that data contains */
-    void *data;    /* owned; NULL: the entry must be computed */
+    double start_s, stored_s;
+    uint64_t rays;           /* rays that it took, including those of samples found in the store */
+    uint32_t stored_samples; /* samples of paths that data contains */
+    void *data;              /* owned; NULL: the entry must be computed */
     size_t size;
 };
 
-/* Looks up an entry; the caller has set what, sensors, samples and core_s, and calls orl_keep_done
- * in the end. Paths may come with fewer samples: then had is smaller, and owed is true. Returns 0,
- * ORL_ERR_CANCELLED, or an error of a distributed run. */
-int orl_keep_ask(struct orl_keep *keep, struct orl_keeping *it, struct orl_error *err);
-/* Stores a computed entry if it is owed. size is a multiple of 4 bytes. */
-void orl_keep_put(struct orl_keep *keep, struct orl_keeping *it, const void *data, size_t size);
-void orl_keep_done(struct orl_keep *keep, struct orl_keeping *it);
+/* Looks up an entry; the caller has set data_kind, sensors, samples and core_s, and calls
+ * orl_annual_cache_release in the end. Paths may come with fewer samples: then stored_samples is
+ * smaller, and must_commit is true. Returns 0, ORL_ERR_CANCELLED, or an error of a distributed run.
+ */
+int orl_annual_cache_get(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
+                         struct orl_error *err);
+/* Stores a computed entry if must_commit is set. size is a multiple of 4 bytes. */
+void orl_annual_cache_put(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
+                          const void *data, size_t size);
+void orl_annual_cache_release(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry);
 
 /* Returns true if the store has the entry, without reading it. */
-bool orl_keep_has(struct orl_keep *keep, struct orl_keeping *it);
+bool orl_annual_cache_has(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry);
 
 /* Ends a successful run: warns of failures and of damaged entries. */
-void orl_keep_end(struct orl_keep *keep);
+void orl_annual_cache_report(struct orl_annual_cache *cache);
 
 #endif

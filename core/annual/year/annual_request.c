@@ -1,14 +1,14 @@
 /* Request and result of a year: defaults, validation, names, and freeing. */
-#include <oriel/annual.h>
+#include <oriel/annual/annual.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <oriel/coordinates.h>
-#include <oriel/limits.h>
+#include <oriel/base/coordinates.h>
+#include <oriel/base/limits.h>
 
-#include "annual/phases/matrix_terms.h"
+#include "annual/matrices/matrix_terms.h"
 
 static const double usual_ground = 0.2;
 
@@ -122,13 +122,14 @@ const char *orl_annual_stage_name(enum orl_annual_stage stage)
     return stage < ORL_ANNUAL_STAGES ? names[stage] : "";
 }
 
-const char *orl_annual_kept_name(enum orl_annual_kept kind)
+const char *orl_annual_cache_kind_name(enum orl_annual_cache_kind kind)
 {
-    static const char *const names[ORL_YEARS_KINDS] = {[ORL_YEARS_SUNS] = "suns",
-                                                       [ORL_YEARS_MAP] = "map",
-                                                       [ORL_YEARS_PATHS] = "paths",
-                                                       [ORL_YEARS_SUN] = "sun"};
-    return kind < ORL_YEARS_KINDS ? names[kind] : "";
+    static const char *const names[ORL_ANNUAL_CACHE_KINDS] = {[ORL_ANNUAL_CACHE_SUN_WEIGHTS] =
+                                                                  "suns",
+                                                              [ORL_ANNUAL_CACHE_SUN_MAP] = "map",
+                                                              [ORL_ANNUAL_CACHE_PATHS] = "paths",
+                                                              [ORL_ANNUAL_CACHE_SUNLIGHT] = "sun"};
+    return kind < ORL_ANNUAL_CACHE_KINDS ? names[kind] : "";
 }
 
 void orl_annual_done(struct orl_annual_result *result)

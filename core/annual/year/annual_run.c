@@ -1,9 +1,9 @@
-/* Runs a year from its request to its rows: load, skies, then paths, sun and hours block by
- * block. */
+/* Runs a year from its request to its rows: load, skies, then paths, sun and hours chunk by
+ * chunk. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/rows/sensor_blocks.h"
+#include "annual/coefficients/sensor_chunks.h"
 #include "annual/year/year_inputs.h"
 #include "run/cache/scene_cache.h"
 
@@ -12,14 +12,14 @@ static const struct orl_sun_spacing spacing = {4, 7.5};
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-static int admit_sources(const struct orl_description *description, struct orl_error *err)
+static int check_no_sources(const struct orl_parsed_scene *parsed_scene, struct orl_error *err)
 {
-    if (description->n_distants == 0)
+    if (parsed_scene->n_distant_sources == 0)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID,
                   "a year has skies and suns of its own, but the scene has the distant source "
                   "'%.100s'",
-                  description->distants[0].name);
+                  parsed_scene->distant_sources[0].name);
     orl_error_at(err, NULL, 0, "scene");
     orl_error_hint(err, "Leave sky and sun out of the scene");
     return ORL_ERR_INVALID;
@@ -28,18 +28,19 @@ static int admit_sources(const struct orl_description *description, struct orl_e
 /* Digests the scene: its files, and the material overrides. */
 static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
-    const struct orl_description *const description = &scene->description;
+    const struct orl_parsed_scene *const parsed_scene = &scene->parsed_scene;
     struct orl_sha256 hash;
-    for (size_t i = 0; i < description->n_files; i++)
-        if (orl_annual_note_read(y->result, description->files[i]) < 0)
+    for (size_t i = 0; i < parsed_scene->n_files; i++)
+        if (orl_annual_add_scene_file(y->result, parsed_scene->files[i]) < 0)
             return orl_year_no_memory(err);
     orl_sha256_init(&hash);
-    orl_sha256_add(&hash, description->digest, ORL_SHA256_BYTES);
-    orl_scene_digest_recipe(scene, &hash);
-    if (y->variant && y->variant->swaps)
-        orl_swaps_digest(y->variant->swaps, &hash);
-    if (y->variant && y->variant->parts)
-        orl_sha256_add(&hash, &y->variant->parts->n_groups, sizeof y->variant->parts->n_groups);
+    orl_sha256_add(&hash, parsed_scene->digest, ORL_SHA256_BYTES);
+    orl_scene_digest_build(scene, &hash);
+    if (y->overrides && y->overrides->material_overrides)
+        orl_material_overrides_digest(y->overrides->material_overrides, &hash);
+    if (y->overrides && y->overrides->window_groups)
+        orl_sha256_add(&hash, &y->overrides->window_groups->n_groups,
+                       sizeof y->overrides->window_groups->n_groups);
     orl_sha256_finish(&hash, y->digest);
     return 0;
 }
@@ -56,7 +57,7 @@ static void check_planes(struct orl_year *y, const struct orl_scene *scene,
     enum { MOST = 20 };
     char text[480];
     if (!orl_run_describe_sensors_in_planes(scene, y->request->sensors + range->first, range->count,
-                                            y->env->run->crew, text, sizeof text))
+                                            y->env->run->pool, text, sizeof text))
         return;
     const size_t before = (*n_warned)++;
     if (before < MOST)
@@ -85,7 +86,7 @@ static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
                                      .sensors = r->sensors,
                                      .ranges = ranges,
                                      .n_ranges = n,
-                                     .crew = y->env->run->crew,
+                                     .pool = y->env->run->pool,
                                      .warn = warn_of_sensors,
                                      .ctx = y};
     const int code = orl_run_check_sensor_spaces(&check);
@@ -96,7 +97,7 @@ static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
 /* Warns, once per job, of sensors in planes of surfaces, and of sensors apart from their grid. */
 static int check_sensors(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
-    if (y->variant && y->variant->sensors_checked)
+    if (y->overrides && y->overrides->sensors_checked)
         return 0;
     const int code = check_ranges(y, scene);
     if (code < 0)
@@ -111,21 +112,22 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     struct orl_job job;
     struct orl_result result = {0};
     struct orl_run_env env = *y->env->run;
-    struct orl_told told = {0};
+    struct orl_progress progress = {0};
     orl_job_init(&job);
     job.scene_files = y->request->scene_files;
     job.n_scene_files = y->request->n_scene_files;
     job.seed = y->request->seed;
     env.progress = NULL;
-    struct orl_run_state state = {.job = &job, .env = &env, .result = &result, .told = &told};
+    struct orl_run_state state = {
+        .job = &job, .env = &env, .result = &result, .progress = &progress};
     state.sensors = y->request->sensors;
     state.n_sensors = y->request->n_sensors;
-    state.swaps = y->variant ? y->variant->swaps : NULL;
+    state.material_overrides = y->overrides ? y->overrides->material_overrides : NULL;
     state.stage_started = state.started_s = orl_year_now(y);
-    int code = orl_run_load(&state, err);
+    int code = orl_run_load_scene(&state, err);
     y->lights = state.lights;
     if (code == 0)
-        code = admit_sources(&state.scene->description, err);
+        code = check_no_sources(&state.scene->parsed_scene, err);
     if (code == 0)
         code = name_scene(y, state.scene, err);
     orl_health_add(&y->result->health, &result.health);
@@ -146,18 +148,18 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
 static int place_nodes(struct orl_year *y)
 {
     const struct orl_year_suns *suns = &y->hours.suns;
-    const struct orl_turn north = orl_turn_by(y->request->north_deg);
+    const struct orl_sky_rotation north = orl_sky_rotation_by_north(y->request->north_deg);
     const double share = 1.0 / (1U << y->request->sun_halvings);
     struct orl_sun_spacing steps = orl_sun_spacing_at(y->result->latitude_deg, spacing);
     steps.declination_deg *= share;
     steps.hour_angle_deg *= share;
     const int code =
-        orl_sun_nodes_init(&y->nodes, y->result->latitude_deg, suns->in_sky, suns->count, steps);
+        orl_sun_grid_init(&y->nodes, y->result->latitude_deg, suns->in_sky, suns->count, steps);
     y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)
         return ORL_ERR_NOMEM;
     for (size_t k = 0; k < y->nodes.count; k++)
-        y->node_frames[k] = orl_frame_about(orl_turn_to_scene(north, y->nodes.at[k]));
+        y->node_frames[k] = orl_frame_about(orl_sky_rotation_to_scene(north, y->nodes.at[k]));
     return 0;
 }
 
@@ -165,26 +167,26 @@ static int prepare_year(struct orl_year *y, struct orl_error *err)
 {
     double since = orl_year_now(y);
     int code = load_scene(y, err);
-    orl_year_book(y, ORL_ANNUAL_LOAD, &since);
+    orl_year_add_timing(y, ORL_ANNUAL_LOAD, &since);
     orl_bins_init(&y->bins);
-    orl_year_tell(y, ORL_STAGE_MAPS, 0);
+    orl_year_report_progress(y, ORL_STAGE_MAPS, 0);
     if (code == 0)
-        code = y->variant && y->variant->hours_of
-                   ? orl_year_borrow_hours(y, y->variant->hours_of, err)
+        code = y->overrides && y->overrides->hours_of
+                   ? orl_year_borrow_hours(y, y->overrides->hours_of, err)
                    : orl_year_read_hours(y, err);
     if (code < 0)
         return code;
     if (place_nodes(y) < 0)
         return orl_year_no_memory(err);
-    orl_keep_begin(&y->keep, y, y->digest);
-    if (y->keep.store)
+    orl_annual_cache_init(&y->cache, y, y->digest);
+    if (y->cache.store)
         orl_hours_want_all(&y->hours);
-    code = orl_year_find_suns(y, err);
+    code = orl_year_find_sun_weights(y, err);
     if (code < 0)
         return code;
     y->result->n_nodes = y->nodes.count;
-    orl_year_tell_hours(y);
-    orl_year_book(y, ORL_ANNUAL_SKIES, &since);
+    orl_year_move_hours(y);
+    orl_year_add_timing(y, ORL_ANNUAL_SKIES, &since);
     return 0;
 }
 
@@ -193,55 +195,57 @@ static int prepare_year(struct orl_year *y, struct orl_error *err)
 static int run_year(struct orl_year *y, struct orl_error *err)
 {
     int code = prepare_year(y, err);
-    if (code == 0 && y->variant && y->variant->prepared)
-        code = y->variant->prepared(y->variant->ctx, y, err);
+    if (code == 0 && y->overrides && y->overrides->prepared)
+        code = y->overrides->prepared(y->overrides->ctx, y, err);
     if (code == 0)
-        code = orl_year_run_blocks(y, err);
+        code = orl_year_run_chunks(y, err);
     if (code == 0)
-        orl_keep_end(&y->keep);
+        orl_annual_cache_report(&y->cache);
     return code;
 }
 
 static void free_year(struct orl_year *y)
 {
-    orl_year_light_done(y);
+    orl_year_inputs_done(y);
     orl_lights_release(y->lights);
-    if (y->variant && y->variant->hours_of) {
+    if (y->overrides && y->overrides->hours_of) {
         free(y->hours.steps);
         free(y->hours.step_of_column);
     } else {
         orl_hours_done(&y->hours);
     }
-    orl_sun_nodes_done(&y->nodes);
+    orl_sun_grid_done(&y->nodes);
     free(y->node_frames);
-    orl_year_blocks_done(y);
+    orl_year_chunks_done(y);
     free(y);
 }
 
 int orl_year_run(const struct orl_annual_request *request, const struct orl_annual_env *env,
-                 const struct orl_year_variant *variant, struct orl_annual_result *ret_result,
+                 const struct orl_year_overrides *overrides, struct orl_annual_result *ret_result,
                  struct orl_error *err)
 {
     const uint32_t samples = request->samples > 0 ? request->samples : ORL_ANNUAL_SAMPLES;
     const uint32_t of_batch = (samples + ORL_ANNUAL_BATCHES - 1) / ORL_ANNUAL_BATCHES;
     struct orl_annual_result result = {.seed = request->seed,
-                                       .threads = orl_crew_size(env->run->crew),
+                                       .threads = orl_thread_pool_size(env->run->pool),
                                        .samples = of_batch * ORL_ANNUAL_BATCHES,
                                        .n_sensors = request->n_sensors};
     struct orl_year *y = calloc(1, sizeof *y);
     if (!y)
         return orl_year_no_memory(err);
-    y->variant = variant;
+    y->overrides = overrides;
     y->request = request;
     y->env = env;
     y->result = &result;
     y->batch_samples = of_batch;
-    y->n_parts = variant && variant->parts ? (uint32_t)variant->parts->n_groups + 1 : 1;
+    y->n_window_groups = overrides && overrides->window_groups
+                             ? (uint32_t)overrides->window_groups->n_groups + 1
+                             : 1;
     y->started_s = orl_year_now(y);
-    orl_year_tell(y, ORL_STAGE_LOAD, 0);
-    orl_crew_heed(env->run->crew, env->run->cancel);
+    orl_year_report_progress(y, ORL_STAGE_LOAD, 0);
+    orl_thread_pool_set_cancel(env->run->pool, env->run->cancel);
     const int code = run_year(y, err);
-    orl_crew_heed(env->run->crew, NULL);
+    orl_thread_pool_set_cancel(env->run->pool, NULL);
     result.total_s = orl_year_now(y) - y->started_s;
     free_year(y);
     if (code < 0) {

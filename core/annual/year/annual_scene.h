@@ -11,43 +11,45 @@
 #include "annual/sun/mirror_planes.h"
 #include "annual/sun/sun_grid_sampling.h"
 #include "annual/sun_map/sun_map.h"
-#include "base/sobol.h"
-#include "render/gather/aim.h"
+#include "base/sampling/sobol.h"
+#include "render/gather/direction_sampling.h"
 #include "render/gather/gather.h"
 
 struct orl_annual_scene {
-    const struct orl_world *world; /* borrowed, like bins and nodes; has no suns, domes and lamps */
+    const struct orl_lit_scene
+        *lit_scene; /* borrowed, like bins and nodes; has no suns, domes and lamps */
     const struct orl_bins *bins;
-    struct orl_turn north;
+    struct orl_sky_rotation north;
     const struct orl_frame *nodes; /* frames of the sun's nodes in scene axes, n towards the sun */
     size_t n_nodes;
-    struct orl_node_lots lots; /* subsets of the nodes */
-    uint32_t a_circle;         /* nodes per circle, stored contiguously (sun_grid.h) */
-    struct orl_aim aim;
+    struct orl_sun_grid_subsets subsets; /* subsets of the nodes */
+    uint32_t nodes_per_circle;           /* nodes per circle, stored contiguously (sun_grid.h) */
+    struct orl_direction_sampler sampler;
     struct orl_sobol sobol;
-    struct orl_windows ports;
+    struct orl_port_rects ports;
     struct orl_mirrors mirrors; /* light of mirrors seen through ports is in no map */
     struct orl_sun_map
-        *map;         /* owned, set by the caller; NULL: sunlight is found by shadow rays alone */
-    bool whole_map;   /* true if the map includes light between diffuse surfaces */
-    uint32_t n_parts; /* parts of the windows (window_parts.h) */
-    uint16_t *part_of_port; /* owned; NULL: there is one part */
+        *map; /* owned, set by the caller; NULL: sunlight is found by shadow rays alone */
+    bool map_interreflection;       /* true if the map includes light between diffuse surfaces */
+    uint32_t n_window_groups;       /* window groups (window_group_ports.h) */
+    uint16_t *window_group_of_port; /* owned; NULL: there is one window group */
 };
 
-/* Returns the part to which light through a port belongs; ORL_NO_PORT: through no port. */
-static inline uint32_t orl_annual_part_of(const struct orl_annual_scene *scene, int32_t port)
+/* Returns the window group to which light through a port belongs; ORL_NO_PORT: through no port. */
+static inline uint32_t orl_annual_window_group_of(const struct orl_annual_scene *scene,
+                                                  int32_t port)
 {
-    if (!scene->part_of_port)
+    if (!scene->window_group_of_port)
         return 0;
-    return port == ORL_NO_PORT ? scene->n_parts - 1 : scene->part_of_port[port];
+    return port == ORL_NO_PORT ? scene->n_window_groups - 1 : scene->window_group_of_port[port];
 }
 
 /* Returns 0, ORL_ERR_NOMEM or _CANCELLED; the caller calls orl_annual_scene_done in either case. */
-int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_world *world,
-                          const struct orl_bins *bins, struct orl_turn north,
-                          const struct orl_frame *nodes, size_t n_nodes, uint32_t a_circle,
-                          struct orl_crew *crew);
-/* Splits light by window group; the last part holds the windows of no group. Returns 0 or
+int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_lit_scene *lit_scene,
+                          const struct orl_bins *bins, struct orl_sky_rotation north,
+                          const struct orl_frame *nodes, size_t n_nodes, uint32_t nodes_per_circle,
+                          struct orl_thread_pool *pool);
+/* Splits light by window group; the last window group holds the windows of no group. Returns 0 or
  * ORL_ERR_NOMEM. */
 int orl_annual_scene_split(struct orl_annual_scene *scene, size_t n_groups);
 /* Returns the request with which the caller makes the scene's sun map. */
@@ -56,7 +58,7 @@ struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_
 /* Estimates the time of the map, in seconds of one core, before the scene is loaded. */
 double orl_annual_scene_map_core_s(const struct orl_annual_request *request, size_t n_nodes);
 /* Returns true if some port is a BSDF pane. */
-bool orl_annual_has_panels(const struct orl_world *world);
+bool orl_annual_has_bsdf_panes(const struct orl_lit_scene *lit_scene);
 void orl_annual_scene_done(struct orl_annual_scene *scene);
 
 #endif

@@ -15,7 +15,7 @@ void orl_year_warn(struct orl_year *y, const char *format, ...)
     struct orl_annual_result *r = y->result;
     char text[1024];
     va_list args;
-    if (y->hushed)
+    if (y->warnings_emitted)
         return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -30,7 +30,7 @@ void orl_year_warn(struct orl_year *y, const char *format, ...)
     r->n_warnings += grown[r->n_warnings] != NULL;
 }
 
-int orl_annual_note_read(struct orl_annual_result *result, const char *name)
+int orl_annual_add_scene_file(struct orl_annual_result *result, const char *name)
 {
     for (size_t i = 0; i < result->n_scene_read; i++)
         if (strcmp(result->scene_read[i], name) == 0)
@@ -51,7 +51,7 @@ double orl_year_now(const struct orl_year *y)
     return y->env->run->now_s(y->env->run->ctx);
 }
 
-void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *since)
+void orl_year_add_timing(struct orl_year *y, enum orl_annual_stage stage, double *since)
 {
     const double t = orl_year_now(y);
     y->result->timings_s[stage] += t - *since;
@@ -62,13 +62,13 @@ void orl_year_book(struct orl_year *y, enum orl_annual_stage stage, double *sinc
  * blocks_s to now; the rest is assumed to take as long per sensor. NaN if unknown. */
 static double total_time_s(const struct orl_year *y, double sensors)
 {
-    const double now = orl_year_now(y), before = y->blocks_s - y->started_s;
-    const double n = (double)(y->request->n_sensors - y->kept);
-    const double w = n > 0 ? (sensors - (double)y->kept) / n : 1;
-    return w > 0 && y->blocks_s > 0 ? before + (now - y->blocks_s) / w : (double)NAN;
+    const double now = orl_year_now(y), before = y->chunks_s - y->started_s;
+    const double n = (double)(y->request->n_sensors - y->restored);
+    const double w = n > 0 ? (sensors - (double)y->restored) / n : 1;
+    return w > 0 && y->chunks_s > 0 ? before + (now - y->chunks_s) / w : (double)NAN;
 }
 
-void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors)
+void orl_year_report_progress(struct orl_year *y, enum orl_stage stage, double sensors)
 {
     if (!y->env->run->progress)
         return; /* returns without reading the clock */
@@ -76,9 +76,9 @@ void orl_year_tell(struct orl_year *y, enum orl_stage stage, double sensors)
     const double left =
         stage == ORL_STAGE_RENDER ? total_time_s(y, sensors) - elapsed : (double)NAN;
     if (elapsed + left > 0)
-        y->told = fmax(y->told, fmin(elapsed / (elapsed + left), 1));
-    orl_run_report(y->env->run, stage, sensors / (double)y->request->n_sensors,
-                   &(struct orl_run_report){y->told, elapsed, left});
+        y->reported_progress = fmax(y->reported_progress, fmin(elapsed / (elapsed + left), 1));
+    orl_progress_report(y->env->run, stage, sensors / (double)y->request->n_sensors,
+                        &(struct orl_progress_report){y->reported_progress, elapsed, left});
 }
 
 int orl_year_no_memory(struct orl_error *err)
@@ -93,7 +93,7 @@ int orl_year_cancelled(struct orl_error *err)
 
 int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err)
 {
-    return code == ORL_ERR_CANCELLED || orl_crew_cancelled(y->env->run->crew)
+    return code == ORL_ERR_CANCELLED || orl_thread_pool_cancelled(y->env->run->pool)
                ? orl_year_cancelled(err)
                : orl_year_no_memory(err);
 }
@@ -138,7 +138,7 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     y->result->first_weekday = weather.first_weekday;
     y->result->n_moved = weather.n_moved;
     code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
-                          request->ground_reflectance, y->env->run->crew, err);
+                          request->ground_reflectance, y->env->run->pool, err);
     if (code == 0)
         warn_of_times(y, &weather);
     orl_weather_done(&weather);
@@ -174,7 +174,7 @@ int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struc
     return 0;
 }
 
-void orl_year_tell_hours(struct orl_year *y)
+void orl_year_move_hours(struct orl_year *y)
 {
     y->result->n_columns = y->hours.n_columns;
     y->result->n_steps = y->hours.n_steps;

@@ -1,6 +1,6 @@
 /*
- * Inputs of a year's light: world, ports, mirrors, sunlight on surfaces inside, and panels, each
- * made when first needed; and interpolation weights of the suns over nodes and beams. If all
+ * Inputs of a year's light: world, ports, mirrors, sunlight on surfaces inside, and BSDF panes,
+ * each made when first needed; and interpolation weights of the suns over nodes and beams. If all
  * results come from a store, no ray is traced.
  *
  * Errors: ORL_ERR_UNSUPPORTED, naming a surface, _INVALID, _LIMIT, _NOMEM, _CANCELLED.
@@ -10,12 +10,12 @@
 
 #include "annual/year/annual_year.h"
 
-/* Finds terms and n_beams of a year whose nodes are placed. */
-int orl_year_find_suns(struct orl_year *y, struct orl_error *err);
+/* Finds sun_weights and n_beams of a year whose nodes are placed. */
+int orl_year_find_sun_weights(struct orl_year *y, struct orl_error *err);
 /* Makes world and scene if necessary; paths need them. */
-int orl_year_need_scene(struct orl_year *y, struct orl_error *err);
-/* Also makes the panels; sunlight at sensors needs them. */
-int orl_year_need_panels(struct orl_year *y, struct orl_error *err);
-void orl_year_light_done(struct orl_year *y);
+int orl_year_ensure_scene(struct orl_year *y, struct orl_error *err);
+/* Also makes the BSDF panes; sunlight at sensors needs them. */
+int orl_year_ensure_bsdf_panes(struct orl_year *y, struct orl_error *err);
+void orl_year_inputs_done(struct orl_year *y);
 
 #endif

@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/percent.h"
-#include "base/sum.h"
+#include "base/statistics/percent.h"
+#include "base/statistics/sum.h"
 #include "metrics/annual/pass_probability.h"
 #include "metrics/annual/sensor_year.h"
 
@@ -88,16 +88,16 @@ static int find_bounds(const double *crossing, const double *area, size_t n,
         double low = 0, high = 0;
         const size_t open =
             list_undecided(crossing, end == 0 ? one_sided : -one_sided, area, n, parts, &sure);
-        code = orl_chance_bounds(parts, open, tail, cancel, &low, &high);
+        code = orl_passing_area_bounds(parts, open, tail, cancel, &low, &high);
         *(end == 0 ? ret_low : ret_high) = orl_sum_value(&sure) + (end == 0 ? low : high);
     }
     free(parts);
     return code;
 }
 
-int orl_annual_share(const double *crossing, const double *area, size_t n, bool known,
-                     const atomic_bool *cancel, struct orl_annual_area *ret_result,
-                     struct orl_error *err)
+int orl_annual_area_share(const double *crossing, const double *area, size_t n, bool known,
+                          const atomic_bool *cancel, struct orl_annual_area *ret_result,
+                          struct orl_error *err)
 {
     struct orl_sum total = {0}, passing = {0};
     double low = 0, high = 0;
@@ -150,15 +150,16 @@ static int compute_share(const struct orl_annual_figure *figure,
                          struct orl_annual_area *ret_area, struct orl_error *err)
 {
     const size_t n = rows->n_sensors;
-    double *room = calloc(n + orl_crew_size(rows->crew) * period->n_columns + 1, sizeof *room);
+    double *room =
+        calloc(n + orl_thread_pool_size(rows->pool) * period->n_columns + 1, sizeof *room);
     if (!room)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     struct crossings c = {figure, period, rows, .crossing = room, .scratch = room + n};
-    orl_crew_for(rows->crew, n, find_crossing, &c);
+    orl_parallel_for(rows->pool, n, find_crossing, &c);
     const int code = atomic_load(&c.cancelled)
                          ? report_failure(ORL_ERR_CANCELLED, err)
-                         : orl_annual_share(room, rows->area, n, !atomic_load(&c.unknown),
-                                            rows->cancel, ret_area, err);
+                         : orl_annual_area_share(room, rows->area, n, !atomic_load(&c.unknown),
+                                                 rows->cancel, ret_area, err);
     free(room);
     return code;
 }
@@ -305,7 +306,7 @@ static int check_figure(const struct orl_annual_figure *figure, const struct orl
         return orl_error_set(err, ORL_ERR_INVALID, "the direct sun is not known by itself");
     if (figure->metric.kind == ORL_METRIC_DF && !rows->overcast_lx)
         return orl_error_set(err, ORL_ERR_INVALID, "the light of an overcast sky is not known");
-    if (figure->over == ORL_OVER_SHARE && !orl_annual_grows(figure->metric.kind))
+    if (figure->aggregate == ORL_AGGREGATE_SHARE && !orl_annual_is_monotonic(figure->metric.kind))
         return orl_error_set(err, ORL_ERR_INVALID,
                              "a share of the area is told of metrics that grow with the light");
     return 0;
@@ -321,17 +322,17 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
     int code = check_figure(figure, rows, err);
     if (code < 0)
         return code;
-    switch (figure->over) {
-    case ORL_OVER_SHARE:
+    switch (figure->aggregate) {
+    case ORL_AGGREGATE_SHARE:
         code = compute_share(figure, period, rows, &result, err);
         break;
-    case ORL_OVER_AVERAGE:
+    case ORL_AGGREGATE_AVERAGE:
         code = compute_average(&figure->metric, period, rows, &result.value, err);
         break;
-    case ORL_OVER_LEAST:
+    case ORL_AGGREGATE_LEAST:
         code = compute_worst(&figure->metric, period, rows, &result.value, err);
         break;
-    case ORL_OVER_OF_MEAN: /* the mean of DFs is the DF of the mean */
+    case ORL_AGGREGATE_OF_MEAN: /* the mean of DFs is the DF of the mean */
         code = figure->metric.kind == ORL_METRIC_DF
                    ? compute_average(&figure->metric, period, rows, &result.value, err)
                    : compute_of_mean(&figure->metric, period, rows, &result.value, err);

@@ -2,7 +2,7 @@
 #ifndef ORL_METRICS_ANNUAL_CALENDAR_H
 #define ORL_METRICS_ANNUAL_CALENDAR_H
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 struct orl_calendar_day {
     int month, day; /* both from 1 */

@@ -1,5 +1,5 @@
 /* Names and units of metrics. */
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include <stdio.h>
 

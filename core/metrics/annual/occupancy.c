@@ -1,11 +1,11 @@
 /* Hours of use of a room, by weekdays and hours or from a file. */
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include <math.h>
 
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 #include "metrics/annual/calendar.h"
 
 void orl_occupancy_init(struct orl_occupancy *occupancy)
@@ -39,7 +39,7 @@ void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_
 
 enum { MOST_FIELDS = 4 };
 
-struct reading {
+struct occupancy_reader {
     struct orl_scanner scanner;
     const struct orl_annual_steps *steps;
     unsigned char *marks;
@@ -50,7 +50,7 @@ struct reading {
     struct orl_error *err;
 };
 
-static int report_line_error(const struct reading *r, int code, const char *what)
+static int report_line_error(const struct occupancy_reader *r, int code, const char *what)
 {
     orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
     return code;
@@ -58,7 +58,7 @@ static int report_line_error(const struct reading *r, int code, const char *what
 
 /* Finds the resolution of the file from the hour of its first line: 0.5 for hours, 0.25 for half
  * hours. */
-static int find_resolution(struct reading *r, double hour)
+static int find_resolution(struct occupancy_reader *r, double hour)
 {
     const double per_hour = hour > 0 && hour < 0.5 ? round(0.5 / hour) : 1;
     if (per_hour != 1 && per_hour != r->steps->per_hour)
@@ -68,7 +68,7 @@ static int find_resolution(struct reading *r, double hour)
     return 0;
 }
 
-static int check_time(struct reading *r, const double values[MOST_FIELDS])
+static int check_time(struct occupancy_reader *r, const double values[MOST_FIELDS])
 {
     int code = r->count == 0 ? find_resolution(r, values[2]) : 0;
     if (code < 0)
@@ -95,12 +95,13 @@ static bool begins_number(struct orl_slice line)
         return true;
     const char c = cell.text[0];
     return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' ||
-           orl_number_read(cell.text, cell.length, &value) != ORL_NUMBER_NOT_ONE;
+           orl_number_read(cell.text, cell.length, &value) != ORL_NUMBER_INVALID;
 }
 
 /* Splits a line into numbers separated by commas, semicolons or blanks. Returns their count, or an
  * error. */
-static int split_line(struct reading *r, struct orl_slice line, double ret_values[MOST_FIELDS])
+static int split_line(struct occupancy_reader *r, struct orl_slice line,
+                      double ret_values[MOST_FIELDS])
 {
     struct orl_cells cells;
     struct orl_slice cell;
@@ -119,7 +120,7 @@ static int split_line(struct reading *r, struct orl_slice line, double ret_value
     return n;
 }
 
-static int read_line(struct reading *r, struct orl_slice line)
+static int read_line(struct occupancy_reader *r, struct orl_slice line)
 {
     double values[MOST_FIELDS] = {0};
     line = orl_slice_trim(line);
@@ -155,7 +156,7 @@ static void expand_hours(unsigned char *marks, const struct orl_annual_steps *st
         marks[i] = marks[i / steps->per_hour];
 }
 
-static int report_line_count(const struct reading *r)
+static int report_line_count(const struct occupancy_reader *r)
 {
     orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
                   r->steps->count);
@@ -169,7 +170,7 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
                        const struct orl_annual_steps *steps, unsigned char *ret_marks,
                        struct orl_error *err)
 {
-    struct reading r = {.steps = steps, .marks = ret_marks, .err = err};
+    struct occupancy_reader r = {.steps = steps, .marks = ret_marks, .err = err};
     struct orl_slice line;
     int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
     while (code == 0 && orl_scanner_line(&r.scanner, &line))

@@ -4,9 +4,9 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include <oriel/annual_metrics.h>
-#include <oriel/crew.h>
-#include <oriel/units.h>
+#include <oriel/annual/annual_metrics.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/base/units.h>
 
 enum { PLACES = 1 << 14 };
 static const double nothing = 1e-18; /* negligible probability; such places are dropped */
@@ -81,8 +81,8 @@ static void find_bounds(const struct spread *s, double tail, size_t *ret_low, si
         above += s->at[(*ret_high)--];
 }
 
-int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail,
-                      const atomic_bool *cancel, double *ret_low, double *ret_high)
+int orl_passing_area_bounds(const struct orl_area_part *parts, size_t n, double tail,
+                            const atomic_bool *cancel, double *ret_low, double *ret_high)
 {
     const bool alike = areas_are_equal(parts, n);
     double total = 0;

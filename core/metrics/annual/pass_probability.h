@@ -20,8 +20,8 @@ struct orl_area_part {
 /* Computes bounds of the sum: it is below low, and above high, with a probability of at most `tail`
  * each. Polls cancel, which may be NULL, at each part. Returns 0, ORL_ERR_NOMEM or
  * ORL_ERR_CANCELLED. */
-int orl_chance_bounds(const struct orl_area_part *parts, size_t n, double tail,
-                      const atomic_bool *cancel, double *ret_low, double *ret_high);
+int orl_passing_area_bounds(const struct orl_area_part *parts, size_t n, double tail,
+                            const atomic_bool *cancel, double *ret_low, double *ret_high);
 
 /* Return the share of Student's t distribution above t, with ORL_ANNUAL_DEGREES degrees of freedom
  * (Abramowitz and Stegun 1964, 26.7.3), and its inverse for 0 < share_above < 1. */

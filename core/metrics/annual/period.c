@@ -1,5 +1,5 @@
 /* Steps of a year that count. */
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Requirements of standards and labels, as targets. */
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include <string.h>
 #include <strings.h>

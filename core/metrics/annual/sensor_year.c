@@ -4,10 +4,10 @@
 #include <float.h>
 #include <math.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
-#include "base/kth.h"
-#include "base/percent.h"
+#include "base/statistics/nth_element.h"
+#include "base/statistics/percent.h"
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
@@ -72,7 +72,7 @@ static double shifted_value(const struct light *light, uint32_t column, double z
     return value * exp(z * shared_relative_error(light, column));
 }
 
-void orl_annual_factors(const struct orl_annual_light *row, size_t n, float *ret_factors)
+void orl_annual_error_factors(const struct orl_annual_light *row, size_t n, float *ret_factors)
 {
     const struct light light = light_of_total(row);
     for (size_t i = 0; i < n; i++)
@@ -104,8 +104,9 @@ static double step_weight(const struct orl_annual_metric *metric, double lx)
     }
 }
 
-double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_annual_period *period,
-                     const struct orl_annual_light *row, double z)
+double orl_annual_evaluate_at(const struct orl_annual_metric *metric,
+                              const struct orl_annual_period *period,
+                              const struct orl_annual_light *row, double z)
 {
     const struct light light = light_of(metric, row);
     if (metric->kind == ORL_METRIC_DF)
@@ -127,7 +128,7 @@ double orl_annual_at(const struct orl_annual_metric *metric, const struct orl_an
     }
 }
 
-bool orl_annual_grows(enum orl_metric_kind kind)
+bool orl_annual_is_monotonic(enum orl_metric_kind kind)
 {
     return kind != ORL_METRIC_UDI && kind != ORL_METRIC_UDI_LOWER && kind != ORL_METRIC_UDI_PART;
 }
@@ -139,10 +140,10 @@ static struct orl_annual_value steady_within(const struct orl_annual_metric *met
                                              const struct orl_annual_period *period,
                                              const struct orl_annual_light *row, double z)
 {
-    const double below = orl_annual_at(metric, period, row, -z);
-    const double above = orl_annual_at(metric, period, row, z);
-    return (struct orl_annual_value){orl_annual_at(metric, period, row, 0), fmin(below, above),
-                                     fmax(below, above)};
+    const double below = orl_annual_evaluate_at(metric, period, row, -z);
+    const double above = orl_annual_evaluate_at(metric, period, row, z);
+    return (struct orl_annual_value){orl_annual_evaluate_at(metric, period, row, 0),
+                                     fmin(below, above), fmax(below, above)};
 }
 
 /*
@@ -160,7 +161,7 @@ static struct orl_annual_value range_within(const struct orl_annual_metric *metr
                                           metric->high_lx, 0};
     const struct orl_annual_value come = steady_within(&in, period, row, z);
     const struct orl_annual_value gone = steady_within(&out, period, row, z);
-    const double value = orl_annual_at(metric, period, row, 0);
+    const double value = orl_annual_evaluate_at(metric, period, row, 0);
     return (struct orl_annual_value){
         value, fmax(0, value - hypot(come.value - come.low, gone.high - gone.value)),
         fmin(100, value + hypot(come.high - come.value, gone.value - gone.low))};
@@ -171,7 +172,7 @@ struct orl_annual_value orl_annual_within(const struct orl_annual_metric *metric
                                           const struct orl_annual_light *row, double z)
 {
     if (!orl_annual_errors_known(metric, row))
-        return (struct orl_annual_value){orl_annual_at(metric, period, row, 0), NAN, NAN};
+        return (struct orl_annual_value){orl_annual_evaluate_at(metric, period, row, 0), NAN, NAN};
     if (metric->kind == ORL_METRIC_UDI || metric->kind == ORL_METRIC_UDI_PART)
         return range_within(metric, period, row, z);
     return steady_within(metric, period, row, z);
@@ -216,7 +217,7 @@ static double counting_crossing(const struct orl_annual_metric *metric, double n
         return INFINITY;
     for (size_t i = 0; i < period->n_columns; i++)
         scratch[i] = step_crossing(metric, &light, period->columns[i]);
-    return orl_find_kth(scratch, period->n_columns, (size_t)needed - 1);
+    return orl_nth_element(scratch, period->n_columns, (size_t)needed - 1);
 }
 
 /* Returns the crossing of other metrics, which grow monotonically, by bisection. */
@@ -227,18 +228,18 @@ static double sought_crossing(const struct orl_annual_metric *metric, double bou
     const double reach = 38; /* beyond it a double holds no probability of a normal law */
     const double hair = 1e-12 * fabs(bound);
     double low = -reach, high = reach;
-    if (orl_annual_at(metric, period, row, low) >= bound - hair)
+    if (orl_annual_evaluate_at(metric, period, row, low) >= bound - hair)
         return -INFINITY;
-    if (orl_annual_at(metric, period, row, high) < bound - hair)
+    if (orl_annual_evaluate_at(metric, period, row, high) < bound - hair)
         return INFINITY;
     for (int i = 0; i < 60; i++) {
         const double middle = (low + high) / 2;
-        if (orl_annual_at(metric, period, row, middle) >= bound - hair)
+        if (orl_annual_evaluate_at(metric, period, row, middle) >= bound - hair)
             high = middle;
         else
             low = middle;
     }
-    return orl_annual_at(metric, period, row, 0) >= bound - hair ? fmin(high, 0) : high;
+    return orl_annual_evaluate_at(metric, period, row, 0) >= bound - hair ? fmin(high, 0) : high;
 }
 
 double orl_annual_crossing(const struct orl_annual_metric *metric, double bound,

@@ -1,8 +1,9 @@
-/* Functions on single sensors for figures of areas, beside those of oriel/annual_metrics.h. */
+/* Functions on single sensors for figures of areas, beside those of oriel/annual/annual_metrics.h.
+ */
 #ifndef ORL_METRICS_ANNUAL_SENSOR_YEAR_H
 #define ORL_METRICS_ANNUAL_SENSOR_YEAR_H
 
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 /* 97.5 % quantile of Student's t with ORL_ANNUAL_DEGREES degrees of freedom. */
 #define ORL_ANNUAL_Z 2.131449545559323

@@ -1,5 +1,5 @@
 /* Parser of targets, and verdicts on them. */
-#include <oriel/annual_metrics.h>
+#include <oriel/annual/annual_metrics.h>
 
 #include <ctype.h>
 #include <math.h>
@@ -7,14 +7,14 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 
-struct reading {
+struct target_parser {
     const char *text, *at;
     struct orl_error *err;
 };
 
-static int report_wanted(const struct reading *r, const char *what)
+static int report_wanted(const struct target_parser *r, const char *what)
 {
     orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': %s is wanted %s%s%s", r->text, what,
                   *r->at ? "at '" : "at its end", r->at, *r->at ? "'" : "");
@@ -23,14 +23,14 @@ static int report_wanted(const struct reading *r, const char *what)
     return ORL_ERR_SYNTAX;
 }
 
-static void skip_space(struct reading *r)
+static void skip_space(struct target_parser *r)
 {
     while (isspace((unsigned char)*r->at))
         r->at++;
 }
 
 /* Takes a word, in either case, if no letter follows it. */
-static bool take_word(struct reading *r, const char *word)
+static bool take_word(struct target_parser *r, const char *word)
 {
     const size_t length = strlen(word);
     skip_space(r);
@@ -41,7 +41,7 @@ static bool take_word(struct reading *r, const char *word)
     return true;
 }
 
-static bool take_number(struct reading *r, double *ret_value)
+static bool take_number(struct target_parser *r, double *ret_value)
 {
     skip_space(r);
     const size_t length = strspn(r->at, "0123456789.");
@@ -55,30 +55,33 @@ static bool take_number(struct reading *r, double *ret_value)
 
 struct kind_name {
     const char *name;
-    enum orl_annual_over over;
+    enum orl_annual_aggregate aggregate;
     struct orl_annual_metric metric;
     double least;
 };
 
 /* Names with default numbers. Longer names come first. */
 static const struct kind_name kind_names[] = {
-    {"udi_lower", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}, 0},
-    {"udi_part", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300}, 0},
-    {"udi_upper", ORL_OVER_AVERAGE, {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0}, 0},
-    {"udi", ORL_OVER_AVERAGE, {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000}, 0},
-    {"sda", ORL_OVER_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
-    {"ase", ORL_OVER_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250},
-    {"sdf", ORL_OVER_SHARE, {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0}, 2},
-    {"df", ORL_OVER_AVERAGE, {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0}, 0},
-    {"cda", ORL_OVER_AVERAGE, {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
-    {"da", ORL_OVER_AVERAGE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
-    {"illuminance", ORL_OVER_AVERAGE, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 0},
-    {"cumulative", ORL_OVER_AVERAGE, {ORL_METRIC_CUMULATIVE, ORL_WHEN_ALWAYS, 0, 0}, 0},
-    {"direct_hours", ORL_OVER_AVERAGE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 0},
-    {"hours", ORL_OVER_AVERAGE, {ORL_METRIC_HOURS, ORL_WHEN_ALWAYS, 300, 0}, 0},
+    {"udi_lower", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_UDI_LOWER, ORL_WHEN_OCCUPIED, 100, 0}, 0},
+    {"udi_part", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_UDI_PART, ORL_WHEN_OCCUPIED, 100, 300}, 0},
+    {"udi_upper", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_UDI_UPPER, ORL_WHEN_OCCUPIED, 3000, 0}, 0},
+    {"udi", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_UDI, ORL_WHEN_OCCUPIED, 100, 3000}, 0},
+    {"sda", ORL_AGGREGATE_SHARE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 50},
+    {"ase", ORL_AGGREGATE_SHARE, {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0}, 250},
+    {"sdf", ORL_AGGREGATE_SHARE, {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0}, 2},
+    {"df", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_DF, ORL_WHEN_ALWAYS, 0, 0}, 0},
+    {"cda", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_CDA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
+    {"da", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0}, 0},
+    {"illuminance", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_MEAN, ORL_WHEN_OCCUPIED, 0, 0}, 0},
+    {"cumulative", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_CUMULATIVE, ORL_WHEN_ALWAYS, 0, 0}, 0},
+    {"direct_hours",
+     ORL_AGGREGATE_AVERAGE,
+     {ORL_METRIC_DIRECT_HOURS, ORL_WHEN_OCCUPIED, 1000, 0},
+     0},
+    {"hours", ORL_AGGREGATE_AVERAGE, {ORL_METRIC_HOURS, ORL_WHEN_ALWAYS, 300, 0}, 0},
 };
 
-static const struct kind_name *take_kind(struct reading *r)
+static const struct kind_name *take_kind(struct target_parser *r)
 {
     for (size_t i = 0; i < sizeof kind_names / sizeof *kind_names; i++)
         if (take_word(r, kind_names[i].name))
@@ -87,7 +90,7 @@ static const struct kind_name *take_kind(struct reading *r)
 }
 
 /* Takes the second number of "300/50", "300,50" and "100-3000", if there is one. */
-static int take_second(struct reading *r, double *ret_value)
+static int take_second(struct target_parser *r, double *ret_value)
 {
     skip_space(r);
     if (*r->at == '\0' || !strchr("/,-", *r->at))
@@ -97,10 +100,10 @@ static int take_second(struct reading *r, double *ret_value)
 }
 
 /* Reads "sDF2", "sDF2 %" or "sDF300lx": a factor, or the illuminance that it must give. */
-static int read_factor(struct reading *r, struct orl_annual_figure *figure)
+static int read_factor(struct target_parser *r, struct orl_annual_figure *figure)
 {
     double number = 0;
-    if (figure->over != ORL_OVER_SHARE || !take_number(r, &number))
+    if (figure->aggregate != ORL_AGGREGATE_SHARE || !take_number(r, &number))
         return 0;
     if (!(number > 0))
         return report_wanted(r, "a daylight factor above 0 % before what stands");
@@ -112,7 +115,7 @@ static int read_factor(struct reading *r, struct orl_annual_figure *figure)
     return 0;
 }
 
-static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
+static int read_numbers(struct target_parser *r, struct orl_annual_figure *figure)
 {
     struct orl_annual_metric *metric = &figure->metric;
     int code = 0;
@@ -122,11 +125,11 @@ static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
     if (metric->kind == ORL_METRIC_MEAN || metric->kind == ORL_METRIC_CUMULATIVE ||
         !take_number(r, &metric->low_lx))
         return 0;
-    if (figure->over == ORL_OVER_SHARE)
+    if (figure->aggregate == ORL_AGGREGATE_SHARE)
         code = take_second(r, &figure->least);
     else if (range)
         code = take_second(r, &metric->high_lx);
-    if (code == 0 && figure->over == ORL_OVER_SHARE && !take_word(r, "%"))
+    if (code == 0 && figure->aggregate == ORL_AGGREGATE_SHARE && !take_word(r, "%"))
         take_word(r, "h");
     if (code < 0)
         return code;
@@ -135,7 +138,8 @@ static int read_numbers(struct reading *r, struct orl_annual_figure *figure)
     if (range && metric->high_lx < metric->low_lx)
         return report_wanted(r,
                              "a range from the lower to the higher illuminance before what stands");
-    if (metric->kind == ORL_METRIC_DA && figure->over == ORL_OVER_SHARE && figure->least > 100)
+    if (metric->kind == ORL_METRIC_DA && figure->aggregate == ORL_AGGREGATE_SHARE &&
+        figure->least > 100)
         return report_wanted(r, "a share of the hours, in percent, before what stands");
     return 0;
 }
@@ -146,7 +150,7 @@ static bool is_relation(char c)
 }
 
 /* Reads all words up to the relation, since names may contain spaces. */
-static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
+static int read_grid(struct target_parser *r, char ret_grid[ORL_TARGET_GRID])
 {
     size_t length = 0;
     skip_space(r);
@@ -165,7 +169,7 @@ static int read_grid(struct reading *r, char ret_grid[ORL_TARGET_GRID])
     return 0;
 }
 
-static void read_when(struct reading *r, enum orl_annual_when *when)
+static void read_when(struct target_parser *r, enum orl_annual_when *when)
 {
     if (take_word(r, "in daylight hours"))
         *when = ORL_WHEN_DAYLIGHT;
@@ -173,26 +177,26 @@ static void read_when(struct reading *r, enum orl_annual_when *when)
         *when = ORL_WHEN_ALWAYS;
 }
 
-static int read_figure(struct reading *r, struct orl_annual_target *target)
+static int read_figure(struct target_parser *r, struct orl_annual_target *target)
 {
     const bool least = take_word(r, "least");
     const struct kind_name *kind = take_kind(r);
     if (!kind)
         return report_wanted(
             r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
-    target->figure = (struct orl_annual_figure){kind->over, kind->metric, kind->least};
-    if (least && kind->over == ORL_OVER_SHARE)
+    target->figure = (struct orl_annual_figure){kind->aggregate, kind->metric, kind->least};
+    if (least && kind->aggregate == ORL_AGGREGATE_SHARE)
         return orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': a share of the area has no least one",
                              r->text);
     int code = read_numbers(r, &target->figure);
     if (least)
-        target->figure.over = ORL_OVER_LEAST;
+        target->figure.aggregate = ORL_AGGREGATE_LEAST;
     if (code == 0 && take_word(r, "of mean")) {
-        if (kind->over == ORL_OVER_SHARE || least)
+        if (kind->aggregate == ORL_AGGREGATE_SHARE || least)
             return orl_error_set(r->err, ORL_ERR_SYNTAX,
                                  "'%s': the mean over the area has no share and no least one",
                                  r->text);
-        target->figure.over = ORL_OVER_OF_MEAN;
+        target->figure.aggregate = ORL_AGGREGATE_OF_MEAN;
     }
     if (code == 0 && kind->metric.kind != ORL_METRIC_DF)
         read_when(r, &target->figure.metric.when);
@@ -204,13 +208,13 @@ static int read_figure(struct reading *r, struct orl_annual_target *target)
 int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metric,
                             struct orl_error *err)
 {
-    struct reading r = {.text = text, .at = text, .err = err};
+    struct target_parser r = {.text = text, .at = text, .err = err};
     const struct kind_name *kind = take_kind(&r);
-    if (!kind || kind->over != ORL_OVER_AVERAGE)
+    if (!kind || kind->aggregate != ORL_AGGREGATE_AVERAGE)
         return report_wanted(&r,
                              "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
                              "illuminance, cumulative, hours, direct_hours, DF)");
-    struct orl_annual_figure figure = {kind->over, kind->metric, 0};
+    struct orl_annual_figure figure = {kind->aggregate, kind->metric, 0};
     const int code = read_numbers(&r, &figure);
     if (code < 0)
         return code;
@@ -225,7 +229,7 @@ int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metr
 
 /* ---- Relation and bound ---------------------------------------------------------------------- */
 
-static int read_relation(struct reading *r, enum orl_relation *ret_relation)
+static int read_relation(struct target_parser *r, enum orl_relation *ret_relation)
 {
     static const struct {
         const char *sign;
@@ -244,10 +248,10 @@ static int read_relation(struct reading *r, enum orl_relation *ret_relation)
 
 static const char *unit_of(const struct orl_annual_figure *figure)
 {
-    return figure->over == ORL_OVER_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
+    return figure->aggregate == ORL_AGGREGATE_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
 }
 
-static int read_bound(struct reading *r, struct orl_annual_target *target)
+static int read_bound(struct target_parser *r, struct orl_annual_target *target)
 {
     const char *unit = unit_of(&target->figure);
     char what[64];
@@ -275,7 +279,7 @@ static int read_bound(struct reading *r, struct orl_annual_target *target)
 int orl_annual_target_parse(const char *text, struct orl_annual_target *ret_target,
                             struct orl_error *err)
 {
-    struct reading r = {.text = text, .at = text, .err = err};
+    struct target_parser r = {.text = text, .at = text, .err = err};
     struct orl_annual_target target = {.grid = ""};
     if (strlen(text) >= ORL_TARGET_TEXT)
         return orl_error_set(err, ORL_ERR_LIMIT, "a target has less than %d letters",
@@ -323,15 +327,15 @@ enum orl_verdict orl_annual_judge(const struct orl_annual_target *target,
     return low != high ? ORL_VERDICT_UNDECIDED : low ? ORL_VERDICT_PASS : ORL_VERDICT_FAIL;
 }
 
-bool orl_annual_settled(const struct orl_annual_target *target,
-                        const struct orl_annual_value *value, double near)
+bool orl_annual_is_decided(const struct orl_annual_target *target,
+                           const struct orl_annual_value *value, double tolerance)
 {
     const enum orl_verdict verdict = orl_annual_judge(target, value);
     return verdict == ORL_VERDICT_PASS || verdict == ORL_VERDICT_FAIL ||
-           (value->low >= target->bound - near && value->high <= target->bound + near);
+           (value->low >= target->bound - tolerance && value->high <= target->bound + tolerance);
 }
 
-enum orl_verdict orl_verdict_both(enum orl_verdict a, enum orl_verdict b)
+enum orl_verdict orl_verdict_combine(enum orl_verdict a, enum orl_verdict b)
 {
     if (a == ORL_VERDICT_FAIL || b == ORL_VERDICT_FAIL)
         return ORL_VERDICT_FAIL;

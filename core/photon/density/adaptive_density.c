@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "photon/density/disc_search.h"
-#include "photon/map/facing.h"
+#include "photon/map/normal_code.h"
 
 /*
  * The smallest disc is one that would hold about twice 256 photons in even light. It is not chosen
@@ -19,16 +19,16 @@ enum { FEW = 2 * SMALLEST };
 static const double agrees = 1.25, differs = 3.25;
 
 /* The curve is subtracted as far as it exceeds this many of its own standard deviations... */
-static const double surely = 2;
+static const double significant = 2;
 /* ... and up to this share of the value. */
-static const double most_taken = 1.0 / 3;
+static const double most_subtracted = 1.0 / 3;
 
 /*
  * Factors on the standard deviation in the first comparisons. A picture has thousands of smallest
  * discs; some would disagree by chance and keep their noise as specks.
  */
-enum { DOUBTED = 2 };
-static const double doubt[DOUBTED] = {1.4, 1.2};
+enum { NOISE_FACTORS = 2 };
+static const double noise_factors[NOISE_FACTORS] = {1.4, 1.2};
 
 /*
  * Weights for the photons of a disc or ring, which depend only on its area inside the footprint.
@@ -89,7 +89,7 @@ static struct shapes shapes_of(const struct orl_nested_discs *r, double least_ar
             ring = orl_moments_add(&ring, &r->discs[i + 1], -1);
         shapes.discs[i] = shape_of(&r->discs[i], least_area);
         shapes.rings[i] = shape_of(&ring, least_area);
-        inside += r->rings[i].mass[ORL_MASS_COUNT];
+        inside += r->rings[i].flux_sums[ORL_FLUX_SUMS_COUNT];
         if (inside < LEAST)
             shapes.narrowest = i > 0 ? i - 1 : 0;
     }
@@ -128,7 +128,7 @@ static double agreement(const struct sums *sums, const struct shapes *shapes, in
     const double density = luma / (in->room + out->room);
     const double a_photon = (disc->squares + ring->squares) / luma;
     const double variance = density * a_photon * (1 / in->plane + 1 / out->plane);
-    const double enough = sqrt(variance) * (step < DOUBTED ? doubt[step] : 1);
+    const double enough = sqrt(variance) * (step < NOISE_FACTORS ? noise_factors[step] : 1);
     const double off = fabs(plane_of(ring, out) - plane_of(disc, in)) / enough;
     const double x = orl_smaller(orl_larger((differs - off) / (differs - agrees), 0), 1);
     return x * x * (3 - 2 * x);
@@ -224,11 +224,11 @@ static struct sums luma_of(const struct orl_nested_discs *rings)
     for (int i = 0; i < RINGS; i++) {
         const struct orl_nested_disc *ring = &rings->rings[i];
         for (int b = 0; b < ORL_MAP_BATCHES; b++) {
-            sums.rings[i].all += (double)ring->mass[b];
+            sums.rings[i].all += (double)ring->flux_sums[b];
             sums.rings[i].x += (double)ring->by_x[b];
             sums.rings[i].y += (double)ring->by_y[b];
         }
-        sums.rings[i].squares = (double)ring->mass[ORL_MASS_SQUARES];
+        sums.rings[i].squares = (double)ring->flux_sums[ORL_FLUX_SUMS_SQUARES];
     }
     fill_discs(&sums);
     return sums;
@@ -244,7 +244,7 @@ static struct sums sums_without_batch(const struct sums *all, const struct orl_n
         const struct sum *ring = &all->rings[i];
         const struct orl_nested_disc *r = &rings->rings[i];
         sums.rings[i] =
-            (struct sum){factor * orl_larger(ring->all - (double)r->mass[batch], 0),
+            (struct sum){factor * orl_larger(ring->all - (double)r->flux_sums[batch], 0),
                          factor * (ring->x - (double)r->by_x[batch]),
                          factor * (ring->y - (double)r->by_y[batch]), factor * ring->squares};
     }
@@ -263,9 +263,9 @@ static double channel_of(const struct orl_nested_discs *rings, const struct shap
     for (int i = RINGS - 1; i >= 0; i--) {
         const struct orl_nested_disc *ring = &rings->rings[i];
         const struct shape *shape = &shapes->discs[i];
-        disc.all += (double)ring->mass[ORL_MASS_FLUX + channel];
-        disc.x += (double)ring->by_x[ORL_MASS_FLUX + channel];
-        disc.y += (double)ring->by_y[ORL_MASS_FLUX + channel];
+        disc.all += (double)ring->flux_sums[ORL_FLUX_SUMS_RGB + channel];
+        disc.x += (double)ring->by_x[ORL_FLUX_SUMS_RGB + channel];
+        disc.y += (double)ring->by_y[ORL_FLUX_SUMS_RGB + channel];
         const double level = disc.all / shape->level;
         const double plane = blend->planes[i] > 0 ? plane_of(&disc, shape) - level : 0;
         value += blend->weights[i] * orl_larger(level + blend->planes[i] * plane, 0);
@@ -281,11 +281,11 @@ static void subtract_curve(struct orl_density *density, const struct blend *whol
                            struct orl_batches *value, const struct orl_batches *curve)
 {
     const double square = whole->curve * whole->curve;
-    const double chance = surely * surely * orl_batches_variance(curve);
+    const double chance = significant * significant * orl_batches_variance(curve);
     if (!(square > chance) || !(whole->value > 0))
         return;
     const double share =
-        orl_smaller(1 - chance / square, most_taken * whole->value / fabs(whole->curve));
+        orl_smaller(1 - chance / square, most_subtracted * whole->value / fabs(whole->curve));
     density->irradiance =
         orl_rgb_scale(density->irradiance, 1 - share * whole->curve / whole->value);
     density->bias -= share * whole->curve;
@@ -318,7 +318,7 @@ static void compute_batch_parts(const struct sums *all, const struct orl_nested_
         bias.luma[i] += whole->bias / ORL_MAP_BATCHES - mean_bias;
         curve.luma[i] += whole->curve / ORL_MAP_BATCHES - mean_curve;
     }
-    density->bias = orl_batches_beyond_scatter(&bias);
+    density->bias = orl_batches_shrink(&bias);
     subtract_curve(density, whole, &value, &curve);
     density->parts = value;
 }
@@ -349,11 +349,11 @@ struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_densi
     struct orl_nested_discs rings;
     orl_nested_discs_gather(&adapt->sums, &adapt->order, query, SMALLEST, search, &rings);
     struct orl_density density = {.radius = rings.radius,
-                                  .clear = rings.clear,
+                                  .clearance = rings.clearance,
                                   .disc = rings.disc,
                                   .cut = rings.cut,
                                   .found = (uint32_t)lrint(rings.found)};
-    density.crowded = density.found < FEW && density.found < adapt->sums.map->header->count;
+    density.unreliable = density.found < FEW && density.found < adapt->sums.map->header->count;
     if (density.found == 0)
         return density;
     count_health(&adapt->sums, query, density.found, &search->health);
@@ -365,7 +365,7 @@ struct orl_density orl_adaptive_density_estimate(const struct orl_adaptive_densi
                                           channel_of(&rings, &shapes, &blend, 2)};
     density.radius = rings.radius * blend.radius;
     density.evenness = blend.radius;
-    density.clear = orl_smaller(rings.clear, density.radius);
+    density.clearance = orl_smaller(rings.clearance, density.radius);
     compute_batch_parts(&sums, &rings, &shapes, &blend, &density);
     scale_by(&density, h->flux_unit);
     return density;
@@ -394,19 +394,21 @@ static double find_reach(const struct orl_adaptive_density *adapt, double widest
             .normal = orl_normal_decode(p.normal),
             .k = ORL_ADAPTIVE_DENSITY_MOST,
             .max_radius = widest};
-        struct orl_disc_search hunt = orl_disc_search_of(&adapt->sums, &query, search);
-        const float first2 = orl_disc_search_first_radius2(&hunt, &adapt->order);
-        radii[i] = sqrt((double)orl_disc_search_enough(&hunt, first2, (float)(most * most))) * cell;
+        struct orl_disc_search disc_search = orl_disc_search_of(&adapt->sums, &query, search);
+        const float first2 = orl_disc_search_first_radius2(&disc_search, &adapt->order);
+        radii[i] =
+            sqrt((double)orl_disc_search_find(&disc_search, first2, (float)(most * most))) * cell;
     }
     qsort(radii, PROBES, sizeof *radii, compare_radii);
     return orl_smaller(2 * radii[3 * PROBES / 4], widest);
 }
 
 int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct orl_photon_map *map,
-                              double widest, struct orl_crew *crew, struct orl_search *search)
+                              double widest, struct orl_thread_pool *pool,
+                              struct orl_search *search)
 {
     *adapt = (struct orl_adaptive_density){.reach = 0};
-    int code = orl_leaf_sums_init(&adapt->sums, map, crew);
+    int code = orl_leaf_sums_init(&adapt->sums, map, pool);
     if (code == 0)
         code = orl_zorder_init(&adapt->order, map);
     if (code < 0) {

@@ -45,9 +45,10 @@ struct orl_adaptive_density {
     double reach;
 };
 
-/* Builds the data. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
+/* Builds the data. Returns 0, ORL_ERR_NOMEM or an error of orl_parallel_try. */
 int orl_adaptive_density_init(struct orl_adaptive_density *adapt, const struct orl_photon_map *map,
-                              double widest, struct orl_crew *crew, struct orl_search *search);
+                              double widest, struct orl_thread_pool *pool,
+                              struct orl_search *search);
 void orl_adaptive_density_done(
     struct orl_adaptive_density *adapt); /* a struct that is all zero is allowed */
 

@@ -2,10 +2,10 @@
 
 #include <stdlib.h>
 
-#include "base/vectors.h"
+#include "base/multiversion.h"
 #include "photon/map/boxes.h"
 #include "photon/map/flux.h"
-#include "photon/surface/sheet.h"
+#include "photon/surface/surface_sheet.h"
 
 enum { BESIDE = 2, NEIGHBOURS = 2 * BESIDE + 1 };
 
@@ -29,8 +29,8 @@ enum { CHUNK = 1 << 12 };
 static const double whole_patch = 0.5;
 
 /* Temporary data while radii are computed. */
-struct measuring {
-    struct orl_kernel_density *spread;
+struct radius_builder {
+    struct orl_kernel_density *kernel_density;
     float *medians; /* per leaf: median of squared distances */
     uint64_t leaves;
     uint32_t k;
@@ -90,8 +90,8 @@ static inline float median2(const struct orl_photon_map *map, uint64_t leaf, uin
 
 ORL_FOR_WIDE_VECTORS static void measure_medians(void *arg, size_t chunk, uint32_t member)
 {
-    const struct measuring *m = arg;
-    const struct orl_photon_map *map = m->spread->map;
+    const struct radius_builder *m = arg;
+    const struct orl_photon_map *map = m->kernel_density->map;
     (void)member;
     for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < m->leaves; i++) {
         const uint32_t n = orl_leaf_photons(map, i);
@@ -106,20 +106,21 @@ ORL_FOR_WIDE_VECTORS static void measure_medians(void *arg, size_t chunk, uint32
  */
 static void measure_leaves(void *arg, size_t chunk, uint32_t member)
 {
-    const struct measuring *m = arg;
-    const float most = (float)(m->max_radius / m->spread->map->header->cell);
+    const struct radius_builder *m = arg;
+    const float most = (float)(m->max_radius / m->kernel_density->map->header->cell);
     (void)member;
     for (uint64_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < m->leaves; i++) {
         float near[NEIGHBOURS] = {0};
         uint32_t n = 0;
         for (uint64_t j = i < BESIDE ? 0 : i - BESIDE; j <= i + BESIDE && j < m->leaves; j++)
-            near[n++] = m->medians[j] / (float)orl_leaf_photons(m->spread->map, j);
+            near[n++] = m->medians[j] / (float)orl_leaf_photons(m->kernel_density->map, j);
         const float even = 2 * (float)m->k * median_of(near, n);
-        m->spread->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
+        m->kernel_density->reach2[0][i] = even < 1 ? 1 : even > most * most ? most * most : even;
     }
 }
 
-static void measure_nodes(struct orl_kernel_density *spread, const struct orl_map_layout *layout)
+static void measure_nodes(struct orl_kernel_density *kernel_density,
+                          const struct orl_map_layout *layout)
 {
     uint64_t children = layout->leaves;
     for (uint32_t level = 0; level < layout->levels; level++) {
@@ -127,127 +128,132 @@ static void measure_nodes(struct orl_kernel_density *spread, const struct orl_ma
             float most = 0;
             for (uint64_t c = node * ORL_MAP_FANOUT;
                  c < (node + 1) * ORL_MAP_FANOUT && c < children; c++)
-                most = spread->reach2[level][c] > most ? spread->reach2[level][c] : most;
-            spread->reach2[level + 1][node] = most;
+                most = kernel_density->reach2[level][c] > most ? kernel_density->reach2[level][c]
+                                                               : most;
+            kernel_density->reach2[level + 1][node] = most;
         }
         children = layout->groups[level];
     }
 }
 
 struct orl_kernel_density *orl_kernel_density_new(const struct orl_photon_map *map, uint32_t k,
-                                                  double max_radius, struct orl_crew *crew)
+                                                  double max_radius, struct orl_thread_pool *pool)
 {
     const struct orl_map_layout layout = orl_map_layout_of(map->header->count);
-    struct orl_kernel_density *spread = calloc(1, sizeof *spread);
-    if (!spread)
+    struct orl_kernel_density *kernel_density = calloc(1, sizeof *kernel_density);
+    if (!kernel_density)
         return NULL;
-    spread->map = map;
-    spread->k = k;
+    kernel_density->map = map;
+    kernel_density->k = k;
     for (uint32_t level = 0; level <= layout.levels && layout.levels > 0; level++) {
         const uint64_t nodes = level == 0 ? layout.leaves : layout.groups[level - 1];
-        spread->reach2[level] = calloc(nodes + 1, sizeof(float));
-        if (!spread->reach2[level]) {
-            orl_kernel_density_free(spread);
+        kernel_density->reach2[level] = calloc(nodes + 1, sizeof(float));
+        if (!kernel_density->reach2[level]) {
+            orl_kernel_density_free(kernel_density);
             return NULL;
         }
     }
-    struct measuring m = {spread, malloc((layout.leaves + 1) * sizeof *m.medians), layout.leaves, k,
-                          max_radius};
+    struct radius_builder m = {kernel_density, malloc((layout.leaves + 1) * sizeof *m.medians),
+                               layout.leaves, k, max_radius};
     if (!m.medians) {
-        orl_kernel_density_free(spread);
+        orl_kernel_density_free(kernel_density);
         return NULL;
     }
     const size_t chunks = (layout.leaves + CHUNK - 1) / CHUNK;
-    int code = orl_crew_try(crew, chunks, measure_medians, &m);
+    int code = orl_parallel_try(pool, chunks, measure_medians, &m);
     if (code == 0)
-        code = orl_crew_try(crew, chunks, measure_leaves, &m);
+        code = orl_parallel_try(pool, chunks, measure_leaves, &m);
     free(m.medians);
     if (code < 0) {
-        orl_kernel_density_free(spread);
+        orl_kernel_density_free(kernel_density);
         return NULL;
     }
-    measure_nodes(spread, &layout);
-    return spread;
+    measure_nodes(kernel_density, &layout);
+    return kernel_density;
 }
 
-void orl_kernel_density_free(struct orl_kernel_density *spread)
+void orl_kernel_density_free(struct orl_kernel_density *kernel_density)
 {
-    if (!spread)
+    if (!kernel_density)
         return;
     for (uint32_t level = 0; level <= ORL_MAP_LEVELS; level++)
-        free(spread->reach2[level]);
-    free(spread);
+        free(kernel_density->reach2[level]);
+    free(kernel_density);
 }
 
-void orl_kernel_density_rebind(struct orl_kernel_density *spread, const struct orl_photon_map *map)
+void orl_kernel_density_rebind(struct orl_kernel_density *kernel_density,
+                               const struct orl_photon_map *map)
 {
-    spread->map = map;
+    kernel_density->map = map;
 }
 
-uint64_t orl_kernel_density_bytes(const struct orl_kernel_density *spread)
+uint64_t orl_kernel_density_bytes(const struct orl_kernel_density *kernel_density)
 {
-    const struct orl_map_layout layout = orl_map_layout_of(spread->map->header->count);
+    const struct orl_map_layout layout = orl_map_layout_of(kernel_density->map->header->count);
     uint64_t nodes = layout.leaves;
     for (uint32_t level = 0; level < layout.levels; level++)
         nodes += layout.groups[level];
     return nodes * sizeof(float);
 }
 
-double orl_kernel_density_radius(const struct orl_kernel_density *spread, uint32_t photon)
+double orl_kernel_density_radius(const struct orl_kernel_density *kernel_density, uint32_t photon)
 {
-    const struct orl_map_header *h = spread->map->header;
-    return h->levels > 0 ? sqrt((double)spread->reach2[0][photon / ORL_MAP_LEAF]) * h->cell
+    const struct orl_map_header *h = kernel_density->map->header;
+    return h->levels > 0 ? sqrt((double)kernel_density->reach2[0][photon / ORL_MAP_LEAF]) * h->cell
                          : INFINITY;
 }
 
 /* State of one query: sums so far. */
-struct ask {
-    const struct orl_kernel_density *spread;
+struct kernel_query {
+    const struct orl_kernel_density *kernel_density;
     const struct orl_density_query *query;
     const struct orl_footprint *footprint; /* NULL: whole discs */
     float at[3], flat2;
     uint16_t normal;
-    uint32_t facing, found;
+    uint32_t normal_bins, found;
     float widest2;      /* squared cells: largest radius of the discs that count */
     struct orl_rgb sum; /* flux over area */
     struct orl_batches parts;
 };
 
 /* Returns true if a photon counts for the query. Photons nearer than flat2 must lie in the
- * footing's own plane, within rounding. */
-static bool photon_counts(const struct ask *ask, uint32_t index, const float chord[3],
-                          float distance2)
+ * surface point's own plane, within rounding. */
+static bool photon_counts(const struct kernel_query *kernel_query, uint32_t index,
+                          const float chord[3], float distance2)
 {
-    const struct orl_photon_map *map = ask->spread->map;
+    const struct orl_photon_map *map = kernel_query->kernel_density->map;
     const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
-    if (ask->query->at_photon && index == ask->query->skip)
+    if (kernel_query->query->at_photon && index == kernel_query->query->skip)
         return false;
-    if (!orl_same_sheet(ask->query->normal, ask->normal, map->normals[index], chord))
+    if (!orl_same_sheet(kernel_query->query->normal, kernel_query->normal, map->normals[index],
+                        chord))
         return false;
-    if (distance2 < ask->flat2 && fabs(orl_dot(c, ask->query->normal)) > 4)
+    if (distance2 < kernel_query->flat2 && fabs(orl_dot(c, kernel_query->query->normal)) > 4)
         return false;
-    return !ask->footprint || orl_footprint_holds(ask->footprint, orl_scale(c, map->header->cell));
+    return !kernel_query->footprint ||
+           orl_footprint_contains(kernel_query->footprint, orl_scale(c, map->header->cell));
 }
 
-static inline void add_leaf(struct ask *ask, uint32_t leaf)
+static inline void add_leaf(struct kernel_query *kernel_query, uint32_t leaf)
 {
-    const struct orl_photon_map *map = ask->spread->map;
+    const struct orl_photon_map *map = kernel_query->kernel_density->map;
     const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
     const uint32_t n = orl_leaf_photons(map, leaf);
-    const float reach2 = ask->spread->reach2[0][leaf];
+    const float reach2 = kernel_query->kernel_density->reach2[0][leaf];
     float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
     struct orl_rgb sum = orl_gray(0);
     struct orl_batches parts = {{0}};
     uint32_t found = 0;
     for (int i = 0; i < ORL_MAP_LEAF; i++) {
-        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - ask->at[0];
-        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - ask->at[1];
-        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - ask->at[2];
+        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - kernel_query->at[0];
+        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - kernel_query->at[1];
+        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - kernel_query->at[2];
         d2[i] = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
     }
     for (uint32_t i = 0; i < n; i++) {
         const float chord[3] = {dx[i], dy[i], dz[i]};
-        if (!(d2[i] < reach2) || !photon_counts(ask, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
+        if (!(d2[i] < reach2) ||
+            !photon_counts(kernel_query, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
             continue;
         const struct orl_rgb flux = orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]);
         sum = orl_rgb_add(sum, flux);
@@ -257,68 +263,71 @@ static inline void add_leaf(struct ask *ask, uint32_t leaf)
     if (found == 0)
         return;
     const double cell = map->header->cell;
-    const double area = ask->footprint
-                            ? orl_footprint_area(ask->footprint, sqrt((double)reach2) * cell)
-                            : ORL_PI * (double)reach2 * cell * cell;
+    const double area = kernel_query->footprint ? orl_footprint_area(kernel_query->footprint,
+                                                                     sqrt((double)reach2) * cell)
+                                                : ORL_PI * (double)reach2 * cell * cell;
     const double share = map->header->flux_unit / orl_larger(area, ORL_PI * cell * cell);
-    ask->sum = orl_rgb_add(ask->sum, orl_rgb_scale(sum, share));
-    orl_batches_add(&ask->parts, &parts, share);
-    ask->found += found;
-    ask->widest2 = reach2 > ask->widest2 ? reach2 : ask->widest2;
+    kernel_query->sum = orl_rgb_add(kernel_query->sum, orl_rgb_scale(sum, share));
+    orl_batches_add(&kernel_query->parts, &parts, share);
+    kernel_query->found += found;
+    kernel_query->widest2 = reach2 > kernel_query->widest2 ? reach2 : kernel_query->widest2;
 }
 
 /* Adds every leaf whose discs reach the point. */
-ORL_FOR_WIDE_VECTORS static void add_leaves(struct ask *ask)
+ORL_FOR_WIDE_VECTORS static void add_leaves(struct kernel_query *kernel_query)
 {
-    const struct orl_photon_map *map = ask->spread->map;
+    const struct orl_photon_map *map = kernel_query->kernel_density->map;
     struct orl_box_visit stack[ORL_BOX_STACK];
     uint32_t depth = 0;
     if (map->header->levels > 0)
         stack[depth++] = (struct orl_box_visit){0, map->header->levels, 0};
     while (depth > 0) {
         const struct orl_box_visit at = stack[--depth];
-        const float reach2 = ask->spread->reach2[at.level][at.node];
+        const float reach2 = kernel_query->kernel_density->reach2[at.level][at.node];
         if (!(at.distance2 < reach2))
             continue;
         if (at.level == 0)
-            add_leaf(ask, at.node);
+            add_leaf(kernel_query, at.node);
         else
-            depth = orl_box_push(map, at, ask->at, ask->facing, reach2, stack, depth);
+            depth = orl_box_push(map, at, kernel_query->at, kernel_query->normal_bins, reach2,
+                                 stack, depth);
     }
 }
 
-struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *spread,
+struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *kernel_density,
                                                const struct orl_density_query *query,
                                                struct orl_search *search)
 {
-    const struct orl_map_header *h = spread->map->header;
-    struct ask ask = {.spread = spread,
-                      .query = query,
-                      .normal = orl_normal_encode(query->normal),
-                      .facing = orl_facing_mask(&spread->map->facing, query->normal)};
+    const struct orl_map_header *h = kernel_density->map->header;
+    struct kernel_query kernel_query = {
+        .kernel_density = kernel_density,
+        .query = query,
+        .normal = orl_normal_encode(query->normal),
+        .normal_bins = orl_normal_bins_mask(&kernel_density->map->normal_bins, query->normal)};
     struct orl_footprint footprint;
-    double clear = INFINITY;
+    double clearance = INFINITY;
     bool patch = false;
-    orl_box_locate(spread->map, query->point, ask.at);
-    if (query->footing) {
-        const double flat = orl_footing_flat(query->footing) / h->cell;
-        ask.flat2 = (float)orl_smaller(flat * flat, 1e30);
+    orl_box_locate(kernel_density->map, query->point, kernel_query.at);
+    if (query->surface_point) {
+        const double flat = orl_surface_point_flat_radius(query->surface_point) / h->cell;
+        kernel_query.flat2 = (float)orl_smaller(flat * flat, 1e30);
     }
     struct orl_density_query all;
-    struct ask whole = ask;
+    struct kernel_query whole = kernel_query;
     add_leaves(&whole);
     const double widest = sqrt((double)whole.widest2) * h->cell;
-    if (query->footing && whole.found > 0 && !orl_footing_is_free(query->footing, widest)) {
-        orl_footprint_make(query->footing, widest, &footprint);
-        ask.footprint = &footprint;
-        clear = footprint.clear;
-        whole = ask;
+    if (query->surface_point && whole.found > 0 &&
+        !orl_surface_point_is_clear(query->surface_point, widest)) {
+        orl_footprint_make(query->surface_point, widest, &footprint);
+        kernel_query.footprint = &footprint;
+        clearance = footprint.clearance;
+        whole = kernel_query;
         add_leaves(&whole);
-        patch = whole.found < whole_patch * spread->k;
+        patch = whole.found < whole_patch * kernel_density->k;
         if (query->at_photon && patch) {
             all = *query;
             all.at_photon = false;
-            whole = ask;
+            whole = kernel_query;
             whole.query = &all;
             add_leaves(&whole);
         }
@@ -328,7 +337,7 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
         search->health.sparse++;
     return (struct orl_density){.irradiance = whole.sum,
                                 .radius = widest,
-                                .clear = orl_smaller(clear, widest),
+                                .clearance = orl_smaller(clearance, widest),
                                 .found = whole.found,
                                 .patch = patch,
                                 .standard_error = sqrt(orl_batches_variance(&whole.parts)),

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "photon/map/map_layout.h"
-#include "photon/surface/sheet.h"
+#include "photon/surface/surface_sheet.h"
 
 enum { HALF = ORL_MAP_LEAF / 2 };
 
@@ -13,10 +13,10 @@ enum { HALF = ORL_MAP_LEAF / 2 };
 static const float uneven = 2.5F;
 
 /* Positions of photons of a leaf, in cells. */
-typedef float places[ORL_MAP_LEAF][3];
+typedef float positions[ORL_MAP_LEAF][3];
 
 /* Squared distances of photons from their centre. */
-struct spread {
+struct distance_stats {
     float mean, least, median;
 };
 
@@ -35,21 +35,21 @@ static void insert_sorted(float sorted[ORL_MAP_LEAF], uint32_t n, float value)
     sorted[n] = value;
 }
 
-static struct spread spread_about(places photons, uint32_t n, const float at[3])
+static struct distance_stats distance_stats_about(positions photons, uint32_t n, const float at[3])
 {
-    struct spread spread = {.mean = 0};
+    struct distance_stats distance_stats = {.mean = 0};
     float sorted[ORL_MAP_LEAF];
     for (uint32_t i = 0; i < n; i++) {
         const float d2 = distance2(photons[i], at);
-        spread.mean += d2 / (float)n;
+        distance_stats.mean += d2 / (float)n;
         insert_sorted(sorted, i, d2);
     }
-    spread.least = sorted[0];
-    spread.median = sorted[n / 2];
-    return spread;
+    distance_stats.least = sorted[0];
+    distance_stats.median = sorted[n / 2];
+    return distance_stats;
 }
 
-static void middle_of(places photons, uint32_t n, float ret_at[3])
+static void middle_of(positions photons, uint32_t n, float ret_at[3])
 {
     for (int k = 0; k < 3; k++)
         ret_at[k] = 0;
@@ -58,20 +58,20 @@ static void middle_of(places photons, uint32_t n, float ret_at[3])
             ret_at[k] += photons[i][k] / (float)n;
 }
 
-static uint32_t unpack_leaf(const struct orl_photon_map *map, uint64_t leaf, places ret_photons)
+static uint32_t unpack_leaf(const struct orl_photon_map *map, uint64_t leaf, positions ret_photons)
 {
     const uint32_t n = orl_leaf_photons(map, leaf);
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     for (uint32_t i = 0; i < n; i++) {
         uint32_t cell[3];
-        orl_place_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
+        orl_position_unpack(words[i], words[i + ORL_MAP_LEAF], cell);
         for (int k = 0; k < 3; k++)
             ret_photons[i][k] = (float)cell[k];
     }
     return n;
 }
 
-static bool lies_off(const struct orl_leaf_center *site, const float photon[3])
+static bool is_off_plane(const struct orl_leaf_center *site, const float photon[3])
 {
     const struct orl_vec3 chord =
         orl_v3((double)(photon[0] - site->at[0]), (double)(photon[1] - site->at[1]),
@@ -81,17 +81,17 @@ static bool lies_off(const struct orl_leaf_center *site, const float photon[3])
 
 struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, uint64_t leaf)
 {
-    places photons;
+    positions photons;
     const uint32_t n = unpack_leaf(map, leaf, photons), middle = n / 2;
     struct orl_leaf_center site = {.normal = map->normals[leaf * ORL_MAP_LEAF + middle],
                                    .photon = (uint8_t)middle,
                                    .facet = UINT32_MAX};
     middle_of(photons, n, site.at);
-    const struct spread spread = spread_about(photons, n, site.at);
-    site.spread2 = spread.mean;
+    const struct distance_stats distance_stats = distance_stats_about(photons, n, site.at);
+    site.spread2 = distance_stats.mean;
     /* The centre of photons in two places lies between them, where there is no surface. */
-    site.at_photon =
-        n < ORL_MAP_LEAF || spread.least > 0.5F * spread.mean || lies_off(&site, photons[middle]);
+    site.at_photon = n < ORL_MAP_LEAF || distance_stats.least > 0.5F * distance_stats.mean ||
+                     is_off_plane(&site, photons[middle]);
     for (int k = 0; k < 3 && site.at_photon; k++)
         site.at[k] = photons[middle][k];
     return site;
@@ -99,7 +99,7 @@ struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, ui
 
 /* Returns the photon with the smallest radius that contains half of the leaf; *ret_reach2 is
  * that radius squared. */
-static uint32_t closest_together(places photons, float *ret_reach2)
+static uint32_t closest_together(positions photons, float *ret_reach2)
 {
     uint32_t best = 0;
     *ret_reach2 = INFINITY;
@@ -113,15 +113,15 @@ static uint32_t closest_together(places photons, float *ret_reach2)
     return best;
 }
 
-void orl_leaf_center_condense(const struct orl_photon_map *map, struct orl_leaf_center *site,
-                              uint64_t leaf)
+void orl_leaf_center_use_densest(const struct orl_photon_map *map, struct orl_leaf_center *site,
+                                 uint64_t leaf)
 {
-    places photons, half;
+    positions photons, half;
     float middle[3], reach2;
     if (unpack_leaf(map, leaf, photons) < ORL_MAP_LEAF)
         return;
     middle_of(photons, ORL_MAP_LEAF, middle);
-    const struct spread whole = spread_about(photons, ORL_MAP_LEAF, middle);
+    const struct distance_stats whole = distance_stats_about(photons, ORL_MAP_LEAF, middle);
     if (whole.mean <= uneven * whole.median && whole.least <= 0.5F * whole.mean)
         return;
     const uint32_t about = closest_together(photons, &reach2);
@@ -132,9 +132,10 @@ void orl_leaf_center_condense(const struct orl_photon_map *map, struct orl_leaf_
     site->photon = (uint8_t)about;
     site->normal = map->normals[leaf * ORL_MAP_LEAF + about];
     middle_of(half, n, site->at);
-    const struct spread spread = spread_about(half, n, site->at);
-    site->spread2 = spread.mean;
-    site->at_photon = spread.least > 0.5F * spread.mean || lies_off(site, photons[about]);
+    const struct distance_stats distance_stats = distance_stats_about(half, n, site->at);
+    site->spread2 = distance_stats.mean;
+    site->at_photon =
+        distance_stats.least > 0.5F * distance_stats.mean || is_off_plane(site, photons[about]);
     for (int k = 0; k < 3 && site->at_photon; k++)
         site->at[k] = photons[about][k];
 }
@@ -158,45 +159,47 @@ static double tolerance_at(const struct orl_photon_map *map, const struct orl_le
 }
 
 static bool find_facet(const struct orl_photon_map *map, struct orl_leaf_center *site,
-                       uint64_t leaf, const struct orl_world *world)
+                       uint64_t leaf, const struct orl_lit_scene *lit_scene)
 {
     const struct orl_vec3 point = orl_leaf_center_point(map, site);
-    struct orl_footing footing;
-    if (!orl_footing_find(world, point, orl_normal_decode(site->normal),
-                          tolerance_at(map, site, leaf, point), &footing))
+    struct orl_surface_point surface_point;
+    if (!orl_surface_point_find(lit_scene, point, orl_normal_decode(site->normal),
+                                tolerance_at(map, site, leaf, point), &surface_point))
         return false;
-    site->facet = footing.facet;
+    site->facet = surface_point.facet;
     return true;
 }
 
-void orl_leaf_center_settle(const struct orl_photon_map *map, struct orl_leaf_center *site,
-                            uint64_t leaf, const struct orl_world *world)
+void orl_leaf_center_find_facet(const struct orl_photon_map *map, struct orl_leaf_center *site,
+                                uint64_t leaf, const struct orl_lit_scene *lit_scene)
 {
     const uint32_t own = site->photon;
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     uint32_t cell[3];
-    if (!world || find_facet(map, site, leaf, world) || site->at_photon)
+    if (!lit_scene || find_facet(map, site, leaf, lit_scene) || site->at_photon)
         return;
-    orl_place_unpack(words[own], words[own + ORL_MAP_LEAF], cell);
+    orl_position_unpack(words[own], words[own + ORL_MAP_LEAF], cell);
     for (int k = 0; k < 3; k++)
         site->at[k] = (float)cell[k];
     site->at_photon = true;
-    find_facet(map, site, leaf, world);
+    find_facet(map, site, leaf, lit_scene);
 }
 
-bool orl_leaf_center_ask(const struct orl_photon_map *map, const struct orl_leaf_center *site,
-                         uint64_t leaf, const struct orl_world *world,
-                         struct orl_density_query *query, struct orl_footing *ret_footing)
+bool orl_leaf_center_set_query(const struct orl_photon_map *map, const struct orl_leaf_center *site,
+                               uint64_t leaf, const struct orl_lit_scene *lit_scene,
+                               struct orl_density_query *query,
+                               struct orl_surface_point *ret_surface_point)
 {
     query->point = orl_leaf_center_point(map, site);
     query->normal = orl_normal_decode(site->normal);
     query->at_photon = site->at_photon;
     query->skip = (uint32_t)(leaf * ORL_MAP_LEAF + site->photon);
-    if (!world || !orl_footing_find(world, query->point, query->normal,
-                                    tolerance_at(map, site, leaf, query->point), ret_footing))
+    if (!lit_scene ||
+        !orl_surface_point_find(lit_scene, query->point, query->normal,
+                                tolerance_at(map, site, leaf, query->point), ret_surface_point))
         return false;
-    query->point = ret_footing->point;
-    query->normal = ret_footing->normal;
-    query->footing = ret_footing;
+    query->point = ret_surface_point->point;
+    query->normal = ret_surface_point->normal;
+    query->surface_point = ret_surface_point;
     return true;
 }

@@ -7,7 +7,7 @@
 #ifndef ORL_PHOTON_DENSITY_LEAF_CENTER_H
 #define ORL_PHOTON_DENSITY_LEAF_CENTER_H
 
-#include "photon/density/search.h"
+#include "photon/density/density_search.h"
 
 struct orl_leaf_center {
     float at[3]; /* in cells */
@@ -26,22 +26,24 @@ struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, ui
  * point becomes the centre of the densest half and represents that half only. Otherwise the photons
  * of a sun patch would be spread over the whole leaf and light the dark beside it.
  */
-void orl_leaf_center_condense(const struct orl_photon_map *map, struct orl_leaf_center *site,
-                              uint64_t leaf);
+void orl_leaf_center_use_densest(const struct orl_photon_map *map, struct orl_leaf_center *site,
+                                 uint64_t leaf);
 /* Finds the facet of the point. If there is no surface, moves the point to the photon. The
  * centre of photons on several small surfaces may lie in a gap, and an estimate there would
  * spread their light over the gaps. */
-void orl_leaf_center_settle(const struct orl_photon_map *map, struct orl_leaf_center *site,
-                            uint64_t leaf, const struct orl_world *world);
+void orl_leaf_center_find_facet(const struct orl_photon_map *map, struct orl_leaf_center *site,
+                                uint64_t leaf, const struct orl_lit_scene *lit_scene);
 struct orl_vec3 orl_leaf_center_point(const struct orl_photon_map *map,
                                       const struct orl_leaf_center *site);
 
 /*
  * Places the query at the leaf's point, on the surface if there is one. Returns true if there is
- * one; then ret_footing, which the query refers to, is filled in. If world is NULL, there is none.
+ * one; then ret_surface_point, which the query refers to, is filled in. If world is NULL, there is
+ * none.
  */
-bool orl_leaf_center_ask(const struct orl_photon_map *map, const struct orl_leaf_center *site,
-                         uint64_t leaf, const struct orl_world *world,
-                         struct orl_density_query *query, struct orl_footing *ret_footing);
+bool orl_leaf_center_set_query(const struct orl_photon_map *map, const struct orl_leaf_center *site,
+                               uint64_t leaf, const struct orl_lit_scene *lit_scene,
+                               struct orl_density_query *query,
+                               struct orl_surface_point *ret_surface_point);
 
 #endif

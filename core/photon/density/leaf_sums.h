@@ -10,19 +10,20 @@
 #ifndef ORL_PHOTON_DENSITY_LEAF_SUMS_H
 #define ORL_PHOTON_DENSITY_LEAF_SUMS_H
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "photon/map/map_layout.h"
 
 /* Layout of the sums of photons' fluxes, in one row for vectorised loops. */
 enum {
-    ORL_MASS_FLUX = ORL_MAP_BATCHES, /* red, green, blue; the entries before are luma by batch */
-    ORL_MASS_SQUARES = ORL_MASS_FLUX + 3, /* squares of the photons' luma */
-    ORL_MASS_COUNT,                       /* number of photons */
-    ORL_MASS = 24                         /* the rest is 0 */
+    ORL_FLUX_SUMS_RGB =
+        ORL_MAP_BATCHES, /* red, green, blue; the entries before are luma by batch */
+    ORL_FLUX_SUMS_SQUARES = ORL_FLUX_SUMS_RGB + 3, /* squares of the photons' luma */
+    ORL_FLUX_SUMS_COUNT,                           /* number of photons */
+    ORL_FLUX_SUMS = 24                             /* the rest is 0 */
 };
 
-enum { ORL_NO_PLANE = 1 << 16 }; /* not a code of a normal (facing.h) */
+enum { ORL_NO_PLANE = 1 << 16 }; /* not a code of a normal (normal_code.h) */
 enum { ORL_PATCHES = 2, ORL_LANES = ORL_PATCHES * ORL_MAP_FANOUT };
 
 /*
@@ -41,8 +42,8 @@ struct orl_patch_group {
 struct orl_leaf_sums {
     const struct orl_photon_map *map;
     struct orl_patch_group *groups;
-    float (*masses)[ORL_MASS]; /* by patch */
-    uint64_t count;            /* number of leaves */
+    float (*patch_sums)[ORL_FLUX_SUMS]; /* by patch */
+    uint64_t count;                     /* number of leaves */
 };
 
 /* Returns the group and lane of a patch. Its number is twice the leaf's, plus one for the second
@@ -60,9 +61,9 @@ static inline uint32_t orl_patch_number(uint32_t group, uint32_t lane)
     return group * ORL_LANES + lane % ORL_MAP_FANOUT * ORL_PATCHES + lane / ORL_MAP_FANOUT;
 }
 
-/* Computes the sums. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
+/* Computes the sums. Returns 0, ORL_ERR_NOMEM or an error of orl_parallel_try. */
 int orl_leaf_sums_init(struct orl_leaf_sums *sums, const struct orl_photon_map *map,
-                       struct orl_crew *crew);
+                       struct orl_thread_pool *pool);
 uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums); /* memory, bytes */
 void orl_leaf_sums_done(struct orl_leaf_sums *sums); /* a struct that is all zero is allowed */
 

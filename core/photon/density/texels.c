@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "photon/map/flux.h"
-#include "photon/surface/landing.h"
-#include "photon/surface/squares.h"
+#include "photon/surface/facet_grid.h"
+#include "photon/surface/photon_facets.h"
 
 enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
 
@@ -13,9 +13,9 @@ enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
 static const double least_share = 0.25;
 
 struct orl_texels {
-    const struct orl_world *world;
-    struct orl_planes planes;  /* planes of the world's facets */
-    struct orl_squares *sides; /* per facet: back, front; a square is a texel */
+    const struct orl_lit_scene *lit_scene;
+    struct orl_planes planes;     /* planes of the world's facets */
+    struct orl_facet_grid *sides; /* per facet: back, front; a square is a texel */
     struct orl_texel *texels;
     bool *cut; /* per texel: an object stands on it */
     uint32_t count;
@@ -28,19 +28,19 @@ struct sum {
 };
 
 /* Temporary data while texels are built. */
-struct making {
+struct texel_builder {
     struct orl_texels *texels;
     struct sum *sums; /* per texel */
     const struct orl_photon_map *map;
-    uint32_t *places;      /* per photon: its side, then its texel */
-    atomic_bool *doubtful; /* per facet: another coincides with it */
-    float *areas;          /* per texel */
+    uint32_t *places;        /* per photon: its side, then its texel */
+    atomic_bool *coincident; /* per facet: another coincides with it */
+    float *areas;            /* per texel */
 };
 
 static uint32_t index_in(const struct orl_texels *texels, uint32_t side, struct orl_vec3 point)
 {
-    return orl_squares_index(&texels->sides[side],
-                             orl_plane_corner(&texels->planes.planes[side / 2], point));
+    return orl_facet_grid_index(&texels->sides[side],
+                                orl_plane_project(&texels->planes.planes[side / 2], point));
 }
 
 static uint32_t steps_across(double length, double width)
@@ -49,55 +49,56 @@ static uint32_t steps_across(double length, double width)
 }
 
 /* Divides every side into texels, in proportion to its photons. */
-static void lay_out_texels(struct making *m)
+static void lay_out_texels(struct texel_builder *m)
 {
     struct orl_texels *texels = m->texels;
     const size_t n = texels->planes.geometry->n_facets;
     for (size_t i = 0; i < 2 * n; i++)
-        texels->sides[i] = (struct orl_squares){.first = 0};
+        texels->sides[i] = (struct orl_facet_grid){.first = 0};
     for (uint64_t i = 0; i < m->map->header->count; i++)
-        if (m->places[i] != ORL_NOWHERE)
+        if (m->places[i] != ORL_NO_FACET_SIDE)
             texels->sides[m->places[i]].first++;
     uint64_t count = 0;
     for (size_t i = 0; i < 2 * n; i++) {
-        struct orl_squares *side = &texels->sides[i];
+        struct orl_facet_grid *side = &texels->sides[i];
         const struct orl_plane *plane = &texels->planes.planes[i / 2];
         const double landed = side->first;
-        texels->planes.has[i / 2] = texels->planes.has[i / 2] && !atomic_load(&m->doubtful[i / 2]);
-        *side = (struct orl_squares){.first = (uint32_t)count};
-        if (!texels->planes.has[i / 2] || !(landed > 0))
+        texels->planes.is_flat[i / 2] =
+            texels->planes.is_flat[i / 2] && !atomic_load(&m->coincident[i / 2]);
+        *side = (struct orl_facet_grid){.first = (uint32_t)count};
+        if (!texels->planes.is_flat[i / 2] || !(landed > 0))
             continue;
         const double width =
             sqrt(orl_facet_area(texels->planes.geometry, i / 2) * texels->photons / landed);
-        side->across = steps_across(plane->wide, width);
-        side->down = steps_across(plane->high, width);
-        side->width = plane->wide / side->across;
-        side->height = plane->high / side->down;
-        count += (uint64_t)side->across * side->down;
+        side->columns = steps_across(plane->wide, width);
+        side->rows = steps_across(plane->high, width);
+        side->width = plane->wide / side->columns;
+        side->height = plane->high / side->rows;
+        count += (uint64_t)side->columns * side->rows;
     }
-    texels->count = count < ORL_NOWHERE ? (uint32_t)count : 0;
+    texels->count = count < ORL_NO_FACET_SIDE ? (uint32_t)count : 0;
 }
 
 static void find_texels(void *arg, size_t chunk, uint32_t member)
 {
-    const struct making *m = arg;
+    const struct texel_builder *m = arg;
     const uint64_t photons = m->map->header->count, first = chunk * LEAVES_A_CHUNK * ORL_MAP_LEAF;
     const uint64_t end = first + (uint64_t)LEAVES_A_CHUNK * ORL_MAP_LEAF;
     (void)member;
     for (uint64_t i = first; i < end && i < photons; i++) {
         const uint32_t side = m->places[i];
-        if (side == ORL_NOWHERE)
+        if (side == ORL_NO_FACET_SIDE)
             continue;
-        m->places[i] = m->texels->sides[side].across == 0
-                           ? ORL_NOWHERE
-                           : index_in(m->texels, side, orl_landed_of(m->map, i).point);
+        m->places[i] = m->texels->sides[side].columns == 0
+                           ? ORL_NO_FACET_SIDE
+                           : index_in(m->texels, side, orl_stored_photon_get(m->map, i).point);
     }
 }
 
 /* Adds photons' flux to a slice of the texels. */
 static void add_flux(void *arg, size_t slice, uint32_t member)
 {
-    const struct making *m = arg;
+    const struct texel_builder *m = arg;
     const struct orl_photon_map *map = m->map;
     const uint64_t count = m->texels->count;
     const uint32_t from = (uint32_t)(count * slice / SLICES);
@@ -118,12 +119,12 @@ static void add_flux(void *arg, size_t slice, uint32_t member)
 
 static void add_areas(void *arg, size_t index, uint32_t member)
 {
-    const struct making *m = arg;
+    const struct texel_builder *m = arg;
     const struct orl_planes *planes = &m->texels->planes;
     const struct orl_plane *plane = &planes->planes[index / 2];
     (void)member;
-    orl_squares_add(&m->texels->sides[index], &planes->flats[plane->first], plane->triangles,
-                    m->areas);
+    orl_facet_grid_add_areas(&m->texels->sides[index], &planes->plane_triangles[plane->first],
+                             plane->triangles, m->areas);
 }
 
 static void add_sum(struct sum *sum, const struct sum *more)
@@ -163,17 +164,17 @@ static void store_texel(const struct sum *sum, struct orl_texel *texel)
  */
 static void finish_side(void *arg, size_t index, uint32_t member)
 {
-    const struct making *m = arg;
-    const struct orl_squares *side = &m->texels->sides[index];
+    const struct texel_builder *m = arg;
+    const struct orl_facet_grid *side = &m->texels->sides[index];
     struct sum *sums = m->sums;
     const double enough = least_share * side->width * side->height;
     (void)member;
     for (int pass = 0; pass < 3; pass++)
-        for (uint32_t y = 0; y < side->down; y++)
-            for (uint32_t x = 0; x < side->across; x++) {
-                const uint32_t here = side->first + y * side->across + x;
+        for (uint32_t y = 0; y < side->rows; y++)
+            for (uint32_t x = 0; x < side->columns; x++) {
+                const uint32_t here = side->first + y * side->columns + x;
                 const bool small = (double)m->areas[here] < enough;
-                const uint32_t there = small ? orl_squares_fullest(side, m->areas, x, y) : here;
+                const uint32_t there = small ? orl_facet_grid_fullest(side, m->areas, x, y) : here;
                 if (pass == 0 && there != here && (double)m->areas[there] >= enough) {
                     add_sum(&sums[there], &sums[here]);
                     m->areas[there] += m->areas[here];
@@ -184,7 +185,7 @@ static void finish_side(void *arg, size_t index, uint32_t member)
                     sums[here] = sums[there];
                 }
             }
-    for (uint32_t i = side->first; i < side->first + side->across * side->down; i++)
+    for (uint32_t i = side->first; i < side->first + side->columns * side->rows; i++)
         store_texel(&sums[i], &m->texels->texels[i]);
 }
 
@@ -193,55 +194,56 @@ static void finish_side(void *arg, size_t index, uint32_t member)
 static void find_cuts(void *arg, size_t index, uint32_t member)
 {
     static const double corners[2][2] = {{0.001, 0.001}, {0.999, 0.001}};
-    const struct making *m = arg;
-    const struct orl_squares *side = &m->texels->sides[index];
+    const struct texel_builder *m = arg;
+    const struct orl_facet_grid *side = &m->texels->sides[index];
     const struct orl_plane *plane = &m->texels->planes.planes[index / 2];
     const struct orl_vec3 normal = index % 2 == 1 ? plane->frame.n : orl_neg(plane->frame.n);
     const double whole = 0.999 * side->width * side->height;
     (void)member;
-    for (uint32_t i = 0; i < side->across * side->down; i++) {
+    for (uint32_t i = 0; i < side->columns * side->rows; i++) {
         bool *cut = &m->texels->cut[side->first + i];
-        const uint32_t column = i % side->across, row = i / side->across;
+        const uint32_t column = i % side->columns, row = i / side->columns;
         const struct orl_vec3 corner =
             orl_madd(orl_madd(plane->origin, plane->frame.u, column * side->width), plane->frame.v,
                      row * side->height);
         for (int k = 0; k < 2 && (double)m->areas[side->first + i] >= whole && !*cut; k++) {
             const double x = corners[k][0] * side->width, y = corners[k][1] * side->height;
-            const struct orl_footing footing = {
-                m->texels->world, orl_madd(orl_madd(corner, plane->frame.u, x), plane->frame.v, y),
-                normal, (uint32_t)(index / 2)};
-            *cut = !orl_footing_joins(&footing,
-                                      orl_madd(orl_madd(corner, plane->frame.u, side->width - x),
-                                               plane->frame.v, side->height - y));
+            const struct orl_surface_point surface_point = {
+                m->texels->lit_scene,
+                orl_madd(orl_madd(corner, plane->frame.u, x), plane->frame.v, y), normal,
+                (uint32_t)(index / 2)};
+            *cut = !orl_surface_point_unoccluded(
+                &surface_point, orl_madd(orl_madd(corner, plane->frame.u, side->width - x),
+                                         plane->frame.v, side->height - y));
         }
     }
 }
 
 /* Fills the texels. Returns false if the crew is cancelled. */
-static bool fill_texels(struct making *m, struct orl_crew *crew)
+static bool fill_texels(struct texel_builder *m, struct orl_thread_pool *pool)
 {
-    const size_t facets = m->texels->world->geometry->n_facets;
+    const size_t facets = m->texels->lit_scene->geometry->n_facets;
     const uint64_t leaves = (m->map->header->count + ORL_MAP_LEAF - 1) / ORL_MAP_LEAF;
-    return orl_crew_try(crew, (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK, find_texels, m) ==
+    return orl_parallel_try(pool, (leaves + LEAVES_A_CHUNK - 1) / LEAVES_A_CHUNK, find_texels, m) ==
                0 &&
-           orl_crew_try(crew, SLICES, add_flux, m) == 0 &&
-           orl_crew_try(crew, 2 * facets, add_areas, m) == 0 &&
-           orl_crew_try(crew, 2 * facets, finish_side, m) == 0 &&
-           orl_crew_try(crew, 2 * facets, find_cuts, m) == 0;
+           orl_parallel_try(pool, SLICES, add_flux, m) == 0 &&
+           orl_parallel_try(pool, 2 * facets, add_areas, m) == 0 &&
+           orl_parallel_try(pool, 2 * facets, finish_side, m) == 0 &&
+           orl_parallel_try(pool, 2 * facets, find_cuts, m) == 0;
 }
 
-static bool build_texels(struct making *m, struct orl_crew *crew)
+static bool build_texels(struct texel_builder *m, struct orl_thread_pool *pool)
 {
     struct orl_texels *texels = m->texels;
-    const struct orl_geometry *g = texels->world->geometry;
+    const struct orl_geometry *g = texels->lit_scene->geometry;
     const bool laid_out = orl_planes_init(&texels->planes, g);
     texels->sides = calloc(2 * g->n_facets + 1, sizeof *texels->sides);
     m->places = malloc((m->map->header->count + 1) * sizeof *m->places);
-    m->doubtful = calloc(g->n_facets + 1, sizeof *m->doubtful);
-    if (!laid_out || !texels->sides || !m->places || !m->doubtful)
+    m->coincident = calloc(g->n_facets + 1, sizeof *m->coincident);
+    if (!laid_out || !texels->sides || !m->places || !m->coincident)
         return false;
-    struct orl_landing landing = {m->map, &texels->planes, m->places, m->doubtful};
-    if (orl_landing_find(&landing, crew) < 0)
+    struct orl_photon_facets photon_facets = {m->map, &texels->planes, m->places, m->coincident};
+    if (orl_photon_facets_find(&photon_facets, pool) < 0)
         return false;
     lay_out_texels(m);
     const size_t bytes = ((size_t)texels->count + 2) / 2 * LINE;
@@ -252,21 +254,22 @@ static bool build_texels(struct making *m, struct orl_crew *crew)
     if (!texels->texels || !texels->cut || !m->sums || !m->areas)
         return false;
     memset(texels->texels, 0, bytes);
-    return fill_texels(m, crew);
+    return fill_texels(m, pool);
 }
 
-struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct orl_world *world,
-                                  double photons, struct orl_crew *crew)
+struct orl_texels *orl_texels_new(const struct orl_photon_map *map,
+                                  const struct orl_lit_scene *lit_scene, double photons,
+                                  struct orl_thread_pool *pool)
 {
     struct orl_texels *texels = calloc(1, sizeof *texels);
-    struct making m = {.texels = texels, .map = map};
+    struct texel_builder m = {.texels = texels, .map = map};
     if (!texels)
         return NULL;
-    texels->world = world;
+    texels->lit_scene = lit_scene;
     texels->photons = photons;
-    const bool made = build_texels(&m, crew);
+    const bool made = build_texels(&m, pool);
     free(m.places);
-    free(m.doubtful);
+    free(m.coincident);
     free(m.sums);
     free(m.areas);
     if (made)
@@ -286,10 +289,10 @@ void orl_texels_free(struct orl_texels *texels)
     free(texels);
 }
 
-void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world)
+void orl_texels_rebind(struct orl_texels *texels, const struct orl_lit_scene *lit_scene)
 {
-    texels->world = world;
-    texels->planes.geometry = world->geometry;
+    texels->lit_scene = lit_scene;
+    texels->planes.geometry = lit_scene->geometry;
 }
 
 uint64_t orl_texels_bytes(const struct orl_texels *texels)
@@ -299,12 +302,12 @@ uint64_t orl_texels_bytes(const struct orl_texels *texels)
 
 bool orl_texels_has(const struct orl_texels *texels, uint32_t facet)
 {
-    return orl_planes_have(&texels->planes, facet);
+    return orl_planes_has(&texels->planes, facet);
 }
 
 double orl_texels_width(const struct orl_texels *texels, uint32_t facet, bool front)
 {
-    const struct orl_squares *side = &texels->sides[2 * facet + front];
+    const struct orl_facet_grid *side = &texels->sides[2 * facet + front];
     return fmax(side->width, side->height);
 }
 
@@ -313,7 +316,7 @@ const struct orl_texel *orl_texels_at(const struct orl_texels *texels, uint32_t 
 {
     const uint32_t side = 2 * facet + front;
     *ret_cut = false;
-    if (texels->sides[side].across == 0)
+    if (texels->sides[side].columns == 0)
         return NULL;
     const uint32_t index = index_in(texels, side, point);
     *ret_cut = texels->cut[index];

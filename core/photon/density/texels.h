@@ -8,7 +8,7 @@
  * The texels on one side of a facet are so large that they hold a given number of its photons on
  * average, but not larger than the facet. Photons are assigned to their facets by position and
  * normal, or by a ray if these are ambiguous. Curved surfaces, coincident ones and instanced ones
- * (scene/geometry/placed.h) have no texels.
+ * (scene/geometry/instances.h) have no texels.
  *
  * Determinism: sums are taken in the map's order of photons, for any number of threads. Threads:
  * constant once made. Reference: Heckbert 1990 (adaptive radiosity textures).
@@ -25,12 +25,13 @@ struct orl_texels;
 
 /* Builds the texels. Map and world are borrowed. photons: average number in a texel. Returns
  * NULL if out of memory or the crew is cancelled. */
-struct orl_texels *orl_texels_new(const struct orl_photon_map *map, const struct orl_world *world,
-                                  double photons, struct orl_crew *crew);
+struct orl_texels *orl_texels_new(const struct orl_photon_map *map,
+                                  const struct orl_lit_scene *lit_scene, double photons,
+                                  struct orl_thread_pool *pool);
 void orl_texels_free(struct orl_texels *texels);
 
 /* Replaces the world by another copy of it, which is borrowed. */
-void orl_texels_rebind(struct orl_texels *texels, const struct orl_world *world);
+void orl_texels_rebind(struct orl_texels *texels, const struct orl_lit_scene *lit_scene);
 /* memory, bytes, without the planes of facets */
 uint64_t orl_texels_bytes(const struct orl_texels *texels);
 

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-double orl_batches_third(const struct orl_batches *batches)
+double orl_batches_third_cumulant(const struct orl_batches *batches)
 {
     static const double n = ORL_MAP_BATCHES;
     double mean = 0, cube = 0;
@@ -13,7 +13,7 @@ double orl_batches_third(const struct orl_batches *batches)
     return cube * n * n / ((n - 1) * (n - 2));
 }
 
-double orl_batches_beyond_scatter(const struct orl_batches *difference)
+double orl_batches_shrink(const struct orl_batches *difference)
 {
     const double scatter2 = orl_batches_variance(difference);
     double sum = 0;

@@ -29,7 +29,7 @@ static inline double orl_batches_variance(const struct orl_batches *batches)
 }
 
 /* Returns the third cumulant of the sum of the parts. */
-double orl_batches_third(const struct orl_batches *batches);
+double orl_batches_third_cumulant(const struct orl_batches *batches);
 
 static inline void orl_batches_add(struct orl_batches *sum, const struct orl_batches *more,
                                    double factor)
@@ -42,7 +42,7 @@ static inline void orl_batches_add(struct orl_batches *sum, const struct orl_bat
  * Returns the part of a difference of two estimates from the same photons that exceeds its scatter;
  * 0 if the difference is within its scatter (positive-part James-Stein shrinkage).
  */
-double orl_batches_beyond_scatter(const struct orl_batches *difference);
+double orl_batches_shrink(const struct orl_batches *difference);
 
 /* Convert the parts to and from 8 bits: 255ths of the largest part. Unpacking scales them to the
  * sum luma. */

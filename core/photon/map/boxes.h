@@ -34,10 +34,10 @@ static inline void orl_box_distances(const struct orl_map_group *restrict group,
 
 /*
  * Pushes the children of a node that are nearer than radius2 and hold a normal of the mask
- * `facing`, the nearest on top.
+ * `normal_bins`, the nearest on top.
  */
 static inline uint32_t orl_box_push(const struct orl_photon_map *map, struct orl_box_visit visit,
-                                    const float at[3], uint32_t facing, float radius2,
+                                    const float at[3], uint32_t normal_bins, float radius2,
                                     struct orl_box_visit *stack, uint32_t depth)
 {
     const struct orl_map_group *group = &map->levels[visit.level - 1][visit.node];
@@ -45,7 +45,7 @@ static inline uint32_t orl_box_push(const struct orl_photon_map *map, struct orl
     float distance2[ORL_MAP_FANOUT];
     orl_box_distances(group, at, distance2);
     for (uint32_t c = 0; c < ORL_MAP_FANOUT; c++) {
-        if (!(distance2[c] < radius2) || !(group->facing[c] & facing))
+        if (!(distance2[c] < radius2) || !(group->normal_bins[c] & normal_bins))
             continue;
         const struct orl_box_visit child = {distance2[c], visit.level - 1,
                                             visit.node * ORL_MAP_FANOUT + c};

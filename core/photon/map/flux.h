@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include <oriel/vec.h>
+#include <oriel/base/vec.h>
 
 #define ORL_FLUX_MOST 65408.0
 enum { ORL_FLUX_MANTISSA_BITS = 9 };

@@ -10,9 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/open.h>
+#include <oriel/base/open.h>
 
-#include "base/checksum.h"
+#include "base/io/checksum.h"
 #include "photon/map/flux.h"
 #include "photon/map/map_layout.h"
 
@@ -92,7 +92,7 @@ static int check_header(const struct orl_map_header *h, size_t size, const char 
                              path);
     /* A count above the writer's limit could make the sizes below wrap around and look right. */
     const struct orl_map_layout l = orl_map_layout_of(h->count);
-    if (h->count > UINT32_MAX || h->note_bytes > ORL_MAP_MOST_NOTED || h->size != size ||
+    if (h->count > UINT32_MAX || h->note_bytes > ORL_MAP_MOST_NOTE_BYTES || h->size != size ||
         orl_map_size(&l, h->count, h->note_bytes) != size || l.places != h->places ||
         l.fluxes != h->fluxes || l.normals != h->normals || l.tags != h->tags ||
         l.boxes != h->boxes || l.levels != h->levels || h->emitted == 0)
@@ -122,7 +122,7 @@ static int check_absent(const struct orl_photon_map *map, const char *path, stru
     for (uint32_t i = 0; i < l.levels; i++) {
         const uint64_t last = l.groups[i] - 1;
         for (uint64_t c = nodes - last * ORL_MAP_FANOUT; c < ORL_MAP_FANOUT; c++)
-            if (map->levels[i][last].facing[c] != 0)
+            if (map->levels[i][last].normal_bins[c] != 0)
                 return orl_error_set(err, ORL_ERR_CORRUPT,
                                      "the boxes of photon map '%s' are damaged", path);
         nodes = l.groups[i];
@@ -135,7 +135,7 @@ static void set_block_pointers(struct orl_photon_map *map)
     const char *base = map->file;
     const struct orl_map_layout l = orl_map_layout_of(map->header->count);
     const struct orl_map_group *group = (const void *)(base + l.boxes);
-    orl_facing_init(&map->facing);
+    orl_normal_bins_init(&map->normal_bins);
     map->places = (const void *)(base + l.places);
     map->fluxes = (const void *)(base + l.fluxes);
     map->normals = (const void *)(base + l.normals);
@@ -211,8 +211,8 @@ int orl_photon_map_read(const char *path, const atomic_bool *cancel,
     return open_map(path, true, cancel, ret_map, err);
 }
 
-int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
-                      struct orl_error *err)
+int orl_photon_map_adopt(void *file, size_t size, struct orl_photon_map **ret_map,
+                         struct orl_error *err)
 {
     struct orl_photon_map *map = calloc(1, sizeof *map);
     if (!map) {
@@ -257,7 +257,7 @@ struct orl_photon orl_photon_map_get(const struct orl_photon_map *map, size_t in
                                 .batch = (uint8_t)(a >> 20 & 15U),
                                 .tag = (uint8_t)map->tags[index]};
     uint32_t cell[3];
-    orl_place_unpack(a, b, cell);
+    orl_position_unpack(a, b, cell);
     for (int i = 0; i < 3; i++)
         photon.position[i] = (float)(h->low[i] + (cell[i] + 0.5) * h->cell);
     return photon;

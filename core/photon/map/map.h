@@ -8,10 +8,10 @@
  *            x, y, z: 20 bits each, cells of header.cell from header.low
  *   fluxes   per photon: shared-exponent RGB (9-9-9-5) in units of header.flux_unit
  *   normals  per photon: octahedral, 8 + 8 bits, the side that was lit
- *   tags     per photon: its class; for precomputed records the clear radius (records.h)
- *   boxes    per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs, and
- *            8 masks of the bins (facing.h) that the normals inside fall into
- *   notes    header.note_bytes per photon: notes of precomputed records (records.h); else none
+ *   tags     per photon: its class; for precomputed records the clear radius
+ * (precomputed_irradiance.h) boxes    per group of 8 siblings, from the leaves up: 6 x 8 floats,
+ * lows then highs, and 8 masks of the bins (normal_code.h) that the normals inside fall into notes
+ * header.note_bytes per photon: notes of precomputed records (precomputed_irradiance.h); else none
  *
  * A photon takes 16 bytes, and about 2 for the boxes. Photons are sorted by the bin of their
  * normal, then in Morton order, so that a leaf is a patch of one sheet of surface. Ties are sorted
@@ -29,9 +29,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/crew.h>
-#include <oriel/error.h>
-#include <oriel/vec.h>
+#include <oriel/base/error.h>
+#include <oriel/base/thread_pool.h>
+#include <oriel/base/vec.h>
 
 enum {
     ORL_MAP_VERSION = 7,
@@ -40,18 +40,18 @@ enum {
     ORL_MAP_LEVELS = 12,  /* maximum number of levels: 16 * 8^11 photons */
     ORL_MAP_BATCHES = 16, /* number of values of the batch index */
     ORL_MAP_CHECKSUM = 16,
-    ORL_MAP_MOST_NOTED = 64, /* maximum bytes of notes per photon */
-    ORL_MAP_FAMILY = 72,     /* enough for a digest in hexadecimal */
+    ORL_MAP_MOST_NOTE_BYTES = 64, /* maximum bytes of notes per photon */
+    ORL_MAP_FAMILY = 72,          /* enough for a digest in hexadecimal */
 };
 
 /*
  * The path class of a global photon, by which other technique finds its light. Maps that are viewed
- * directly hold the first class only (omit.counted_light of light/world.h).
+ * directly hold the first class only (omit.counted_light of light/lit_scene.h).
  */
 enum orl_photon_class {
     /* indirect: all but the two below; from skies and glow, or after a diffuse reflection */
-    ORL_PHOTON_REST,
-    ORL_PHOTON_LIGHT, /* direct: undeflected from a sun or lamp, which shadow rays find */
+    ORL_PHOTON_INDIRECT,
+    ORL_PHOTON_DIRECT, /* direct: undeflected from a sun or lamp, which shadow rays find */
     /* caustic: from a sun or lamp, deflected, at its first diffuse surface */
     ORL_PHOTON_CAUSTIC,
     ORL_PHOTON_CLASSES
@@ -61,9 +61,9 @@ enum orl_photon_class {
 struct orl_photon {
     float position[3]; /* moved coordinates */
     float flux[3];     /* W, before the division by the number emitted */
-    uint16_t normal;   /* orl_normal_encode of the lit side (facing.h) */
+    uint16_t normal;   /* orl_normal_encode of the lit side (normal_code.h) */
     uint8_t batch;
-    uint8_t tag;    /* an orl_photon_class; for records see records.h */
+    uint8_t tag;    /* an orl_photon_class; for records see precomputed_irradiance.h */
     uint32_t facet; /* the facet that it landed on; not stored in maps */
 };
 
@@ -86,7 +86,7 @@ struct orl_map_header {
     char kind[16];
     /* digest shared by maps that differ in the target only (run.h); "": none */
     char family[ORL_MAP_FAMILY];
-    /* base/checksum.h: checksum of all bytes after the header */
+    /* base/io/checksum.h: checksum of all bytes after the header */
     unsigned char body_checksum[ORL_MAP_CHECKSUM];
     unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* checksum of all bytes before this field */
 };
@@ -109,7 +109,7 @@ struct orl_map_build {
     uint32_t note_bytes;
     /* frees the photons' memory (from malloc) page by page while they are packed; the caller
      * must not read it any more, only free it */
-    bool spend;
+    bool free_photons;
 };
 
 /*
@@ -119,13 +119,13 @@ struct orl_map_build {
  * `spend` the 50 include those.
  */
 int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
-                         const struct orl_map_build *build, struct orl_crew *crew,
+                         const struct orl_map_build *build, struct orl_thread_pool *pool,
                          struct orl_error *err);
 
 /* Builds the map that orl_photon_map_write writes, in memory that belongs to the map. */
-int orl_photon_map_make(const struct orl_photon *photons, size_t count,
-                        const struct orl_map_build *build, struct orl_crew *crew,
-                        struct orl_photon_map **ret_map, struct orl_error *err);
+int orl_photon_map_build(const struct orl_photon *photons, size_t count,
+                         const struct orl_map_build *build, struct orl_thread_pool *pool,
+                         struct orl_photon_map **ret_map, struct orl_error *err);
 
 /*
  * Map a file. Header and sizes are always checked, so that a damaged file can at worst give wrong

@@ -1,12 +1,12 @@
 #include "photon/map/map_boxes.h"
 
-#include "base/vectors.h"
-#include "photon/map/facing.h"
+#include "base/multiversion.h"
+#include "photon/map/normal_code.h"
 
 static void clear_group(struct orl_map_group *group)
 {
     for (int c = 0; c < ORL_MAP_FANOUT; c++) {
-        group->facing[c] = 0;
+        group->normal_bins[c] = 0;
         for (int k = 0; k < 3; k++) {
             group->low[k][c] = INFINITY;
             group->high[k][c] = -INFINITY;
@@ -15,9 +15,9 @@ static void clear_group(struct orl_map_group *group)
 }
 
 static inline void include_box(struct orl_map_group *group, uint64_t child, const float low[3],
-                               const float high[3], uint32_t facing)
+                               const float high[3], uint32_t normal_bins)
 {
-    group->facing[child] |= facing;
+    group->normal_bins[child] |= normal_bins;
     for (int k = 0; k < 3; k++) {
         if (low[k] < group->low[k][child])
             group->low[k][child] = low[k];
@@ -32,7 +32,7 @@ static inline void box_leaf(const uint32_t *words, const uint16_t *normals, uint
                             struct orl_map_group *group, uint64_t child)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
-    uint32_t facing = 0;
+    uint32_t normal_bins = 0;
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t a = words[i], b = words[i + ORL_MAP_LEAF];
         const int32_t x = (int32_t)(a & 0xfffffU), y = (int32_t)(b & 0xfffffU);
@@ -45,12 +45,12 @@ static inline void box_leaf(const uint32_t *words, const uint16_t *normals, uint
         high[2] = z > high[2] ? z : high[2];
     }
     for (uint32_t i = 0; i < n; i++)
-        facing |= 1U << orl_facing_bin(normals[i]);
+        normal_bins |= 1U << orl_normal_bin(normals[i]);
     for (int k = 0; k < 3; k++) {
         group->low[k][child] = (float)low[k];
         group->high[k][child] = (float)high[k];
     }
-    group->facing[child] = facing;
+    group->normal_bins[child] = normal_bins;
 }
 
 ORL_FOR_WIDE_VECTORS void orl_box_leaves(const struct orl_map_layout *layout, char *file,
@@ -87,7 +87,7 @@ void orl_box_nodes(const struct orl_map_layout *layout, char *file)
                 const float high[3] = {below[node].high[0][c], below[node].high[1][c],
                                        below[node].high[2][c]};
                 include_box(&groups[node / ORL_MAP_FANOUT], node % ORL_MAP_FANOUT, low, high,
-                            below[node].facing[c]);
+                            below[node].normal_bins[c]);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "photon/map/flux.h"
 
 /* Bounding box of all photons, in units, and the brightest flux of the new ones. */
@@ -12,8 +12,8 @@ struct bounds {
 };
 
 /* Bounds of the new photons, chunk by chunk. */
-struct survey {
-    const struct orl_map_encoder *packing;
+struct bounds_task {
+    const struct orl_map_encoder *encoder;
     struct bounds *chunks;
 };
 
@@ -32,13 +32,14 @@ static void earlier_corner(const struct orl_map_encoder *p, size_t index, double
     const struct orl_map_header *h = p->earlier->header;
     const uint32_t *leaf = p->earlier->places + index / ORL_MAP_LEAF * ORL_LEAF_WORDS;
     uint32_t cell[3];
-    orl_place_unpack(leaf[index % ORL_MAP_LEAF], leaf[index % ORL_MAP_LEAF + ORL_MAP_LEAF], cell);
+    orl_position_unpack(leaf[index % ORL_MAP_LEAF], leaf[index % ORL_MAP_LEAF + ORL_MAP_LEAF],
+                        cell);
     for (int k = 0; k < 3; k++)
         ret_at[k] = (rint(h->low[k] / h->cell) + cell[k]) * (h->cell / p->unit);
 }
 
 /* Returns the position in units. */
-static void place_of(const struct orl_map_encoder *p, size_t index, double ret_at[3])
+static void position_of(const struct orl_map_encoder *p, size_t index, double ret_at[3])
 {
     if (index < p->n_earlier) {
         earlier_corner(p, index, ret_at);
@@ -64,8 +65,8 @@ static size_t new_photons(const struct orl_map_encoder *p)
 
 static void bound_chunk(void *arg, size_t chunk, uint32_t member)
 {
-    const struct survey *survey = arg;
-    const struct orl_map_encoder *p = survey->packing;
+    const struct bounds_task *bounds_task = arg;
+    const struct orl_map_encoder *p = bounds_task->encoder;
     const size_t end = (chunk + 1) * CHUNK;
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     float brightest[3] = {0, 0, 0};
@@ -85,25 +86,25 @@ static void bound_chunk(void *arg, size_t chunk, uint32_t member)
         b.high[k] = (double)high[k];
         b.brightest = fmax(b.brightest, (double)brightest[k]);
     }
-    survey->chunks[chunk] = b;
+    bounds_task->chunks[chunk] = b;
 }
 
-/* Computes the bounds. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
-static int bound_photons(const struct orl_map_encoder *p, struct orl_crew *crew,
+/* Computes the bounds. Returns 0, ORL_ERR_NOMEM or an error of orl_parallel_try. */
+static int bound_photons(const struct orl_map_encoder *p, struct orl_thread_pool *pool,
                          struct bounds *ret_bounds)
 {
     const size_t chunks = (new_photons(p) + CHUNK - 1) / CHUNK;
-    struct survey survey = {p, malloc((chunks + 1) * sizeof *survey.chunks)};
+    struct bounds_task bounds_task = {p, malloc((chunks + 1) * sizeof *bounds_task.chunks)};
     struct bounds b = nothing;
-    if (!survey.chunks)
+    if (!bounds_task.chunks)
         return ORL_ERR_NOMEM;
-    const int code = orl_crew_try(crew, chunks, bound_chunk, &survey);
+    const int code = orl_parallel_try(pool, chunks, bound_chunk, &bounds_task);
     for (size_t i = 0; i < chunks && code == 0; i++) {
-        include_point(&b, survey.chunks[i].low);
-        include_point(&b, survey.chunks[i].high);
-        b.brightest = fmax(b.brightest, survey.chunks[i].brightest);
+        include_point(&b, bounds_task.chunks[i].low);
+        include_point(&b, bounds_task.chunks[i].high);
+        b.brightest = fmax(b.brightest, bounds_task.chunks[i].brightest);
     }
-    free(survey.chunks);
+    free(bounds_task.chunks);
     if (code < 0)
         return code;
     for (int k = 0; k < 3; k++) { /* division keeps the order of the bounds */
@@ -125,7 +126,7 @@ static bool fits(const struct bounds *b, double step)
 {
     bool fit = true;
     for (int k = 0; k < 3; k++)
-        fit = fit && floor(b->high[k] / step) - floor(b->low[k] / step) < ORL_PLACE_CELLS;
+        fit = fit && floor(b->high[k] / step) - floor(b->low[k] / step) < ORL_POSITION_CELLS;
     return fit;
 }
 
@@ -152,22 +153,22 @@ static void choose_exponent(struct orl_map_encoder *p, double brightest)
         p->flux_exponent = p->earlier->header->flux_exponent;
 }
 
-int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon_map *earlier,
+int orl_map_encode_init(struct orl_map_encoder *encoder, const struct orl_photon_map *earlier,
                         const struct orl_photon *photons, size_t n, uint64_t seed, double extent,
-                        struct orl_crew *crew)
+                        struct orl_thread_pool *pool)
 {
     struct bounds bounds;
-    *packing = (struct orl_map_encoder){.earlier = earlier,
+    *encoder = (struct orl_map_encoder){.earlier = earlier,
                                         .photons = photons,
                                         .n_earlier = earlier ? earlier->header->count : 0,
                                         .seed = seed,
                                         .unit = extent > 0 ? extent : 1};
-    packing->count = packing->n_earlier + n;
-    const int code = bound_photons(packing, crew, &bounds);
+    encoder->count = encoder->n_earlier + n;
+    const int code = bound_photons(encoder, pool, &bounds);
     if (code < 0)
         return code;
-    choose_cells(packing, &bounds);
-    choose_exponent(packing, bounds.brightest);
+    choose_cells(encoder, &bounds);
+    choose_exponent(encoder, bounds.brightest);
     return 0;
 }
 
@@ -180,24 +181,24 @@ static inline double floor_of(double x)
     return whole > x ? whole - 1 : whole;
 }
 
-static inline void cell_at(const struct orl_map_encoder *packing, const double at[3],
+static inline void cell_at(const struct orl_map_encoder *encoder, const double at[3],
                            uint32_t ret_cell[3])
 {
     for (int k = 0; k < 3; k++)
-        ret_cell[k] = (uint32_t)(int64_t)(floor_of(at[k] * packing->steps) - packing->first[k]);
+        ret_cell[k] = (uint32_t)(int64_t)(floor_of(at[k] * encoder->steps) - encoder->first[k]);
 }
 
-void orl_map_encode_cell(const struct orl_map_encoder *packing, size_t index, uint32_t ret_cell[3])
+void orl_map_encode_cell(const struct orl_map_encoder *encoder, size_t index, uint32_t ret_cell[3])
 {
     double at[3];
-    place_of(packing, index, at);
-    cell_at(packing, at, ret_cell);
+    position_of(encoder, index, at);
+    cell_at(encoder, at, ret_cell);
 }
 
-uint16_t orl_map_encode_normal(const struct orl_map_encoder *packing, size_t index)
+uint16_t orl_map_encode_normal(const struct orl_map_encoder *encoder, size_t index)
 {
-    return index < packing->n_earlier ? packing->earlier->normals[index]
-                                      : packing->photons[index - packing->n_earlier].normal;
+    return index < encoder->n_earlier ? encoder->earlier->normals[index]
+                                      : encoder->photons[index - encoder->n_earlier].normal;
 }
 
 /* Rounds up or down at random, so that sums keep their means. The random number depends on the
@@ -210,24 +211,24 @@ static uint32_t new_flux(const struct orl_map_encoder *p, size_t index)
                               orl_random_uniform(&random));
 }
 
-struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *packing, size_t index)
+struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *encoder, size_t index)
 {
-    const struct orl_photon_map *map = packing->earlier;
-    struct orl_photon_words words = {.normal = orl_map_encode_normal(packing, index)};
+    const struct orl_photon_map *map = encoder->earlier;
+    struct orl_photon_words words = {.normal = orl_map_encode_normal(encoder, index)};
     uint32_t batch, cell[3];
-    if (index < packing->n_earlier) {
+    if (index < encoder->n_earlier) {
         const uint64_t word = index / ORL_MAP_LEAF * ORL_LEAF_WORDS + index % ORL_MAP_LEAF;
-        const int coarser = packing->flux_exponent - map->header->flux_exponent;
+        const int coarser = encoder->flux_exponent - map->header->flux_exponent;
         batch = map->places[word] >> 20 & 15U;
         words.flux = orl_flux_coarsen(map->fluxes[index], coarser);
         words.tag = map->tags[index];
     } else {
-        const struct orl_photon *photon = &packing->photons[index - packing->n_earlier];
+        const struct orl_photon *photon = &encoder->photons[index - encoder->n_earlier];
         batch = photon->batch & 15U;
-        words.flux = new_flux(packing, index);
+        words.flux = new_flux(encoder, index);
         words.tag = photon->tag;
     }
-    orl_map_encode_cell(packing, index, cell);
+    orl_map_encode_cell(encoder, index, cell);
     words.a = cell[0] | batch << 20 | (cell[2] >> 12) << 24;
     words.b = cell[1] | (cell[2] & 0xfffU) << 20;
     return words;

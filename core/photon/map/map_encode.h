@@ -15,7 +15,7 @@
 #ifndef ORL_PHOTON_MAP_MAP_ENCODE_H
 #define ORL_PHOTON_MAP_MAP_ENCODE_H
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "photon/map/map_layout.h"
 
@@ -46,23 +46,23 @@ struct orl_photon_words {
  * Cells are powers of two times it, not below 2^-32, so that they scale with the scene. Returns 0,
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
-int orl_map_encode_init(struct orl_map_encoder *packing, const struct orl_photon_map *earlier,
+int orl_map_encode_init(struct orl_map_encoder *encoder, const struct orl_photon_map *earlier,
                         const struct orl_photon *photons, size_t n, uint64_t seed, double extent,
-                        struct orl_crew *crew);
+                        struct orl_thread_pool *pool);
 
 /* Compute a photon's cell, normal or words. Indices below n_earlier are the earlier map's
  * photons, in that map's order. */
-void orl_map_encode_cell(const struct orl_map_encoder *packing, size_t index, uint32_t ret_cell[3]);
-uint16_t orl_map_encode_normal(const struct orl_map_encoder *packing, size_t index);
-struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *packing, size_t index);
+void orl_map_encode_cell(const struct orl_map_encoder *encoder, size_t index, uint32_t ret_cell[3]);
+uint16_t orl_map_encode_normal(const struct orl_map_encoder *encoder, size_t index);
+struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *encoder, size_t index);
 
 /*
- * Encodes as orl_map_encode_words does, for ORL_PACKED_AT_ONCE consecutive new photons. Requires
+ * Encodes as orl_map_encode_words does, for ORL_ENCODED_AT_ONCE consecutive new photons. Requires
  * cells that are not too far from the origin (orl_map_encode_is_near).
  */
-enum { ORL_PACKED_AT_ONCE = 64 };
-bool orl_map_encode_is_near(const struct orl_map_encoder *packing);
-void orl_map_encode_words_many(const struct orl_map_encoder *packing, size_t first,
-                               struct orl_photon_words ret_words[ORL_PACKED_AT_ONCE]);
+enum { ORL_ENCODED_AT_ONCE = 64 };
+bool orl_map_encode_is_near(const struct orl_map_encoder *encoder);
+void orl_map_encode_words_many(const struct orl_map_encoder *encoder, size_t first,
+                               struct orl_photon_words ret_words[ORL_ENCODED_AT_ONCE]);
 
 #endif

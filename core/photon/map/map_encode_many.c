@@ -4,11 +4,11 @@
 
 #include <string.h>
 
-#include "base/random.h"
-#include "base/vectors.h"
+#include "base/multiversion.h"
+#include "base/sampling/random.h"
 #include "photon/map/flux.h"
 
-enum { N = ORL_PACKED_AT_ONCE };
+enum { N = ORL_ENCODED_AT_ONCE };
 
 /* Adding and subtracting this rounds doubles below 2^51 to integers. */
 static const double rounding = 0x1.8p52;
@@ -27,11 +27,11 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-bool orl_map_encode_is_near(const struct orl_map_encoder *packing)
+bool orl_map_encode_is_near(const struct orl_map_encoder *encoder)
 {
     const double far = 0x1p50;
-    return fabs(packing->first[0]) < far && fabs(packing->first[1]) < far &&
-           fabs(packing->first[2]) < far;
+    return fabs(encoder->first[0]) < far && fabs(encoder->first[1]) < far &&
+           fabs(encoder->first[2]) < far;
 }
 
 /* Computes cells as cell_at does. */
@@ -102,15 +102,15 @@ static inline void pack_fluxes(const struct orl_photon *photons, int least, cons
 }
 
 ORL_FOR_WIDE_VECTORS
-void orl_map_encode_words_many(const struct orl_map_encoder *packing, size_t first,
-                               struct orl_photon_words ret_words[ORL_PACKED_AT_ONCE])
+void orl_map_encode_words_many(const struct orl_map_encoder *encoder, size_t first,
+                               struct orl_photon_words ret_words[ORL_ENCODED_AT_ONCE])
 {
-    const struct orl_photon *photons = packing->photons + (first - packing->n_earlier);
+    const struct orl_photon *photons = encoder->photons + (first - encoder->n_earlier);
     uint32_t cells[3][N], fluxes[N];
     double dithers[N];
-    find_cells(packing, photons, cells);
-    find_dithers(packing->seed, first, dithers);
-    pack_fluxes(photons, packing->flux_exponent, dithers, fluxes);
+    find_cells(encoder, photons, cells);
+    find_dithers(encoder->seed, first, dithers);
+    pack_fluxes(photons, encoder->flux_exponent, dithers, fluxes);
     for (int i = 0; i < N; i++) {
         const uint32_t batch = photons[i].batch & 15U, z = cells[2][i];
         ret_words[i] = (struct orl_photon_words){.a = cells[0][i] | batch << 20 | (z >> 12) << 24,

@@ -2,16 +2,16 @@
 #ifndef ORL_PHOTON_MAP_MAP_LAYOUT_H
 #define ORL_PHOTON_MAP_MAP_LAYOUT_H
 
-#include "photon/map/facing.h"
 #include "photon/map/map.h"
+#include "photon/map/normal_code.h"
 
-enum { ORL_PLACE_BITS = 20, ORL_PLACE_CELLS = 1 << ORL_PLACE_BITS, ORL_LEAF_WORDS = 32 };
+enum { ORL_POSITION_BITS = 20, ORL_POSITION_CELLS = 1 << ORL_POSITION_BITS, ORL_LEAF_WORDS = 32 };
 
 /* Bounds of the children of one node, in cells. An absent child has inverted bounds and an empty
  * mask. */
 struct orl_map_group {
     float low[3][ORL_MAP_FANOUT], high[3][ORL_MAP_FANOUT];
-    uint32_t facing[ORL_MAP_FANOUT];
+    uint32_t normal_bins[ORL_MAP_FANOUT];
 };
 
 /* A mapped file, with pointers to its blocks. */
@@ -23,13 +23,13 @@ struct orl_photon_map {
     const uint16_t *normals, *tags;
     const unsigned char *notes;                         /* NULL: none */
     const struct orl_map_group *levels[ORL_MAP_LEVELS]; /* [0]: groups of leaves */
-    struct orl_facing facing;
+    struct orl_normal_bins normal_bins;
 };
 
 /* Makes a map of a file that was filled in anonymously mapped memory. Takes over the memory, and
  * unmaps it on failure. Returns 0 or ORL_ERR_NOMEM. */
-int orl_photon_map_of(void *file, size_t size, struct orl_photon_map **ret_map,
-                      struct orl_error *err);
+int orl_photon_map_adopt(void *file, size_t size, struct orl_photon_map **ret_map,
+                         struct orl_error *err);
 
 /* Offsets and sizes of the file's blocks for a number of photons. */
 struct orl_map_layout {
@@ -51,7 +51,7 @@ static inline uint32_t orl_leaf_photons(const struct orl_photon_map *map, uint64
     return left < ORL_MAP_LEAF ? (uint32_t)left : ORL_MAP_LEAF;
 }
 
-static inline void orl_place_unpack(uint32_t a, uint32_t b, uint32_t ret_cell[3])
+static inline void orl_position_unpack(uint32_t a, uint32_t b, uint32_t ret_cell[3])
 {
     ret_cell[0] = a & 0xfffffU;
     ret_cell[1] = b & 0xfffffU;

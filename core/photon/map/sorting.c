@@ -4,19 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "photon/map/zorder.h"
 
-enum { CODE_BITS = ORL_ZORDER_PLACE_BITS + 5 }; /* there are fewer than 32 bins */
-enum { DIGIT = 8, BUCKETS = 1 << DIGIT, FEW = 32, AHEAD = 8, STRETCH = 1 << 15 };
+enum { CODE_BITS = ORL_ZORDER_POSITION_BITS + 5 }; /* there are fewer than 32 bins */
+enum { DIGIT = 8, BUCKETS = 1 << DIGIT, FEW = 32, AHEAD = 8, CHUNK = 1 << 15 };
 
-struct sorting {
+struct photon_sort {
     struct orl_sort_item *items;
     size_t count;
     const struct orl_photon_words *words;
     size_t starts[BUCKETS + 1]; /* first index of each bucket of the first digit */
     int shift;                  /* bit offset of the first digit */
-    size_t *ends;               /* ends of stretches; codes of one stretch occur in no other */
+    size_t *ends;               /* ends of chunks; codes of one chunk occur in no other */
     atomic_bool out_of_memory;
 };
 
@@ -103,7 +103,7 @@ static void sort_items(struct orl_sort_item *items, size_t n) // NOLINT(misc-no-
 
 static void sort_bucket(void *arg, size_t bucket, uint32_t member)
 {
-    const struct sorting *s = arg;
+    const struct photon_sort *s = arg;
     (void)member;
     sort_items(s->items + s->starts[bucket], s->starts[bucket + 1] - s->starts[bucket]);
 }
@@ -128,7 +128,7 @@ static int by_hash(const void *a, const void *b)
     return x->index < y->index ? -1 : 1;
 }
 
-static struct tie tie_of(const struct sorting *s, uint32_t index)
+static struct tie tie_of(const struct photon_sort *s, uint32_t index)
 {
     const struct orl_photon_words p = s->words[index];
     struct tie tie = {.words = {(uint64_t)p.a << 32 | p.b,
@@ -138,7 +138,7 @@ static struct tie tie_of(const struct sorting *s, uint32_t index)
     return tie;
 }
 
-static void sort_ties(const struct sorting *s, struct orl_sort_item *items, size_t n,
+static void sort_ties(const struct photon_sort *s, struct orl_sort_item *items, size_t n,
                       struct tie *ties)
 {
     for (size_t i = 0; i < n; i++)
@@ -150,7 +150,7 @@ static void sort_ties(const struct sorting *s, struct orl_sort_item *items, size
 
 /* Sorts photons of equal code by hash. Only identical photons keep their former order. Returns
  * false if out of memory. */
-static bool settle_ties(const struct sorting *s, struct orl_sort_item *items, size_t count)
+static bool find_ties(const struct photon_sort *s, struct orl_sort_item *items, size_t count)
 {
     struct tie *ties = NULL;
     size_t room = 0, end;
@@ -174,20 +174,20 @@ static bool settle_ties(const struct sorting *s, struct orl_sort_item *items, si
     return true;
 }
 
-static void finish_stretch(void *arg, size_t stretch, uint32_t member)
+static void sort_chunk_ties(void *arg, size_t chunk, uint32_t member)
 {
-    struct sorting *s = arg;
-    const size_t first = stretch > 0 ? s->ends[stretch - 1] : 0, end = s->ends[stretch];
+    struct photon_sort *s = arg;
+    const size_t first = chunk > 0 ? s->ends[chunk - 1] : 0, end = s->ends[chunk];
     (void)member;
-    if (!settle_ties(s, s->items + first, end - first))
+    if (!find_ties(s, s->items + first, end - first))
         atomic_store(&s->out_of_memory, true);
 }
 
-static size_t find_stretches(const struct sorting *s)
+static size_t find_chunks(const struct photon_sort *s)
 {
     size_t n = 0;
     for (size_t end = 0; end < s->count;) {
-        end = end + STRETCH < s->count ? end + STRETCH : s->count;
+        end = end + CHUNK < s->count ? end + CHUNK : s->count;
         while (end < s->count && s->items[end].code == s->items[end - 1].code)
             end++;
         s->ends[n++] = end;
@@ -198,21 +198,21 @@ static size_t find_stretches(const struct sorting *s)
 /* ---- Entry point ----------------------------------------------------------------------------- */
 
 int orl_sort_photons(struct orl_sort_item *items, size_t count,
-                     const struct orl_photon_words *words, struct orl_crew *crew)
+                     const struct orl_photon_words *words, struct orl_thread_pool *pool)
 {
-    struct sorting s = {.items = items, .count = count, .words = words};
+    struct photon_sort s = {.items = items, .count = count, .words = words};
     atomic_init(&s.out_of_memory, false);
-    s.ends = malloc((count / STRETCH + 1) * sizeof *s.ends);
+    s.ends = malloc((count / CHUNK + 1) * sizeof *s.ends);
     if (!s.ends)
         return ORL_ERR_NOMEM;
     s.shift = count > 0 ? first_digit(items, count) : -1;
     int code = 0;
     if (s.shift >= 0) {
         split_by_digit(items, count, s.shift, s.starts);
-        code = orl_crew_try(crew, BUCKETS, sort_bucket, &s);
+        code = orl_parallel_try(pool, BUCKETS, sort_bucket, &s);
     }
     if (code == 0)
-        code = orl_crew_try(crew, find_stretches(&s), finish_stretch, &s);
+        code = orl_parallel_try(pool, find_chunks(&s), sort_chunk_ties, &s);
     free(s.ends);
     return code == 0 && atomic_load(&s.out_of_memory) ? ORL_ERR_NOMEM : code;
 }

@@ -5,7 +5,7 @@
 #ifndef ORL_PHOTON_MAP_SORTING_H
 #define ORL_PHOTON_MAP_SORTING_H
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "photon/map/map_encode.h"
 
@@ -14,8 +14,8 @@ struct orl_sort_item {
     uint32_t index; /* index of the photon's words */
 };
 
-/* Sorts items in place. Returns 0, ORL_ERR_NOMEM or an error of orl_crew_try. */
+/* Sorts items in place. Returns 0, ORL_ERR_NOMEM or an error of orl_parallel_try. */
 int orl_sort_photons(struct orl_sort_item *items, size_t count,
-                     const struct orl_photon_words *words, struct orl_crew *crew);
+                     const struct orl_photon_words *words, struct orl_thread_pool *pool);
 
 #endif

@@ -8,13 +8,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <oriel/open.h>
+#include <oriel/base/open.h>
 
-#include "base/checksum.h"
-#include "base/memory.h"
-#include "base/random.h"
-#include "base/sum.h"
-#include "base/vectors.h"
+#include "base/io/checksum.h"
+#include "base/memory/huge_pages.h"
+#include "base/multiversion.h"
+#include "base/sampling/random.h"
+#include "base/statistics/sum.h"
 #include "photon/map/flux.h"
 #include "photon/map/map_boxes.h"
 #include "photon/map/map_encode.h"
@@ -22,7 +22,7 @@
 #include "photon/map/zorder.h"
 
 struct writer {
-    struct orl_map_encoder packing;
+    struct orl_map_encoder encoder;
     const struct orl_map_build *build;
     struct orl_photon_words *words; /* in the order of emission */
     struct orl_sort_item *items;
@@ -39,22 +39,22 @@ _Static_assert((int)CHUNK % (int)ORL_BOXED_AT_ONCE == 0, "a chunk has its groups
 
 static size_t chunks_of(const struct writer *w)
 {
-    return (w->packing.count + CHUNK - 1) / CHUNK;
+    return (w->encoder.count + CHUNK - 1) / CHUNK;
 }
 
 static size_t chunk_end(const struct writer *w, size_t chunk)
 {
-    const size_t end = (chunk + 1) * CHUNK, count = w->packing.count;
+    const size_t end = (chunk + 1) * CHUNK, count = w->encoder.count;
     return end < count ? end : count;
 }
 
 /* Frees the pages of the new photons in the range. */
 static void free_photon_pages(const struct writer *w, size_t first, size_t end)
 {
-    const struct orl_map_encoder *p = &w->packing;
+    const struct orl_map_encoder *p = &w->encoder;
     if (end > p->n_earlier)
-        orl_memory_let_go(p->photons + (first > p->n_earlier ? first - p->n_earlier : 0),
-                          p->photons + (end - p->n_earlier));
+        orl_memory_release_pages(p->photons + (first > p->n_earlier ? first - p->n_earlier : 0),
+                                 p->photons + (end - p->n_earlier));
 }
 
 /* Computes the sort items (codes and indices) of encoded photons. */
@@ -64,7 +64,7 @@ static void make_items(const struct orl_photon_words *words, size_t first, size_
 {
     for (size_t i = 0; i < n; i++) {
         uint32_t cell[3];
-        orl_place_unpack(words[i].a, words[i].b, cell);
+        orl_position_unpack(words[i].a, words[i].b, cell);
         ret_items[i] =
             (struct orl_sort_item){orl_zorder_code(cell, words[i].normal), (uint32_t)(first + i)};
     }
@@ -76,21 +76,21 @@ static void make_codes(void *arg, size_t chunk, uint32_t member)
 {
     struct writer *w = arg;
     const size_t first = chunk * CHUNK, end = chunk_end(w, chunk);
-    const bool near = orl_map_encode_is_near(&w->packing);
+    const bool near = orl_map_encode_is_near(&w->encoder);
     size_t i = first;
     (void)member;
     while (i < end) {
         const size_t begun = i;
-        if (near && i >= w->packing.n_earlier && end - i >= ORL_PACKED_AT_ONCE) {
-            orl_map_encode_words_many(&w->packing, i, w->words + i);
-            i += ORL_PACKED_AT_ONCE;
+        if (near && i >= w->encoder.n_earlier && end - i >= ORL_ENCODED_AT_ONCE) {
+            orl_map_encode_words_many(&w->encoder, i, w->words + i);
+            i += ORL_ENCODED_AT_ONCE;
         } else {
-            w->words[i] = orl_map_encode_words(&w->packing, i);
+            w->words[i] = orl_map_encode_words(&w->encoder, i);
             i++;
         }
         make_items(w->words + begun, begun, i - begun, w->items + begun);
     }
-    if (w->build->spend)
+    if (w->build->free_photons)
         free_photon_pages(w, first, end);
 }
 
@@ -134,13 +134,13 @@ static double mean_flux(const struct writer *w)
         orl_sum_add(&sum, w->flux_sums[i].high);
         orl_sum_add(&sum, w->flux_sums[i].low);
     }
-    return orl_sum_value(&sum) / fmax((double)w->packing.count, 1);
+    return orl_sum_value(&sum) / fmax((double)w->encoder.count, 1);
 }
 
 static void fill_measures(struct writer *w)
 {
     struct orl_map_header *h = &w->header;
-    const struct orl_map_encoder *p = &w->packing;
+    const struct orl_map_encoder *p = &w->encoder;
     memcpy(h->low, p->low, sizeof h->low);
     h->cell = p->cell;
     h->flux_exponent = p->flux_exponent;
@@ -157,7 +157,7 @@ static void fill_header(struct writer *w)
     memcpy(h->magic, "ORIELPM", 8);
     h->version = ORL_MAP_VERSION;
     h->byte_order = 0x01020304U;
-    h->count = w->packing.count;
+    h->count = w->encoder.count;
     h->emitted = w->build->emitted;
     h->target = w->build->target;
     fill_measures(w);
@@ -202,23 +202,23 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
 }
 
 /* Encodes the photons and sorts them into the order of the file. */
-static int sort_photons(struct writer *w, struct orl_crew *crew)
+static int sort_photons(struct writer *w, struct orl_thread_pool *pool)
 {
-    const size_t count = w->packing.count;
+    const size_t count = w->encoder.count;
     w->words = orl_memory_new((count + 1) * sizeof *w->words);
     w->items = orl_memory_new((count + 1) * sizeof *w->items);
     w->flux_sums = malloc((chunks_of(w) + 1) * sizeof *w->flux_sums);
     if (!w->words || !w->items || !w->flux_sums)
         return ORL_ERR_NOMEM;
-    const int code = orl_crew_try(crew, chunks_of(w), make_codes, w);
+    const int code = orl_parallel_try(pool, chunks_of(w), make_codes, w);
     if (code < 0)
         return code;
-    return orl_sort_photons(w->items, count, w->words, crew);
+    return orl_sort_photons(w->items, count, w->words, pool);
 }
 
-static int fill_file(struct writer *w, struct orl_crew *crew, struct orl_error *err)
+static int fill_file(struct writer *w, struct orl_thread_pool *pool, struct orl_error *err)
 {
-    const int code = orl_crew_try(crew, chunks_of(w), pack_chunk, w);
+    const int code = orl_parallel_try(pool, chunks_of(w), pack_chunk, w);
     if (code < 0)
         return orl_error_set(err, code, "cancelled while writing a photon map");
     orl_box_nodes(&w->layout, w->file);
@@ -239,7 +239,7 @@ static int create_in_memory(struct writer *w, struct orl_error *err)
 /* Builds the map. path: file to create, whose descriptor is returned in *ret_fd; NULL: in
  * memory. */
 static int build_map(struct writer *w, const char *path, const struct orl_photon *photons,
-                     size_t count, struct orl_crew *crew, int *ret_fd, struct orl_error *err)
+                     size_t count, struct orl_thread_pool *pool, int *ret_fd, struct orl_error *err)
 {
     const struct orl_map_build *build = w->build;
     const size_t all = count + (build->earlier ? build->earlier->header->count : 0);
@@ -247,17 +247,17 @@ static int build_map(struct writer *w, const char *path, const struct orl_photon
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu photons do not fit one map", all);
     w->layout = orl_map_layout_of(all);
     w->size = orl_map_size(&w->layout, all, build->note_bytes);
-    int code = orl_map_encode_init(&w->packing, build->earlier, photons, count, build->seed,
-                                   build->extent, crew);
+    int code = orl_map_encode_init(&w->encoder, build->earlier, photons, count, build->seed,
+                                   build->extent, pool);
     if (code == 0)
-        code = sort_photons(w, crew);
+        code = sort_photons(w, pool);
     if (code < 0)
         orl_error_set(err, code, "%s sorting %zu photons",
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory", all);
     if (code == 0)
         code = path ? create_file(w, path, ret_fd, err) : create_in_memory(w, err);
     if (code == 0)
-        code = fill_file(w, crew, err);
+        code = fill_file(w, pool, err);
     free(w->words);
     free(w->items);
     free(w->flux_sums);
@@ -265,12 +265,12 @@ static int build_map(struct writer *w, const char *path, const struct orl_photon
 }
 
 int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
-                         const struct orl_map_build *build, struct orl_crew *crew,
+                         const struct orl_map_build *build, struct orl_thread_pool *pool,
                          struct orl_error *err)
 {
     struct writer w = {.build = build};
     int fd = -1;
-    const int code = build_map(&w, path, photons, count, crew, &fd, err);
+    const int code = build_map(&w, path, photons, count, pool, &fd, err);
     if (w.file)
         munmap(w.file, w.size);
     if (fd >= 0)
@@ -280,14 +280,14 @@ int orl_photon_map_write(const char *path, const struct orl_photon *photons, siz
     return code;
 }
 
-int orl_photon_map_make(const struct orl_photon *photons, size_t count,
-                        const struct orl_map_build *build, struct orl_crew *crew,
-                        struct orl_photon_map **ret_map, struct orl_error *err)
+int orl_photon_map_build(const struct orl_photon *photons, size_t count,
+                         const struct orl_map_build *build, struct orl_thread_pool *pool,
+                         struct orl_photon_map **ret_map, struct orl_error *err)
 {
     struct writer w = {.build = build};
-    int fd = -1, code = build_map(&w, NULL, photons, count, crew, &fd, err);
+    int fd = -1, code = build_map(&w, NULL, photons, count, pool, &fd, err);
     if (code == 0)
-        return orl_photon_map_of(w.file, w.size, ret_map, err);
+        return orl_photon_map_adopt(w.file, w.size, ret_map, err);
     if (w.file)
         munmap(w.file, w.size);
     return code;

@@ -7,7 +7,7 @@ static uint64_t first_code(const struct orl_photon_map *map, uint64_t leaf)
 {
     const uint32_t *words = map->places + leaf * ORL_LEAF_WORDS;
     uint32_t cell[3];
-    orl_place_unpack(words[0], words[ORL_MAP_LEAF], cell);
+    orl_position_unpack(words[0], words[ORL_MAP_LEAF], cell);
     return orl_zorder_code(cell, map->normals[leaf * ORL_MAP_LEAF]);
 }
 

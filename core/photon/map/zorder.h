@@ -1,6 +1,6 @@
 /*
- * The order of a map's photons: by the bin of their normal (facing.h), then along the Morton curve.
- * The code of a point finds the leaf whose photons are around it, without a search of boxes.
+ * The order of a map's photons: by the bin of their normal (normal_code.h), then along the Morton
+ * curve. The code of a point finds the leaf whose photons are around it, without a search of boxes.
  *
  * Threads: an index is immutable once made.
  */
@@ -9,7 +9,7 @@
 
 #include "photon/map/map_layout.h"
 
-enum { ORL_ZORDER_FANOUT = 8, ORL_ZORDER_LEVELS = 10, ORL_ZORDER_PLACE_BITS = 57 };
+enum { ORL_ZORDER_FANOUT = 8, ORL_ZORDER_LEVELS = 10, ORL_ZORDER_POSITION_BITS = 57 };
 
 /* Spreads 20 bits to every third bit. */
 static inline uint64_t orl_zorder_spread(uint64_t x)
@@ -25,7 +25,7 @@ static inline uint64_t orl_zorder_spread(uint64_t x)
  * for the bin above them. */
 static inline uint64_t orl_zorder_code(const uint32_t cell[3], uint16_t normal)
 {
-    return (uint64_t)orl_facing_bin(normal) << ORL_ZORDER_PLACE_BITS |
+    return (uint64_t)orl_normal_bin(normal) << ORL_ZORDER_POSITION_BITS |
            orl_zorder_spread(cell[0] >> 1) | orl_zorder_spread(cell[1] >> 1) << 1 |
            orl_zorder_spread(cell[2] >> 1) << 2;
 }

@@ -13,16 +13,16 @@
 
 #include <stdatomic.h>
 
-#include <oriel/health.h>
+#include <oriel/base/health.h>
 
-#include "photon/flight/trace.h"
 #include "photon/map/map.h"
+#include "photon/tracing/trace.h"
 
 enum orl_map_kind {
     ORL_MAP_GLOBAL,
     ORL_MAP_CAUSTIC,
     ORL_SHOT_KINDS, /* number of kinds that are traced */
-    /* irradiance computed from the global map (records.h) */
+    /* irradiance computed from the global map (precomputed_irradiance.h) */
     ORL_MAP_PRECOMPUTED = ORL_SHOT_KINDS,
     ORL_MAP_KINDS
 };
@@ -32,7 +32,7 @@ const char *orl_map_kind_name(enum orl_map_kind kind);
 struct orl_shot {
     uint64_t target; /* in: total number of photons wanted; 0 for none */
     /* in: photons and emissions of an earlier, smaller shot that found some; 0: none */
-    uint64_t had, had_emitted;
+    uint64_t earlier_count, earlier_emitted;
     /* out: the new photons, in order of emission, owned by the caller; or NULL */
     struct orl_photon *photons;
     size_t count;     /* out: number of new photons */
@@ -44,9 +44,9 @@ struct orl_shot {
 struct orl_shoot_env {
     const struct orl_emission *emission;
     uint64_t seed;
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     atomic_bool *cancel;
-    bool by_chance; /* only for pilots (worth.h): as in orl_deposits */
+    bool unsampled_only; /* only for pilots (photon_pilot.h): as in orl_deposits */
     void (*progress)(void *ctx, double fraction);
     void *ctx;
 };
@@ -56,8 +56,8 @@ struct orl_shoot_env {
  * n emissions, but at most ORL_EMISSIONS_AT_ONCE. Returns their number. Used by shots, and by
  * callers that count photons otherwise.
  */
-size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
-                      uint64_t n, struct orl_deposits *deposits);
+size_t orl_shoot_chunk(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                       uint64_t n, struct orl_deposits *deposits);
 
 /*
  * Fills shots[kind]. Returns 0, ORL_ERR_CANCELLED, ORL_ERR_NOMEM, or ORL_ERR_CORRUPT if no shot
@@ -67,7 +67,7 @@ int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KI
               struct orl_error *err);
 
 struct orl_deposits;
-size_t orl_shoot_some(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
-                      uint64_t n, struct orl_deposits *deposits);
+size_t orl_shoot_chunk(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
+                       uint64_t n, struct orl_deposits *deposits);
 
 #endif

@@ -6,7 +6,8 @@ enum { SECTORS = ORL_FOOTPRINT_SECTORS, FREE_RAYS = 8, MOST_FACETS = 48 };
 static const double cosine_45 = 0.7071067811865476;
 /* A sheet continues while its normal has turned by less; photons count up to 30 degrees. */
 static const double cosine_28 = 0.8829475928589269;
-/* The sheet also ends where chords do not fit the mean normal; sheet.h allows a slope of 0.05. */
+/* The sheet also ends where chords do not fit the mean normal; surface_sheet.h allows a slope of
+ * 0.05. */
 static const double bend = 0.04;
 /* Height of the upper rays above the surface, over the radius. */
 static const double rise = 0.25;
@@ -56,14 +57,14 @@ struct spoke {
     bool ended;
 };
 
-static struct orl_frame frame_of(const struct orl_footing *footing)
+static struct orl_frame frame_of(const struct orl_surface_point *surface_point)
 {
-    return orl_frame_about(footing->normal);
+    return orl_frame_about(surface_point->normal);
 }
 
-static double clearance_of(const struct orl_footing *footing)
+static double clearance_of(const struct orl_surface_point *surface_point)
 {
-    return hair * orl_facet_offset(footing->world->geometry, footing->facet);
+    return hair * orl_facet_offset(surface_point->lit_scene->geometry, surface_point->facet);
 }
 
 static struct orl_vec3 in_plane(const struct orl_frame *frame, const double direction[2])
@@ -71,26 +72,29 @@ static struct orl_vec3 in_plane(const struct orl_frame *frame, const double dire
     return orl_add(orl_scale(frame->u, direction[0]), orl_scale(frame->v, direction[1]));
 }
 
-static bool is_flat(const struct orl_world *world, uint32_t facet)
+static bool is_flat(const struct orl_lit_scene *lit_scene, uint32_t facet)
 {
-    return orl_surface_kind_is_flat(orl_facet_kind(world->geometry, facet));
+    return orl_surface_kind_is_flat(orl_facet_kind(lit_scene->geometry, facet));
 }
 
-static bool is_diffuse(const struct orl_world *world, const struct orl_hit *hit)
+static bool is_diffuse(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit)
 {
-    return orl_rgb_max(orl_material_diffuse(orl_world_material(world, hit), hit)) > 0;
+    return orl_rgb_max(orl_material_diffuse(orl_lit_scene_material(lit_scene, hit), hit)) > 0;
 }
 
-bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, struct orl_vec3 normal,
-                      double tolerance, struct orl_footing *ret_footing)
+bool orl_surface_point_find(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,
+                            struct orl_vec3 normal, double tolerance,
+                            struct orl_surface_point *ret_surface_point)
 {
     struct orl_hit hit;
-    if (!orl_geometry_intersect(world->geometry, orl_madd(point, normal, tolerance),
+    if (!orl_geometry_intersect(lit_scene->geometry, orl_madd(point, normal, tolerance),
                                 orl_neg(normal), 2 * tolerance, &hit) ||
         fabs(orl_dot(hit.normal, normal)) < cosine_28)
         return false;
-    *ret_footing = (struct orl_footing){
-        .world = world, .point = hit.point, .normal = orl_hit_facing(&hit), .facet = hit.facet};
+    *ret_surface_point = (struct orl_surface_point){.lit_scene = lit_scene,
+                                                    .point = hit.point,
+                                                    .normal = orl_hit_facing(&hit),
+                                                    .facet = hit.facet};
     return true;
 }
 
@@ -98,38 +102,40 @@ bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, stru
 
 /* Computes two heights above the surface at which walls are searched: just above it, and a share
  * of the radius that is unobstructed. */
-static void heights_of(const struct orl_footing *footing, double radius, double ret_heights[2])
+static void heights_of(const struct orl_surface_point *surface_point, double radius,
+                       double ret_heights[2])
 {
-    const double low = clearance_of(footing);
-    const struct orl_vec3 start = orl_madd(footing->point, footing->normal, low / hair);
+    const double low = clearance_of(surface_point);
+    const struct orl_vec3 start = orl_madd(surface_point->point, surface_point->normal, low / hair);
     double high = rise * radius;
     struct orl_hit hit;
-    if (orl_geometry_intersect(footing->world->geometry, start, footing->normal, high, &hit))
+    if (orl_geometry_intersect(surface_point->lit_scene->geometry, start, surface_point->normal,
+                               high, &hit))
         high = 0.5 * hit.distance;
     ret_heights[0] = orl_smaller(low, orl_larger(high, low / hair));
     ret_heights[1] = high;
 }
 
 /* The ray starts a small step ahead, so that at an edge it does not hit the wall that it leaves. */
-static bool meets_wall(const struct orl_footing *footing, double height, struct orl_vec3 direction,
-                       double length, struct orl_hit *ret_hit)
+static bool meets_wall(const struct orl_surface_point *surface_point, double height,
+                       struct orl_vec3 direction, double length, struct orl_hit *ret_hit)
 {
-    const struct orl_geometry *geometry = footing->world->geometry;
-    const double step = orl_smaller(orl_facet_offset(geometry, footing->facet), 0.5 * length);
-    const struct orl_vec3 over = orl_madd(footing->point, footing->normal, height);
+    const struct orl_geometry *geometry = surface_point->lit_scene->geometry;
+    const double step = orl_smaller(orl_facet_offset(geometry, surface_point->facet), 0.5 * length);
+    const struct orl_vec3 over = orl_madd(surface_point->point, surface_point->normal, height);
     if (!orl_geometry_intersect(geometry, orl_madd(over, direction, step), direction, length - step,
                                 ret_hit) ||
-        fabs(orl_dot(ret_hit->normal, footing->normal)) >= cosine_45)
+        fabs(orl_dot(ret_hit->normal, surface_point->normal)) >= cosine_45)
         return false;
     ret_hit->distance += step;
     return true;
 }
 
 /* Returns the line on which a plane through the hit cuts the tangent plane. */
-static struct orl_line foot_of_wall(const struct orl_footing *footing,
+static struct orl_line foot_of_wall(const struct orl_surface_point *surface_point,
                                     const struct orl_frame *frame, const struct orl_hit *hit)
 {
-    const struct orl_vec3 way = orl_sub(hit->point, footing->point);
+    const struct orl_vec3 way = orl_sub(hit->point, surface_point->point);
     const double x = orl_dot(hit->normal, frame->u), y = orl_dot(hit->normal, frame->v);
     const double length = sqrt(x * x + y * y);
     const double offset = (x * orl_dot(way, frame->u) + y * orl_dot(way, frame->v)) / length;
@@ -137,60 +143,65 @@ static struct orl_line foot_of_wall(const struct orl_footing *footing,
     return (struct orl_line){{sign * x / length, sign * y / length}, sign * offset};
 }
 
-static void stop_at_walls(const struct orl_footing *footing, const struct orl_frame *frame,
-                          const double heights[2], const double direction[2], struct spoke *spoke)
+static void stop_at_walls(const struct orl_surface_point *surface_point,
+                          const struct orl_frame *frame, const double heights[2],
+                          const double direction[2], struct spoke *spoke)
 {
     for (int i = 0; i < 2; i++) {
         struct orl_hit hit;
-        if (!meets_wall(footing, heights[i], in_plane(frame, direction), spoke->length, &hit))
+        if (!meets_wall(surface_point, heights[i], in_plane(frame, direction), spoke->length, &hit))
             continue;
         spoke->length = hit.distance;
-        spoke->line = foot_of_wall(footing, frame, &hit);
+        spoke->line = foot_of_wall(surface_point, frame, &hit);
         spoke->ended = true;
     }
 }
 
-bool orl_footing_is_free(const struct orl_footing *footing, double radius)
+bool orl_surface_point_is_clear(const struct orl_surface_point *surface_point, double radius)
 {
-    const struct orl_frame frame = frame_of(footing);
+    const struct orl_frame frame = frame_of(surface_point);
     /* Eight rays as long as the corners of the octagon around the disc: no long wall cuts the
      * disc and passes between them. */
     const double length = radius / cos(ORL_PI / FREE_RAYS);
     double heights[2];
-    if (orl_geometry_is_cut(footing->world->geometry, footing->facet) ||
-        orl_outline_clearance(footing->world, footing->facet, footing->point) < radius)
+    if (orl_geometry_is_cut(surface_point->lit_scene->geometry, surface_point->facet) ||
+        orl_outline_clearance(surface_point->lit_scene, surface_point->facet,
+                              surface_point->point) < radius)
         return false;
-    heights_of(footing, radius, heights);
+    heights_of(surface_point, radius, heights);
     for (int i = 0; i < FREE_RAYS; i++) {
         const double *direction = orl_footprint_azimuths[(2 * i + 1) * SECTORS / (2 * FREE_RAYS)];
         struct orl_hit hit;
         for (int k = 0; k < 2; k++)
-            if (meets_wall(footing, heights[k], in_plane(&frame, direction), length, &hit))
+            if (meets_wall(surface_point, heights[k], in_plane(&frame, direction), length, &hit))
                 return false;
     }
     return true;
 }
 
-double orl_footing_flat(const struct orl_footing *footing)
+double orl_surface_point_flat_radius(const struct orl_surface_point *surface_point)
 {
-    return is_flat(footing->world, footing->facet) &&
-                   !orl_geometry_is_cut(footing->world->geometry, footing->facet)
-               ? orl_outline_clearance(footing->world, footing->facet, footing->point)
+    return is_flat(surface_point->lit_scene, surface_point->facet) &&
+                   !orl_geometry_is_cut(surface_point->lit_scene->geometry, surface_point->facet)
+               ? orl_outline_clearance(surface_point->lit_scene, surface_point->facet,
+                                       surface_point->point)
                : 0;
 }
 
-bool orl_footing_joins(const struct orl_footing *footing, struct orl_vec3 point)
+bool orl_surface_point_unoccluded(const struct orl_surface_point *surface_point,
+                                  struct orl_vec3 point)
 {
-    const struct orl_vec3 way = orl_sub(point, footing->point);
-    const struct orl_vec3 flat = orl_madd(way, footing->normal, -orl_dot(way, footing->normal));
+    const struct orl_vec3 way = orl_sub(point, surface_point->point);
+    const struct orl_vec3 flat =
+        orl_madd(way, surface_point->normal, -orl_dot(way, surface_point->normal));
     const double length = orl_length(flat);
     double heights[2];
     struct orl_hit hit;
     if (!(length > 0))
         return true;
-    heights_of(footing, length, heights);
+    heights_of(surface_point, length, heights);
     for (int k = 0; k < 2; k++)
-        if (meets_wall(footing, heights[k], orl_scale(flat, 1 / length), length, &hit))
+        if (meets_wall(surface_point, heights[k], orl_scale(flat, 1 / length), length, &hit))
             return false;
     return true;
 }
@@ -198,8 +209,8 @@ bool orl_footing_joins(const struct orl_footing *footing, struct orl_vec3 point)
 /* ---- Edges ----------------------------------------------------------------------------------- */
 
 /* One ray of the star on its way along the surface. */
-struct march {
-    const struct orl_footing *footing;
+struct sheet_walk {
+    const struct orl_surface_point *surface_point;
     const struct orl_frame *frame;
     const double *direction;
     uint32_t facet;          /* the current facet */
@@ -208,34 +219,35 @@ struct march {
 };
 
 /* Returns the point of the current facet's plane above a length in the tangent plane. */
-static struct orl_vec3 point_at(const struct march *m, double length)
+static struct orl_vec3 point_at(const struct sheet_walk *m, double length)
 {
     const struct orl_vec3 flat =
-        orl_madd(m->footing->point, in_plane(m->frame, m->direction), length);
+        orl_madd(m->surface_point->point, in_plane(m->frame, m->direction), length);
     const double height =
         orl_dot(orl_sub(m->through, flat), m->normal) / orl_dot(m->frame->n, m->normal);
     return orl_madd(flat, m->frame->n, height);
 }
 
-/* Returns true if photons of the current facet at that point count as on the footing's sheet. */
-static bool fits_sheet(const struct march *m, struct orl_vec3 point)
+/* Returns true if photons of the current facet at that point count as on the surface point's sheet.
+ */
+static bool fits_sheet(const struct sheet_walk *m, struct orl_vec3 point)
 {
-    const struct orl_vec3 chord = orl_sub(point, m->footing->point);
-    const struct orl_vec3 mean = orl_normalize(orl_add(m->footing->normal, m->normal));
-    return orl_dot(m->footing->normal, m->normal) > cosine_28 &&
-           fabs(orl_dot(chord, mean)) <= bend * orl_length(chord) + clearance_of(m->footing);
+    const struct orl_vec3 chord = orl_sub(point, m->surface_point->point);
+    const struct orl_vec3 mean = orl_normalize(orl_add(m->surface_point->normal, m->normal));
+    return orl_dot(m->surface_point->normal, m->normal) > cosine_28 &&
+           fabs(orl_dot(chord, mean)) <= bend * orl_length(chord) + clearance_of(m->surface_point);
 }
 
 /* Steps over an edge onto the facet that continues the surface. Returns false if there is none. */
-static bool step_over(struct march *m, double length)
+static bool step_over(struct sheet_walk *m, double length)
 {
-    const struct orl_world *world = m->footing->world;
+    const struct orl_lit_scene *lit_scene = m->surface_point->lit_scene;
     const double gap =
-        orl_larger(hair * orl_facet_offset(world->geometry, m->facet), 0x1p-50 * length);
+        orl_larger(hair * orl_facet_offset(lit_scene->geometry, m->facet), 0x1p-50 * length);
     struct orl_hit hit;
     const struct orl_vec3 above = orl_madd(point_at(m, length + gap), m->frame->n, gap);
-    if (!orl_geometry_intersect(world->geometry, above, orl_neg(m->frame->n), 2 * gap, &hit) ||
-        !is_flat(world, hit.facet) || !is_diffuse(world, &hit))
+    if (!orl_geometry_intersect(lit_scene->geometry, above, orl_neg(m->frame->n), 2 * gap, &hit) ||
+        !is_flat(lit_scene, hit.facet) || !is_diffuse(lit_scene, &hit))
         return false;
     m->facet = hit.facet;
     m->normal = orl_hit_facing(&hit);
@@ -243,27 +255,31 @@ static bool step_over(struct march *m, double length)
     return fits_sheet(m, hit.point);
 }
 
-static void stop_at_edge(const struct march *m, double length, const struct orl_line *line,
+static void stop_at_edge(const struct sheet_walk *m, double length, const struct orl_line *line,
                          struct spoke *spoke)
 {
-    spoke->length =
-        orl_smaller(spoke->length, orl_length(orl_sub(point_at(m, length), m->footing->point)));
+    spoke->length = orl_smaller(spoke->length,
+                                orl_length(orl_sub(point_at(m, length), m->surface_point->point)));
     spoke->line = *line;
     spoke->ended = true;
 }
 
 /* Shortens a spoke to where the surface ends, or bends away too far. */
-static void stop_at_edges(const struct orl_footing *footing, const struct orl_frame *frame,
-                          const double direction[2], struct spoke *spoke)
+static void stop_at_edges(const struct orl_surface_point *surface_point,
+                          const struct orl_frame *frame, const double direction[2],
+                          struct spoke *spoke)
 {
-    const struct orl_world *world = footing->world;
-    struct march m = {footing, frame, direction, footing->facet, footing->normal, footing->point};
-    struct march before = m; /* the state on the facet before */
+    const struct orl_lit_scene *lit_scene = surface_point->lit_scene;
+    struct sheet_walk m = {
+        surface_point,       frame, direction, surface_point->facet, surface_point->normal,
+        surface_point->point};
+    struct sheet_walk before = m; /* the state on the facet before */
     struct orl_line edge = {{0, 0}, 0}, next;
     double at = 0, crossed = 0;
     for (int i = 0; i < MOST_FACETS; i++) {
-        const bool flat = is_flat(world, m.facet);
-        double exit = orl_outline_exit(world, m.facet, frame, footing->point, direction, at, &next);
+        const bool flat = is_flat(lit_scene, m.facet);
+        double exit =
+            orl_outline_exit(lit_scene, m.facet, frame, surface_point->point, direction, at, &next);
         /* Every outline is closed: if no crossing is left, the edge is at the current length. */
         if (flat && !isfinite(exit))
             exit = at;
@@ -277,37 +293,39 @@ static void stop_at_edges(const struct orl_footing *footing, const struct orl_fr
         before = m;
         if (!flat || !step_over(&m, exit))
             break;
-        at = exit + 0.5 * hair * orl_facet_offset(world->geometry, m.facet);
+        at = exit + 0.5 * hair * orl_facet_offset(lit_scene->geometry, m.facet);
     }
     stop_at_edge(&before, crossed, &edge, spoke);
 }
 
 /* ---- Cuts ------------------------------------------------------------------------------------ */
 
-static bool has_surface_at(const struct orl_footing *footing, const struct orl_frame *frame,
-                           const double direction[2], double length)
+static bool has_surface_at(const struct orl_surface_point *surface_point,
+                           const struct orl_frame *frame, const double direction[2], double length)
 {
-    const double gap = clearance_of(footing);
-    const struct orl_vec3 point = orl_madd(footing->point, in_plane(frame, direction), length);
+    const double gap = clearance_of(surface_point);
+    const struct orl_vec3 point =
+        orl_madd(surface_point->point, in_plane(frame, direction), length);
     struct orl_hit hit;
-    return orl_geometry_intersect(footing->world->geometry, orl_madd(point, frame->n, gap),
-                                  orl_neg(frame->n), 2 * gap, &hit);
+    return orl_geometry_intersect(surface_point->lit_scene->geometry,
+                                  orl_madd(point, frame->n, gap), orl_neg(frame->n), 2 * gap, &hit);
 }
 
 /* Shortens a spoke to where antimatter has removed a flat surface; outlines do not show that. */
-static void stop_at_cuts(const struct orl_footing *footing, const struct orl_frame *frame,
-                         const double direction[2], struct spoke *spoke)
+static void stop_at_cuts(const struct orl_surface_point *surface_point,
+                         const struct orl_frame *frame, const double direction[2],
+                         struct spoke *spoke)
 {
     enum { PROBES = 16, HALVINGS = 12 };
-    if (!is_flat(footing->world, footing->facet))
+    if (!is_flat(surface_point->lit_scene, surface_point->facet))
         return;
     for (int i = 1; i < PROBES; i++) {
         double low = spoke->length * (i - 1) / PROBES, high = spoke->length * i / PROBES;
-        if (has_surface_at(footing, frame, direction, high))
+        if (has_surface_at(surface_point, frame, direction, high))
             continue;
         for (int k = 0; k < HALVINGS; k++) {
             const double middle = 0.5 * (low + high);
-            if (has_surface_at(footing, frame, direction, middle))
+            if (has_surface_at(surface_point, frame, direction, middle))
                 low = middle;
             else
                 high = middle;
@@ -319,23 +337,24 @@ static void stop_at_cuts(const struct orl_footing *footing, const struct orl_fra
 
 /* ---- Star of rays ---------------------------------------------------------------------------- */
 
-static void cast_spokes(const struct orl_footing *footing, const struct orl_frame *frame,
-                        double radius, struct spoke spokes[SECTORS], double *ret_clear)
+static void cast_spokes(const struct orl_surface_point *surface_point,
+                        const struct orl_frame *frame, double radius, struct spoke spokes[SECTORS],
+                        double *ret_clear)
 {
     double heights[2];
-    heights_of(footing, radius, heights);
+    heights_of(surface_point, radius, heights);
     *ret_clear = radius;
     for (int i = 0; i < SECTORS; i++) {
         const double *direction = orl_footprint_azimuths[i];
         /* Longer than the radius, so that rays meet a line that only just cuts the disc between
          * two of them. */
         spokes[i] = (struct spoke){.length = radius / cos(ORL_PI / SECTORS)};
-        stop_at_walls(footing, frame, heights, direction, &spokes[i]);
+        stop_at_walls(surface_point, frame, heights, direction, &spokes[i]);
         if (spokes[i].ended)
             *ret_clear = orl_smaller(*ret_clear, cos(ORL_PI / SECTORS) * spokes[i].length);
-        stop_at_edges(footing, frame, direction, &spokes[i]);
-        if (orl_geometry_is_cut(footing->world->geometry, footing->facet))
-            stop_at_cuts(footing, frame, direction, &spokes[i]);
+        stop_at_edges(surface_point, frame, direction, &spokes[i]);
+        if (orl_geometry_is_cut(surface_point->lit_scene->geometry, surface_point->facet))
+            stop_at_cuts(surface_point, frame, direction, &spokes[i]);
     }
 }
 
@@ -372,12 +391,12 @@ static struct orl_wedge wedge_between(const struct spoke *a, const struct spoke 
     return wedge;
 }
 
-void orl_footprint_make(const struct orl_footing *footing, double radius,
+void orl_footprint_make(const struct orl_surface_point *surface_point, double radius,
                         struct orl_footprint *ret_footprint)
 {
     struct spoke spokes[SECTORS];
-    ret_footprint->frame = frame_of(footing);
-    cast_spokes(footing, &ret_footprint->frame, radius, spokes, &ret_footprint->clear);
+    ret_footprint->frame = frame_of(surface_point);
+    cast_spokes(surface_point, &ret_footprint->frame, radius, spokes, &ret_footprint->clearance);
     for (int i = 0; i < SECTORS; i++)
         ret_footprint->wedges[i] = wedge_between(&spokes[i], &spokes[(i + 1) % SECTORS], radius, i);
 }
@@ -398,7 +417,7 @@ static int sector_of(double x, double y)
     return y < 0 ? SECTORS - 1 - sector : sector;
 }
 
-bool orl_footprint_holds(const struct orl_footprint *footprint, struct orl_vec3 chord)
+bool orl_footprint_contains(const struct orl_footprint *footprint, struct orl_vec3 chord)
 {
     const double x = orl_dot(chord, footprint->frame.u), y = orl_dot(chord, footprint->frame.v);
     const double flat2 = x * x + y * y, length2 = orl_dot(chord, chord);

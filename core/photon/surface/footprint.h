@@ -27,29 +27,31 @@ enum { ORL_FOOTPRINT_SECTORS = 32 };
 extern const double orl_footprint_azimuths[ORL_FOOTPRINT_SECTORS][2];
 
 /* A point of a surface. */
-struct orl_footing {
-    const struct orl_world *world;
+struct orl_surface_point {
+    const struct orl_lit_scene *lit_scene;
     struct orl_vec3 point, normal; /* unit, on the side of the query */
     uint32_t facet;
 };
 
 /*
  * Finds the surface at a point, if one faces that way within `tolerance` along the normal. The
- * footing's point and normal are then the surface's own. Returns false if there is none.
+ * surface point's point and normal are then the surface's own. Returns false if there is none.
  */
-bool orl_footing_find(const struct orl_world *world, struct orl_vec3 point, struct orl_vec3 normal,
-                      double tolerance, struct orl_footing *ret_footing);
+bool orl_surface_point_find(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,
+                            struct orl_vec3 normal, double tolerance,
+                            struct orl_surface_point *ret_surface_point);
 
 /* Returns true if the footprint of that radius is the whole disc. Fast; may return false for a
  * whole disc. */
-bool orl_footing_is_free(const struct orl_footing *footing, double radius);
+bool orl_surface_point_is_clear(const struct orl_surface_point *surface_point, double radius);
 
-/* Returns a radius around a footing within which its surface is certainly flat and its own; 0 if
- * it is curved. */
-double orl_footing_flat(const struct orl_footing *footing);
+/* Returns a radius around a surface point within which its surface is certainly flat and its own; 0
+ * if it is curved. */
+double orl_surface_point_flat_radius(const struct orl_surface_point *surface_point);
 
-/* Returns true if there is no occluder between a footing and another point of its sheet. */
-bool orl_footing_joins(const struct orl_footing *footing, struct orl_vec3 point);
+/* Returns true if there is no occluder between a surface point and another point of its sheet. */
+bool orl_surface_point_unoccluded(const struct orl_surface_point *surface_point,
+                                  struct orl_vec3 point);
 
 struct orl_wedge {
     struct orl_line border; /* the side towards the point is inside; normal 0: no border */
@@ -58,15 +60,15 @@ struct orl_wedge {
 
 struct orl_footprint {
     struct orl_frame frame;
-    double clear; /* distance within which there is no wall */
+    double clearance; /* distance within which there is no wall */
     struct orl_wedge wedges[ORL_FOOTPRINT_SECTORS];
 };
 
-void orl_footprint_make(const struct orl_footing *footing, double radius,
+void orl_footprint_make(const struct orl_surface_point *surface_point, double radius,
                         struct orl_footprint *ret_footprint);
 
 /* Returns true if the end of a chord from the point, on the same sheet, lies in the footprint. */
-bool orl_footprint_holds(const struct orl_footprint *footprint, struct orl_vec3 chord);
+bool orl_footprint_contains(const struct orl_footprint *footprint, struct orl_vec3 chord);
 
 /* Returns the area of the part within a radius. */
 double orl_footprint_area(const struct orl_footprint *footprint, double radius);

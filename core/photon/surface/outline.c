@@ -1,35 +1,35 @@
 #include "photon/surface/outline.h"
 
-#include "scene/geometry/placed.h"
+#include "scene/geometry/instances.h"
 
 /*
  * Limits of curved facets: they end where their normal has turned by this angle, because sheets
- * (sheet.h) end at 30 degrees. On spheres a chord is as good as an arc (equal areas); around tubes
- * an arc of 20 degrees is 0.5 % longer than its chord.
+ * (surface_sheet.h) end at 30 degrees. On spheres a chord is as good as an arc (equal areas);
+ * around tubes an arc of 20 degrees is 0.5 % longer than its chord.
  */
 static const double sine_14 = 0.2419218956, sine_20 = 0.3420201433;
 
 /* A polygon's corners, and its instance. */
 struct corners {
     struct orl_facet_outline outline;
-    const struct orl_placed *placed; /* the instance; NULL: not instanced */
+    const struct orl_instance *instance; /* the instance; NULL: not instanced */
 };
 
-static struct corners corners_of(const struct orl_world *world, uint32_t facet)
+static struct corners corners_of(const struct orl_lit_scene *lit_scene, uint32_t facet)
 {
-    const struct orl_geometry *const g = world->geometry;
-    if (!orl_facet_is_placed(g, facet))
+    const struct orl_geometry *const g = lit_scene->geometry;
+    if (!orl_facet_is_instanced(g, facet))
         return (struct corners){orl_outline_of_facet(g, facet), NULL};
-    const struct orl_placed *const placed = orl_placed_of(g, facet);
-    return (struct corners){orl_outline_of_facet(placed->prototype, facet - placed->first_facet),
-                            placed};
+    const struct orl_instance *const instance = orl_instance_of(g, facet);
+    return (struct corners){
+        orl_outline_of_facet(instance->prototype, facet - instance->first_facet), instance};
 }
 
 static inline __attribute__((always_inline)) struct orl_vec3 corner(const struct corners *corners,
                                                                     uint32_t i)
 {
     const struct orl_vec3 at = orl_outline_corner(&corners->outline, i);
-    return corners->placed ? orl_xform_point(&corners->placed->to, at) : at;
+    return corners->instance ? orl_xform_point(&corners->instance->to, at) : at;
 }
 
 /* Returns the line through a and b in the tangent plane, with its normal away from the origin. */
@@ -75,13 +75,13 @@ static double polygon_exit(const struct corners *corners, const struct orl_frame
 static double ring_exit(const struct orl_facet *f, const struct orl_frame *frame,
                         struct orl_vec3 origin, const double direction[2], double from)
 {
-    const struct orl_vec3 way = orl_sub(f->round->center[0], origin);
+    const struct orl_vec3 way = orl_sub(f->quadric->center[0], origin);
     const double x = orl_dot(way, frame->u), y = orl_dot(way, frame->v);
     const double along = direction[0] * x + direction[1] * y;
     double best = INFINITY;
     for (int i = 0; i < 2; i++) {
         const double root2 =
-            along * along - x * x - y * y + f->round->radius[i] * f->round->radius[i];
+            along * along - x * x - y * y + f->quadric->radius[i] * f->quadric->radius[i];
         for (int sign = -1; sign <= 1 && root2 >= 0; sign += 2) {
             const double length = along + sign * sqrt(root2);
             if (length > from && length < best)
@@ -95,16 +95,16 @@ static double ring_exit(const struct orl_facet *f, const struct orl_frame *frame
 static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame,
                         struct orl_vec3 origin, const double direction[2])
 {
-    const struct orl_vec3 whole = orl_sub(f->round->center[1], f->round->center[0]);
+    const struct orl_vec3 whole = orl_sub(f->quadric->center[1], f->quadric->center[0]);
     const double length = orl_length(whole);
     const struct orl_vec3 axis = orl_scale(whole, 1 / length);
     const struct orl_vec3 way =
         orl_add(orl_scale(frame->u, direction[0]), orl_scale(frame->v, direction[1]));
-    const double z = orl_dot(orl_sub(origin, f->round->center[0]), axis),
+    const double z = orl_dot(orl_sub(origin, f->quadric->center[0]), axis),
                  climb = orl_dot(way, axis);
     const double around = orl_dot(way, orl_normalize(orl_cross(axis, frame->n)));
     const double radius =
-        f->round->radius[0] + (f->round->radius[1] - f->round->radius[0]) * z / length;
+        f->quadric->radius[0] + (f->quadric->radius[1] - f->quadric->radius[0]) * z / length;
     double best = INFINITY;
     if (around != 0)
         best = fabs(radius * sine_20 / around);
@@ -113,23 +113,23 @@ static double tube_exit(const struct orl_facet *f, const struct orl_frame *frame
     return best;
 }
 
-double orl_outline_exit(const struct orl_world *world, uint32_t facet,
+double orl_outline_exit(const struct orl_lit_scene *lit_scene, uint32_t facet,
                         const struct orl_frame *frame, struct orl_vec3 origin,
                         const double direction[2], double from, struct orl_line *ret_line)
 {
-    struct orl_curved room;
+    struct orl_quadric room;
     *ret_line = (struct orl_line){{0, 0}, 0};
-    if (orl_facet_kind(world->geometry, facet) == ORL_SURFACE_POLYGON) {
-        const struct corners corners = corners_of(world, facet);
+    if (orl_facet_kind(lit_scene->geometry, facet) == ORL_SURFACE_POLYGON) {
+        const struct corners corners = corners_of(lit_scene, facet);
         return polygon_exit(&corners, frame, origin, direction, from, ret_line);
     }
-    const struct orl_facet f = orl_facet_at(world->geometry, facet, &room);
+    const struct orl_facet f = orl_instance_facet(lit_scene->geometry, facet, &room);
     switch (f.kind) {
     case ORL_SURFACE_RING:
         return ring_exit(&f, frame, origin, direction, from);
     case ORL_SURFACE_SPHERE:
     case ORL_SURFACE_BUBBLE:
-        return 2 * sine_14 * f.round->radius[0];
+        return 2 * sine_14 * f.quadric->radius[0];
     default:
         return tube_exit(&f, frame, origin, direction);
     }
@@ -148,23 +148,25 @@ static double distance2_to_edge(struct orl_vec3 point, struct orl_vec3 a, struct
 static double round_clearance(const struct orl_facet *f, struct orl_vec3 point)
 {
     if (f->kind == ORL_SURFACE_SPHERE || f->kind == ORL_SURFACE_BUBBLE)
-        return 2 * sine_14 * f->round->radius[0];
+        return 2 * sine_14 * f->quadric->radius[0];
     if (f->kind != ORL_SURFACE_RING)
         return 0;
-    const double at = orl_length(orl_sub(point, f->round->center[0]));
-    return orl_larger(orl_smaller(f->round->radius[1] - at,
-                                  f->round->radius[0] > 0 ? at - f->round->radius[0] : INFINITY),
+    const double at = orl_length(orl_sub(point, f->quadric->center[0]));
+    return orl_larger(orl_smaller(f->quadric->radius[1] - at, f->quadric->radius[0] > 0
+                                                                  ? at - f->quadric->radius[0]
+                                                                  : INFINITY),
                       0);
 }
 
-double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point)
+double orl_outline_clearance(const struct orl_lit_scene *lit_scene, uint32_t facet,
+                             struct orl_vec3 point)
 {
-    struct orl_curved room;
-    if (orl_facet_kind(world->geometry, facet) != ORL_SURFACE_POLYGON) {
-        const struct orl_facet f = orl_facet_at(world->geometry, facet, &room);
+    struct orl_quadric room;
+    if (orl_facet_kind(lit_scene->geometry, facet) != ORL_SURFACE_POLYGON) {
+        const struct orl_facet f = orl_instance_facet(lit_scene->geometry, facet, &room);
         return round_clearance(&f, point);
     }
-    const struct corners corners = corners_of(world, facet);
+    const struct corners corners = corners_of(lit_scene, facet);
     struct orl_vec3 last = corner(&corners, corners.outline.n - 1);
     double best = INFINITY;
     for (uint32_t i = 0; i < corners.outline.n; i++) {

@@ -12,7 +12,7 @@
 #ifndef ORL_PHOTON_SURFACE_OUTLINE_H
 #define ORL_PHOTON_SURFACE_OUTLINE_H
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 
 /* A straight line in the tangent plane: normal[0] x + normal[1] y = offset. Normal 0: no line. */
 struct orl_line {
@@ -24,12 +24,13 @@ struct orl_line {
  * beyond `from`; INFINITY if it does not end. *ret_line is the edge crossed there, if it is
  * straight.
  */
-double orl_outline_exit(const struct orl_world *world, uint32_t facet,
+double orl_outline_exit(const struct orl_lit_scene *lit_scene, uint32_t facet,
                         const struct orl_frame *frame, struct orl_vec3 origin,
                         const double direction[2], double from, struct orl_line *ret_line);
 
 /* Returns a radius around a point of the facet within which the facet does not end; 0 if
  * unknown. */
-double orl_outline_clearance(const struct orl_world *world, uint32_t facet, struct orl_vec3 point);
+double orl_outline_clearance(const struct orl_lit_scene *lit_scene, uint32_t facet,
+                             struct orl_vec3 point);
 
 #endif

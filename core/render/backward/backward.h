@@ -2,8 +2,8 @@
  * The backward technique (xxx in Grobe 2019): unbiased, without a cache or a density
  * estimate. Irradiance at a place is the mean of samples. Each sample adds up
  * - direct light: one shadow ray to every sun and lamp, and to their images in flat mirrors;
- * - importance-sampled rays (aim.h): they see sky and glow, and suns and lamps through the lobes of
- *   the surfaces they meet, mainly BSDF panes;
+ * - importance-sampled rays (direction_sampling.h): they see sky and glow, and suns and lamps
+ * through the lobes of the surfaces they meet, mainly BSDF panes;
  * - connections to a few virtual point lights (vpl.h): light from all diffuse surfaces.
  * Every light path belongs to exactly one of the three.
  *
@@ -28,17 +28,18 @@
 #ifndef ORL_RENDER_BACKWARD_BACKWARD_H
 #define ORL_RENDER_BACKWARD_BACKWARD_H
 
-#include "base/sobol.h"
-#include "render/gather/aim.h"
+#include "base/sampling/sobol.h"
+#include "render/gather/direction_sampling.h"
 #include "render/gather/gather.h"
 #include "render/gather/vpl.h"
 #include "render/image/paint.h"
 
 struct orl_backward {
-    const struct orl_world *world; /* borrowed */
+    const struct orl_lit_scene *lit_scene; /* borrowed */
     struct orl_vpls vpls;
-    struct orl_aim aim;
-    struct orl_effort deep; /* rays per strategy at the surfaces that a ray meets */
+    struct orl_direction_sampler sampler;
+    struct orl_strategy_counts
+        bounce_counts; /* rays per strategy at the surfaces that a ray meets */
     struct orl_sobol sobol;
     uint64_t seed; /* random seed of views */
     /* If set, ends a sensor's sampling, whose value is then invalid; may be NULL. */
@@ -47,17 +48,18 @@ struct orl_backward {
 
 /* Initialises all that depends on the world alone, without virtual lights. Returns 0 or
  * ORL_ERR_NOMEM; call orl_backward_done in either case. */
-int orl_backward_init(struct orl_backward *backward, const struct orl_world *world,
-                      struct orl_crew *crew);
+int orl_backward_init(struct orl_backward *backward, const struct orl_lit_scene *lit_scene,
+                      struct orl_thread_pool *pool);
 void orl_backward_done(struct orl_backward *backward); /* also accepts an all-zero struct */
 
 /* Replaces the virtual lights by ones made from photons, which are copied, and sets the seed of
- * views. Returns 0, ORL_ERR_NOMEM or the codes of orl_crew_try. */
-int orl_backward_put_lamps(struct orl_backward *backward, struct orl_crew *crew, uint64_t seed,
-                           const struct orl_photon *photons, size_t count, uint64_t emitted);
+ * views. Returns 0, ORL_ERR_NOMEM or the codes of orl_parallel_try. */
+int orl_backward_set_vpls(struct orl_backward *backward, struct orl_thread_pool *pool,
+                          uint64_t seed, const struct orl_photon *photons, size_t count,
+                          uint64_t emitted);
 
 /* A range of a sensor's samples: seed and index name its sequences, first is the first sample. */
-struct orl_span {
+struct orl_sample_range {
     uint64_t seed, index;
     uint32_t first, samples; /* multiples of ORL_MAP_BATCHES, or fewer */
 };
@@ -69,7 +71,8 @@ struct orl_span {
  */
 struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,
                                             struct orl_vec3 position, struct orl_vec3 normal,
-                                            const struct orl_span *span, struct orl_health *health,
+                                            const struct orl_sample_range *range,
+                                            struct orl_health *health,
                                             struct orl_rgb ret_groups[ORL_MAP_BATCHES]);
 
 /*
@@ -90,20 +93,21 @@ struct orl_tracer {
 };
 
 /* Parameters of a sample at a place. Its first random numbers are points of Sobol sequences. */
-struct orl_sampling {
+struct orl_sample_params {
     uint32_t sequence, index;
-    struct orl_effort effort;
+    struct orl_strategy_counts ray_counts;
     uint32_t lamps;
 };
 
 /* Returns one estimate of the irradiance at a place. */
-struct orl_rgb orl_backward_light(struct orl_tracer *tracer, const struct orl_place *place,
-                                  const struct orl_sampling *sampling);
+struct orl_rgb orl_backward_sample_irradiance(struct orl_tracer *tracer,
+                                              const struct orl_shading_point *place,
+                                              const struct orl_sample_params *params);
 
 /* Returns one estimate of the radiance along a ray that a lobe has scattered; suns seen directly
  * are left out. */
 struct orl_rgb orl_backward_radiance(struct orl_tracer *tracer, struct orl_vec3 origin,
                                      struct orl_vec3 direction, bool outside,
-                                     struct orl_chance chance);
+                                     struct orl_mis_pdf mis_pdf);
 
 #endif

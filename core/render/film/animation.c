@@ -1,4 +1,4 @@
-#include <oriel/animation.h>
+#include <oriel/job/animation.h>
 
 #include <png.h>
 #include <stdint.h>

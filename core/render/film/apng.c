@@ -6,7 +6,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 
 enum { CHUNK = 1 << 16, CHANNELS = 3, PAETH = 4, THOUSANDTHS = 1000 };
 

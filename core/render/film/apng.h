@@ -14,7 +14,7 @@
 
 #include <stdint.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 struct orl_apng;
 

@@ -1,13 +1,13 @@
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
-#include "base/file.h"
-#include "base/letters.h"
+#include "base/io/out_file.h"
+#include "base/text/stroke_font.h"
 #include "render/film/pdf.h"
 #include "render/film/png.h"
 /* Widths of strokes, as a share of the letters' size. */
@@ -252,53 +252,53 @@ static void print_text(FILE *svg, const char *text)
 
 /* Writes a text stretched to the width of the stroke font's letters, for any font of the reader. */
 static void write_text(FILE *svg, double x, double y, double width,
-                       const struct orl_canvas_letters *letters, const char *text)
+                       const struct orl_canvas_text_style *text_style, const char *text)
 {
     static const double capitals = 0.72; /* height of capitals, as a share of a usual font's size */
     fprintf(svg, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%.2f\" textLength=\"%.2f\"", x, y,
-            letters->size / capitals, width);
+            text_style->size / capitals, width);
     fputs(" lengthAdjust=\"spacingAndGlyphs\"", svg);
-    if (letters->upright)
+    if (text_style->upright)
         fprintf(svg, " transform=\"rotate(-90 %.2f %.2f)\"", x, y);
-    if (letters->bold)
+    if (text_style->bold)
         fputs(" font-weight=\"bold\"", svg);
-    if (letters->rimmed)
+    if (text_style->rimmed)
         fprintf(svg, " stroke=\"#fff\" stroke-width=\"%.2f\" paint-order=\"stroke\"", 2 * rim);
-    print_color(svg, "fill", letters->rgb);
+    print_color(svg, "fill", text_style->rgb);
     fputc('>', svg);
     print_text(svg, text);
     fputs("</text>\n", svg);
 }
 
 static void draw_text(const struct orl_canvas *canvas, double x, double y,
-                      const struct orl_canvas_letters *letters, const char *text)
+                      const struct orl_canvas_text_style *text_style, const char *text)
 {
-    const double s = canvas->scale, weight = letters->bold ? bold_weight : usual_weight;
-    struct orl_pen pen = {.size = s * letters->size,
-                          .weight = s * (letters->size * weight + 2 * rim),
-                          .turn = letters->upright ? ORL_PI / 2 : 0,
+    const double s = canvas->scale, weight = text_style->bold ? bold_weight : usual_weight;
+    struct orl_pen pen = {.size = s * text_style->size,
+                          .weight = s * (text_style->size * weight + 2 * rim),
+                          .turn = text_style->upright ? ORL_PI / 2 : 0,
                           .rgb = {255, 255, 255}};
-    if (letters->rimmed)
-        orl_letters_draw(&canvas->raster, &pen, s * x, s * y, text);
-    pen.weight = s * letters->size * weight;
-    memcpy(pen.rgb, letters->rgb, 3);
-    orl_letters_draw(&canvas->raster, &pen, s * x, s * y, text);
+    if (text_style->rimmed)
+        orl_stroke_text_draw(&canvas->raster, &pen, s * x, s * y, text);
+    pen.weight = s * text_style->size * weight;
+    memcpy(pen.rgb, text_style->rgb, 3);
+    orl_stroke_text_draw(&canvas->raster, &pen, s * x, s * y, text);
 }
 
 void orl_canvas_text(struct orl_canvas *canvas, double x, double y,
-                     const struct orl_canvas_letters *letters, const char *text)
+                     const struct orl_canvas_text_style *text_style, const char *text)
 {
-    const double width = orl_canvas_text_width(text, letters->size);
-    const double left = x - width * 0.5 * (int)letters->align;
+    const double width = orl_canvas_text_width(text, text_style->size);
+    const double left = x - width * 0.5 * (int)text_style->align;
     if (canvas->pdf)
-        orl_pdf_text(canvas->pdf, x, y, width, rim, letters, text);
+        orl_pdf_text(canvas->pdf, x, y, width, rim, text_style, text);
     else if (canvas->svg.stream)
-        write_text(canvas->svg.stream, left, y, width, letters, text);
+        write_text(canvas->svg.stream, left, y, width, text_style, text);
     else
-        draw_text(canvas, left, y, letters, text);
+        draw_text(canvas, left, y, text_style, text);
 }
 
 double orl_canvas_text_width(const char *text, double size)
 {
-    return orl_letters_width(text, size);
+    return orl_stroke_text_width(text, size);
 }

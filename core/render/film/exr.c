@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 
 enum { BLOCK_LINES = 16 }; /* lines that are compressed together */
 

@@ -30,14 +30,14 @@ void orl_film_set(struct orl_film *film, uint32_t x, uint32_t y, const struct or
     float *rgb = film->pixels[at];
     /* A value beyond the range of floats becomes infinite before it is tested. */
     const struct orl_rgb held =
-        orl_health_keep(health, (struct orl_rgb){(float)color.r, (float)color.g, (float)color.b});
+        orl_health_filter(health, (struct orl_rgb){(float)color.r, (float)color.g, (float)color.b});
     rgb[0] = (float)held.r;
     rgb[1] = (float)held.g;
     rgb[2] = (float)held.b;
     film->errors[at] = (float)pixel->standard_error;
 }
 
-bool orl_film_knows_errors(const struct orl_film *film)
+bool orl_film_has_errors(const struct orl_film *film)
 {
     for (size_t i = 0; i < (size_t)film->width * film->height; i++)
         if (!isfinite(film->errors[i]))

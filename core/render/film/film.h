@@ -12,9 +12,9 @@
 
 #include <stdint.h>
 
-#include <oriel/error.h>
-#include <oriel/health.h>
-#include <oriel/vec.h>
+#include <oriel/base/error.h>
+#include <oriel/base/health.h>
+#include <oriel/base/vec.h>
 
 #include "render/film/view.h"
 
@@ -38,7 +38,7 @@ void orl_film_set(struct orl_film *film, uint32_t x, uint32_t y, const struct or
                   struct orl_health *health);
 
 /* Returns true if the errors of all pixels are known. */
-bool orl_film_knows_errors(const struct orl_film *film);
+bool orl_film_has_errors(const struct orl_film *film);
 
 /* Writes to path.part, then sync and rename, so that the file is complete or absent. */
 int orl_film_write_hdr(const struct orl_film *film, const struct orl_view *view, const char *path,

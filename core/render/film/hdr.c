@@ -1,7 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 #include "render/film/film.h"
 
 /* Scanlines outside these widths cannot be run-length encoded by component. */

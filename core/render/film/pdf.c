@@ -8,7 +8,7 @@
 
 #include <zlib.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 
 /* Height of capitals, and the unit of letter widths, relative to the font size. */
 static const double capitals = 0.72, thousandth = 1e-3;
@@ -218,20 +218,22 @@ static void put_letters(const struct orl_pdf *pdf, double size, bool bold, const
 }
 
 void orl_pdf_text(struct orl_pdf *pdf, double x, double y, double most, double rim,
-                  const struct orl_canvas_letters *letters, const char *text)
+                  const struct orl_canvas_text_style *text_style, const char *text)
 {
     static const unsigned char white[3] = {255, 255, 255};
-    const double size = letters->size / capitals, wide = size * text_width(text, letters->bold);
+    const double size = text_style->size / capitals,
+                 wide = size * text_width(text, text_style->bold);
     const double squeezed = wide > most && most > 0 ? most / wide : 1;
-    const double left = x - 0.5 * (int)letters->align * wide * squeezed;
-    for (int pass = letters->rimmed ? 0 : 1; pass < 2; pass++) {
+    const double left = x - 0.5 * (int)text_style->align * wide * squeezed;
+    for (int pass = text_style->rimmed ? 0 : 1; pass < 2; pass++) {
         fprintf(pdf->page, "BT %d Tr %.2f Tz ", pass == 0 ? 1 : 0, 100 * squeezed);
         if (pass == 0)
             fprintf(pdf->page, "%.2f w ", 2 * rim);
-        put_color(pdf, pass == 0 ? white : letters->rgb, pass == 0 ? "RG" : "rg");
-        fprintf(pdf->page, letters->upright ? "0 -1 -1 0 %.2f %.2f Tm " : "1 0 0 -1 %.2f %.2f Tm ",
-                left, y);
-        put_letters(pdf, size, letters->bold, text);
+        put_color(pdf, pass == 0 ? white : text_style->rgb, pass == 0 ? "RG" : "rg");
+        fprintf(pdf->page,
+                text_style->upright ? "0 -1 -1 0 %.2f %.2f Tm " : "1 0 0 -1 %.2f %.2f Tm ", left,
+                y);
+        put_letters(pdf, size, text_style->bold, text);
         fputs("ET\n", pdf->page);
     }
 }

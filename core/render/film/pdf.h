@@ -3,12 +3,12 @@
  * (Helvetica and Symbol). The file contains no date, so that equal calls give equal bytes.
  *
  * Frame: page units from the upper left corner, x to the right and y down, as in a canvas
- * (oriel/canvas.h).
+ * (oriel/base/canvas.h).
  */
 #ifndef ORL_RENDER_FILM_PDF_H
 #define ORL_RENDER_FILM_PDF_H
 
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
 
 struct orl_pdf;
 
@@ -23,7 +23,7 @@ void orl_pdf_path(struct orl_pdf *pdf, size_t n, const double x[], const double 
 /* Draws a text, made narrower if it exceeds `most`. Characters outside Latin-1 and Symbol become a
  * box. rim: width of a white rim, for letters that request one. */
 void orl_pdf_text(struct orl_pdf *pdf, double x, double y, double most, double rim,
-                  const struct orl_canvas_letters *letters, const char *text);
+                  const struct orl_canvas_text_style *text_style, const char *text);
 
 /* Writes the page. Returns 0, ORL_ERR_NOMEM (also if an earlier call failed), ORL_ERR_IO or
  * ORL_ERR_FULL. */

@@ -4,7 +4,7 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 
 struct picture {
     uint32_t width, height;

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 /* Writes a picture to path.part, then sync and rename. rgb: three bytes a pixel, from the top left,
  * row by row. Returns 0, ORL_ERR_IO or ORL_ERR_NOMEM. */

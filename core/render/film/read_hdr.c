@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rgbe.h"
+#include "base/io/rgbe.h"
 
 struct reading {
     struct orl_rgbe rgbe;

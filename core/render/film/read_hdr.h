@@ -1,5 +1,5 @@
 /*
- * Reads Radiance pictures into films (base/rgbe.h).
+ * Reads Radiance pictures into films (base/io/rgbe.h).
  *
  * The header's EXPOSUREs and COLORCORRs are divided out, so that pixels are W/sr/m2 again. The last
  * VIEW line is the picture's. XYZE is rejected. The input may be hostile.

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/coordinates.h>
-#include <oriel/limits.h>
-#include <oriel/scanner.h>
+#include <oriel/base/coordinates.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/scanner.h>
 
 /* Copies the next word of the options to word, NUL-terminated. Returns the position after it, or
  * NULL at the end. */
@@ -293,7 +293,7 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
     return true;
 }
 
-double orl_view_reach(const struct orl_view *view, double x, double y)
+double orl_view_clip_distance(const struct orl_view *view, double x, double y)
 {
     if (!(view->aft > 0))
         return INFINITY;
@@ -306,8 +306,8 @@ double orl_view_reach(const struct orl_view *view, double x, double y)
     return view->type == 'c' ? depth * sqrt(1 + upright) : depth;
 }
 
-bool orl_view_place(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
-                    double *ret_y)
+bool orl_view_project(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
+                      double *ret_y)
 {
     const double z = orl_dot(direction, view->direction);
     double x = orl_dot(direction, view->h), y = orl_dot(direction, view->v), scale = 1;

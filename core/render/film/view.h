@@ -11,8 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include <oriel/error.h>
-#include <oriel/vec.h>
+#include <oriel/base/error.h>
+#include <oriel/base/vec.h>
 
 struct orl_view {
     char type;                            /* 'v', 'l', 'a', 'h', 's' or 'c' */
@@ -34,12 +34,12 @@ bool orl_view_ray(const struct orl_view *view, double x, double y, struct orl_ve
                   struct orl_vec3 *ret_direction);
 
 /* Returns the distance along the ray through (x, y) at which -va clips it, or INFINITY. */
-double orl_view_reach(const struct orl_view *view, double x, double y);
+double orl_view_clip_distance(const struct orl_view *view, double x, double y);
 
 /* Returns the image coordinates of a unit direction for views of the types v, h and a. Returns
  * false if it is outside the view, and for other types. */
-bool orl_view_place(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
-                    double *ret_y);
+bool orl_view_project(const struct orl_view *view, struct orl_vec3 direction, double *ret_x,
+                      double *ret_y);
 
 /* Returns the solid angle of a rectangle of the image, given by its lower left corner: that of the
  * two triangles between its corners. Returns 0 if the view shows nothing at a corner. */

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 #include "render/gather/gather.h"
-#include "scene/geometry/stand.h"
+#include "scene/geometry/surface_offset.h"
 
 enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 8 /* points in each group */ };
 
@@ -11,29 +11,31 @@ enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 8 /* points in each gr
 static const double much_wider = 0.8;
 
 static struct orl_density_query caustic_query(const struct orl_gather *gather,
-                                              const struct orl_footing *footing, uint32_t k)
+                                              const struct orl_surface_point *surface_point,
+                                              uint32_t k)
 {
-    return (struct orl_density_query){.point = footing->point,
-                                      .normal = footing->normal,
+    return (struct orl_density_query){.point = surface_point->point,
+                                      .normal = surface_point->normal,
                                       .k = k,
                                       .max_radius = gather->max_radius[ORL_MAP_CAUSTIC],
-                                      .footing = footing};
+                                      .surface_point = surface_point};
 }
 
-struct orl_density orl_gather_caustic_by(const struct orl_gather *gather,
-                                         const struct orl_footing *footing, uint32_t k,
-                                         struct orl_search *search)
+struct orl_density orl_gather_caustic_k(const struct orl_gather *gather,
+                                        const struct orl_surface_point *surface_point, uint32_t k,
+                                        struct orl_search *search)
 {
-    const struct orl_density_query query = caustic_query(gather, footing, k);
+    const struct orl_density_query query = caustic_query(gather, surface_point, k);
     return gather->maps[ORL_MAP_CAUSTIC]
                ? orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search)
                : (struct orl_density){.found = 0};
 }
 
 struct orl_density orl_gather_caustic(const struct orl_gather *gather,
-                                      const struct orl_footing *footing, struct orl_search *search)
+                                      const struct orl_surface_point *surface_point,
+                                      struct orl_search *search)
 {
-    return orl_gather_caustic_by(gather, footing, gather->k[ORL_MAP_CAUSTIC], search);
+    return orl_gather_caustic_k(gather, surface_point, gather->k[ORL_MAP_CAUSTIC], search);
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -55,17 +57,18 @@ static double normal_radius(const struct orl_kernel_density *widths,
     return radii[n / 2];
 }
 
-struct orl_density orl_gather_caustic_seen(const struct orl_gather *gather,
-                                           const struct orl_footing *footing,
-                                           struct orl_search *search)
+struct orl_density orl_gather_caustic_for_view(const struct orl_gather *gather,
+                                               const struct orl_surface_point *surface_point,
+                                               struct orl_search *search)
 {
-    struct orl_density density = orl_gather_caustic(gather, footing, search);
-    if (!gather->caustic_widths || density.found == 0)
+    struct orl_density density = orl_gather_caustic(gather, surface_point, search);
+    if (!gather->caustic_kernels || density.found == 0)
         return density;
-    const double radius = normal_radius(gather->caustic_widths, search, density.found);
+    const double radius = normal_radius(gather->caustic_kernels, search, density.found);
     if (radius > much_wider * density.radius)
         return density;
-    struct orl_density_query query = caustic_query(gather, footing, gather->k[ORL_MAP_CAUSTIC]);
+    struct orl_density_query query =
+        caustic_query(gather, surface_point, gather->k[ORL_MAP_CAUSTIC]);
     const struct orl_health before = search->health;
     query.max_radius = radius;
     density = orl_density_estimate(gather->maps[ORL_MAP_CAUSTIC], &query, search);
@@ -74,12 +77,12 @@ struct orl_density orl_gather_caustic_seen(const struct orl_gather *gather,
 }
 
 struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
-                                                const struct orl_footing *footing,
+                                                const struct orl_surface_point *surface_point,
                                                 struct orl_search *search)
 {
     const struct orl_density_query query =
-        caustic_query(gather, footing, gather->k[ORL_MAP_CAUSTIC]);
-    struct orl_density density = orl_gather_caustic(gather, footing, search);
+        caustic_query(gather, surface_point, gather->k[ORL_MAP_CAUSTIC]);
+    struct orl_density density = orl_gather_caustic(gather, surface_point, search);
     if (density.found > 0)
         density.bias = orl_density_bias(gather->maps[ORL_MAP_CAUSTIC], &query, &density, search);
     return density;
@@ -88,28 +91,30 @@ struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
 /* A disc whose points see the images of suns. */
 struct blur_disc {
     const struct orl_gather *gather;
-    const struct orl_footing *footing;
+    const struct orl_surface_point *surface_point;
     struct orl_footprint footprint;
     double radius;
 };
 
 /* Returns the light of suns in flat mirrors at a point of the surface. */
-static struct orl_rgb images_at(const struct blur_disc *disc, struct orl_vec3 point, double *u)
+static struct orl_rgb virtual_suns_at(const struct blur_disc *disc, struct orl_vec3 point,
+                                      double *u)
 {
     const struct orl_direct_query query = {
-        .point = orl_stand(disc->gather->world->geometry, point, disc->footing->normal),
-        .normal = disc->footing->normal,
+        .point = orl_offset_from_surface(disc->gather->lit_scene->geometry, point,
+                                         disc->surface_point->normal),
+        .normal = disc->surface_point->normal,
         .through_ports = true,
         .mirrored = true,
         .u = u};
     struct orl_random unused = {0}; /* never read: the query has its own numbers */
-    return orl_direct_by_images(disc->gather->world, &query, &unused);
+    return orl_direct_by_virtual_suns(disc->gather->lit_scene, &query, &unused);
 }
 
 /* Returns the mean excess of a group of points. The disc's centre is evaluated with the same sample
  * of the sun's disc, so that under uniform light the difference has no noise. */
 static struct orl_rgb blur_of_group(const struct blur_disc *disc, uint32_t sequence, uint32_t group,
-                                    struct orl_image_blur *blur)
+                                    struct orl_virtual_sun_blur *blur)
 {
     struct orl_rgb sum = orl_gray(0);
     double u[4];
@@ -120,10 +125,11 @@ static struct orl_rgb blur_of_group(const struct blur_disc *disc, uint32_t seque
         const struct orl_frame *frame = &disc->footprint.frame;
         const struct orl_vec3 chord =
             orl_add(orl_scale(frame->u, r * cos(turn)), orl_scale(frame->v, r * sin(turn)));
-        if (!orl_footprint_holds(&disc->footprint, chord))
+        if (!orl_footprint_contains(&disc->footprint, chord))
             continue;
-        const struct orl_rgb there = images_at(disc, orl_add(disc->footing->point, chord), u);
-        const struct orl_rgb here = images_at(disc, disc->footing->point, u);
+        const struct orl_rgb there =
+            virtual_suns_at(disc, orl_add(disc->surface_point->point, chord), u);
+        const struct orl_rgb here = virtual_suns_at(disc, disc->surface_point->point, u);
         sum = orl_rgb_add(sum, orl_rgb_add(there, orl_rgb_scale(here, -1)));
         blur->mean += orl_luma(there);
         n++;
@@ -132,18 +138,19 @@ static struct orl_rgb blur_of_group(const struct blur_disc *disc, uint32_t seque
     return orl_rgb_scale(sum, n > 0 ? 1.0 / n : 0);
 }
 
-struct orl_image_blur orl_gather_image_blur(const struct orl_gather *gather,
-                                            const struct orl_footing *footing, double radius,
-                                            uint32_t sequence)
+struct orl_virtual_sun_blur
+orl_gather_virtual_sun_blur(const struct orl_gather *gather,
+                            const struct orl_surface_point *surface_point, double radius,
+                            uint32_t sequence)
 {
-    const struct orl_world *world = gather->world;
-    struct blur_disc disc = {.gather = gather, .footing = footing, .radius = radius};
-    struct orl_image_blur blur = {.found = 0};
+    const struct orl_lit_scene *lit_scene = gather->lit_scene;
+    struct blur_disc disc = {.gather = gather, .surface_point = surface_point, .radius = radius};
+    struct orl_virtual_sun_blur blur = {.found = 0};
     struct orl_rgb groups[BLUR_GROUPS];
-    if (world->images.n_nodes == 0 || world->omit.mirror_caustics ||
-        !(orl_footing_flat(footing) > 0))
+    if (lit_scene->images.n_nodes == 0 || lit_scene->omit.mirror_caustics ||
+        !(orl_surface_point_flat_radius(surface_point) > 0))
         return blur;
-    orl_footprint_make(footing, radius, &disc.footprint);
+    orl_footprint_make(surface_point, radius, &disc.footprint);
     for (uint32_t group = 0; group < BLUR_GROUPS; group++)
         groups[group] = blur_of_group(&disc, sequence, group, &blur);
     blur.excess = orl_estimate_of_mean(groups, BLUR_GROUPS);

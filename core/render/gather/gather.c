@@ -2,10 +2,10 @@
 
 #include <stdlib.h>
 
-#include "light/proxies.h"
-#include "photon/density/records.h"
-#include "photon/map/facing.h"
-#include "render/gather/air.h"
+#include "photon/density/precomputed_irradiance.h"
+#include "photon/map/normal_code.h"
+#include "render/gather/sensor_flux.h"
+#include "scene/built/proxies.h"
 
 enum { NEIGHBOURS_GLOBAL = 64, NEIGHBOURS_CAUSTIC = 300, NEIGHBOURS_RECORDS = 4 };
 enum { RADIUS_PROBES = 256 };
@@ -75,95 +75,100 @@ static void choose_radii(struct orl_gather *gather, enum orl_map_kind kind, doub
 }
 
 /* Returns the error code when building from a map has failed. */
-static int build_error(const struct orl_crew *crew)
+static int build_error(const struct orl_thread_pool *pool)
 {
-    return orl_crew_cancelled(crew) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
+    return orl_thread_pool_cancelled(pool) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
-int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
+int orl_gather_init(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
+                    enum orl_indirect_mode indirect,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
-                    struct orl_search *search)
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
+                    struct orl_thread_pool *pool, struct orl_search *search)
 {
-    const double widest = fmax(0.1 * world->geometry->radius, 1e-9);
-    const int unread = rest == ORL_REST_RECORDS ? ORL_MAP_GLOBAL : ORL_MAP_PRECOMPUTED;
-    *gather = (struct orl_gather){.world = world, .rest = rest, .seed = seed};
+    const double widest = fmax(0.1 * lit_scene->geometry->radius, 1e-9);
+    const int unread = indirect == ORL_INDIRECT_PRECOMPUTED ? ORL_MAP_GLOBAL : ORL_MAP_PRECOMPUTED;
+    *gather = (struct orl_gather){.lit_scene = lit_scene, .indirect = indirect, .seed = seed};
     orl_sobol_init(&gather->sobol);
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
         gather->maps[kind] = kind == unread ? NULL : maps[kind];
         choose_radii(gather, (enum orl_map_kind)kind, bandwidths ? bandwidths[kind] : 1, widest,
                      search);
     }
-    gather->by_images = gather->maps[ORL_MAP_CAUSTIC] && orl_air_is_by_images(world);
+    gather->only_virtual_suns =
+        gather->maps[ORL_MAP_CAUSTIC] && orl_sensor_flux_is_virtual_suns(lit_scene);
     if (gather->maps[ORL_MAP_GLOBAL]) {
-        gather->leaves = orl_leaves_new(maps[ORL_MAP_GLOBAL], world, gather->k[ORL_MAP_GLOBAL],
-                                        gather->max_radius[ORL_MAP_GLOBAL], crew);
-        if (!gather->leaves)
-            return build_error(crew);
+        gather->leaf_irradiance =
+            orl_leaf_irradiance_new(maps[ORL_MAP_GLOBAL], lit_scene, gather->k[ORL_MAP_GLOBAL],
+                                    gather->max_radius[ORL_MAP_GLOBAL], pool);
+        if (!gather->leaf_irradiance)
+            return build_error(pool);
     }
-    if (rest == ORL_REST_GATHERED && gather->maps[ORL_MAP_GLOBAL]) {
-        const int code = orl_bright_init(&gather->bright, maps[ORL_MAP_GLOBAL], crew);
+    if (indirect == ORL_INDIRECT_GATHERED && gather->maps[ORL_MAP_GLOBAL]) {
+        const int code = orl_photon_guide_init(&gather->guide, maps[ORL_MAP_GLOBAL], pool);
         if (code < 0)
             return code;
     }
-    if (rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL])
-        return orl_adaptive_density_init(&gather->adapt, maps[ORL_MAP_GLOBAL], widest, crew,
+    if (indirect == ORL_INDIRECT_DENSITY && gather->maps[ORL_MAP_GLOBAL])
+        return orl_adaptive_density_init(&gather->adaptive, maps[ORL_MAP_GLOBAL], widest, pool,
                                          search);
     return 0;
 }
 
-int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew)
+int orl_gather_for_views(struct orl_gather *gather, struct orl_thread_pool *pool)
 {
-    if (gather->maps[ORL_MAP_CAUSTIC] && !gather->caustic_widths) {
-        gather->caustic_widths =
+    if (gather->maps[ORL_MAP_CAUSTIC] && !gather->caustic_kernels) {
+        gather->caustic_kernels =
             orl_kernel_density_new(gather->maps[ORL_MAP_CAUSTIC], gather->k[ORL_MAP_CAUSTIC],
-                                   gather->max_radius[ORL_MAP_CAUSTIC], crew);
-        if (!gather->caustic_widths)
-            return build_error(crew);
+                                   gather->max_radius[ORL_MAP_CAUSTIC], pool);
+        if (!gather->caustic_kernels)
+            return build_error(pool);
     }
-    if (!gather->maps[ORL_MAP_GLOBAL] || gather->rest != ORL_REST_GATHERED || gather->texels)
+    if (!gather->maps[ORL_MAP_GLOBAL] || gather->indirect != ORL_INDIRECT_GATHERED ||
+        gather->texels)
         return 0;
-    gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->world,
-                                    texel_share * gather->k[ORL_MAP_GLOBAL], crew);
-    return gather->texels ? 0 : build_error(crew);
+    gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->lit_scene,
+                                    texel_share * gather->k[ORL_MAP_GLOBAL], pool);
+    return gather->texels ? 0 : build_error(pool);
 }
 
 void orl_gather_done(struct orl_gather *gather)
 {
-    orl_leaves_free(gather->leaves);
+    orl_leaf_irradiance_free(gather->leaf_irradiance);
     orl_texels_free(gather->texels);
-    orl_kernel_density_free(gather->caustic_widths);
-    orl_bright_done(&gather->bright);
-    gather->leaves = NULL;
+    orl_kernel_density_free(gather->caustic_kernels);
+    orl_photon_guide_done(&gather->guide);
+    gather->leaf_irradiance = NULL;
     gather->texels = NULL;
-    gather->caustic_widths = NULL;
-    orl_adaptive_density_done(&gather->adapt);
+    gather->caustic_kernels = NULL;
+    orl_adaptive_density_done(&gather->adaptive);
 }
 
-bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
-                        struct orl_vec3 normal, struct orl_footing *ret_footing)
+bool orl_gather_find_surface(const struct orl_gather *gather, struct orl_vec3 point,
+                             struct orl_vec3 normal, struct orl_surface_point *ret_surface_point)
 {
-    const double rounding = gather->world->geometry->radius * 0x1p-18;
-    return orl_footing_find(gather->world, point, normal, rounding, ret_footing);
+    const double rounding = gather->lit_scene->geometry->radius * 0x1p-18;
+    return orl_surface_point_find(gather->lit_scene, point, normal, rounding, ret_surface_point);
 }
 
 /* With an adaptive estimate, found and radius are those of the photons; with records, found only
  * says that there were some. */
-struct orl_density orl_gather_rest(const struct orl_gather *gather,
-                                   const struct orl_footing *footing, struct orl_search *search)
+struct orl_density orl_gather_indirect(const struct orl_gather *gather,
+                                       const struct orl_surface_point *surface_point,
+                                       struct orl_search *search)
 {
     const struct orl_density density = {.found = 0};
-    if (gather->rest == ORL_REST_DENSITY && gather->maps[ORL_MAP_GLOBAL]) {
-        const struct orl_density_query query = {.point = footing->point,
-                                                .normal = footing->normal,
+    if (gather->indirect == ORL_INDIRECT_DENSITY && gather->maps[ORL_MAP_GLOBAL]) {
+        const struct orl_density_query query = {.point = surface_point->point,
+                                                .normal = surface_point->normal,
                                                 .k = ORL_ADAPTIVE_DENSITY_MOST,
-                                                .max_radius = gather->adapt.reach,
-                                                .footing = footing};
-        return orl_adaptive_density_estimate(&gather->adapt, &query, search);
+                                                .max_radius = gather->adaptive.reach,
+                                                .surface_point = surface_point};
+        return orl_adaptive_density_estimate(&gather->adaptive, &query, search);
     }
-    if (gather->rest == ORL_REST_RECORDS && gather->maps[ORL_MAP_PRECOMPUTED])
-        return orl_records_estimate(gather->maps[ORL_MAP_PRECOMPUTED], footing,
-                                    gather->max_radius[ORL_MAP_PRECOMPUTED], search);
+    if (gather->indirect == ORL_INDIRECT_PRECOMPUTED && gather->maps[ORL_MAP_PRECOMPUTED])
+        return orl_precomputed_estimate(gather->maps[ORL_MAP_PRECOMPUTED], surface_point,
+                                        gather->max_radius[ORL_MAP_PRECOMPUTED], search);
     return density;
 }
 
@@ -176,21 +181,22 @@ double orl_tally_variance(const struct orl_tally *tally)
 }
 
 /* Without a caustic map caustics were not requested, so there are none. Outside, rays find them. */
-bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place)
+bool orl_gather_has_free_caustics(const struct orl_gather *gather,
+                                  const struct orl_shading_point *place)
 {
-    return place->in_air && !place->outside && gather->maps[ORL_MAP_CAUSTIC];
+    return place->in_free_space && !place->outside && gather->maps[ORL_MAP_CAUSTIC];
 }
 
 /* Returns the scene that lights a place. */
-static const struct orl_world *scene_of(const struct orl_gather *gather,
-                                        const struct orl_place *place)
+static const struct orl_lit_scene *scene_of(const struct orl_gather *gather,
+                                            const struct orl_shading_point *place)
 {
-    return place->proxied ? orl_world_seen(gather->world) : gather->world;
+    return place->proxied ? orl_lit_scene_seen(gather->lit_scene) : gather->lit_scene;
 }
 
-struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
-                                 uint32_t sequence, uint32_t first, uint32_t rays,
-                                 double *ret_variance)
+struct orl_rgb orl_gather_direct(const struct orl_gather *gather,
+                                 const struct orl_shading_point *place, uint32_t sequence,
+                                 uint32_t first, uint32_t rays, double *ret_variance)
 {
     double u[2], squares = 0;
     /* Where no caustic photons are used, suns in mirrors are sampled by their images. */
@@ -199,8 +205,8 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct o
         .normal = place->normal,
         .shading = place->textured ? &place->shading : NULL,
         .through_ports = true,
-        .mirrored = place->outside ||
-                    (orl_gather_catches(gather, place) && !gather->world->omit.mirror_caustics),
+        .mirrored = place->outside || (orl_gather_has_free_caustics(gather, place) &&
+                                       !gather->lit_scene->omit.mirror_caustics),
         .u = u};
     struct orl_random unused = {0}; /* never read: the query has its own numbers */
     struct orl_rgb sum = orl_gray(0);

@@ -10,10 +10,10 @@
  *     density    (direct) by the local density of global photons, whose bandwidth is chosen to
  *                limit bias (photon/density/adaptive_density.h);
  *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
- *                (photon/density/records.h), without the global map. Where the records about a
- *                place differ much, views gather instead (lighting.h).
- * Every light path belongs to exactly one of the three. Every technique uses a hemisphere of rays
- * where no photons land (in mid-air, outside), and where a search finds none.
+ *                (photon/density/precomputed_irradiance.h), without the global map. Where the
+ * records about a place differ much, views gather instead (lighting.h). Every light path belongs to
+ * exactly one of the three. Every technique uses a hemisphere of rays where no photons land (in
+ * mid-air, outside), and where a search finds none.
  *
  * With gathering the global map holds photons of all light, otherwise only those of the rest
  * (omit.counted_light). Surfaces that these rays and those of glossy lobes meet are lit by the
@@ -26,49 +26,50 @@
  * Diffuse surfaces nearer than the density's own width are not read from the map, so that corners
  * are not dark. They are lit again, directly and by one more ray, or by irradiance records if there
  * are some: half of what is seen from a line where walls meet is near, and one ray is noisy. The
- * same holds for crowded places (photon/density/crowd.h) at any distance: between slats the
- * density's width is as large as the gap between the slats that occlude each other. Texels do not
- * detect crowded places.
+ * same holds for near-occluded places (photon/density/near_occlusion.h) at any distance: between
+ * slats the density's width is as large as the gap between the slats that occlude each other.
+ * Texels do not detect near-occluded places.
  *
- * A scene point is inside or outside (light/world.h); callers carry that along with the point.
+ * A scene point is inside or outside (light/lit_scene.h); callers carry that along with the point.
  */
 #ifndef ORL_RENDER_GATHER_GATHER_H
 #define ORL_RENDER_GATHER_GATHER_H
 
-#include "base/estimate.h"
-#include "base/sobol.h"
+#include "base/sampling/sobol.h"
+#include "base/statistics/estimate.h"
 #include "light/exterior.h"
 #include "photon/density/adaptive_density.h"
 #include "photon/density/kernel_density.h"
-#include "photon/density/leaves.h"
+#include "photon/density/leaf_irradiance.h"
 #include "photon/density/texels.h"
 #include "photon/shooting/shoot.h"
-#include "render/gather/bright.h"
+#include "render/gather/photon_guiding.h"
 
-enum orl_rest { ORL_REST_GATHERED, ORL_REST_DENSITY, ORL_REST_RECORDS };
+enum orl_indirect_mode { ORL_INDIRECT_GATHERED, ORL_INDIRECT_DENSITY, ORL_INDIRECT_PRECOMPUTED };
 
-struct orl_aim;
+struct orl_direction_sampler;
 struct orl_icache;
 
 struct orl_gather {
-    const struct orl_world *world;
-    enum orl_rest rest;                               /* method for the rest at surfaces */
+    const struct orl_lit_scene *lit_scene;
+    enum orl_indirect_mode indirect;                  /* method for the rest at surfaces */
     const struct orl_photon_map *maps[ORL_MAP_KINDS]; /* NULL: no photons of that kind */
     uint32_t k[ORL_MAP_KINDS];                        /* number of neighbours per estimate */
     double max_radius[ORL_MAP_KINDS];
-    double near;               /* hits closer than this are lit again */
-    double reach;              /* a sensor this close to a surface lies on it */
-    bool by_images;            /* true if suns in flat mirrors are the only caustics (air.h) */
-    struct orl_leaves *leaves; /* leaves of the global map, owned; NULL if there is no global map */
+    double near;            /* hits closer than this are lit again */
+    double reach;           /* a sensor this close to a surface lies on it */
+    bool only_virtual_suns; /* true if suns in flat mirrors are the only caustics (sensor_flux.h) */
+    struct orl_leaf_irradiance
+        *leaf_irradiance; /* leaves of the global map, owned; NULL if there is no global map */
     /* Texels of the global map's flat surfaces; NULL until a view is rendered. */
     struct orl_texels *texels;
     /* Usual kernel radii of caustic photons; NULL likewise. */
-    struct orl_kernel_density *caustic_widths;
+    struct orl_kernel_density *caustic_kernels;
     /* Bright patches of the global map, which guide sensors' rays. */
-    struct orl_bright bright;
-    struct orl_adaptive_density adapt; /* estimator for ORL_REST_DENSITY */
+    struct orl_photon_guide guide;
+    struct orl_adaptive_density adaptive; /* estimator for ORL_INDIRECT_DENSITY */
     /* Importance sampling of sensors' rays, borrowed; NULL: none. */
-    const struct orl_aim *aim;
+    const struct orl_direction_sampler *sampler;
     struct orl_sobol sobol;
     uint64_t seed;
     /* If set, ends a sensor's sampling, whose value is then invalid; may be NULL. */
@@ -76,36 +77,38 @@ struct orl_gather {
 };
 
 /*
- * Chooses neighbours and radii from the maps themselves. ORL_REST_RECORDS ignores the global map,
- * other methods the precomputed one. bandwidths: kernel areas relative to the usual ones; NULL: the
- * usual ones. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ * Chooses neighbours and radii from the maps themselves. ORL_INDIRECT_PRECOMPUTED ignores the
+ * global map, other methods the precomputed one. bandwidths: kernel areas relative to the usual
+ * ones; NULL: the usual ones. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
-int orl_gather_init(struct orl_gather *gather, const struct orl_world *world, enum orl_rest rest,
+int orl_gather_init(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
+                    enum orl_indirect_mode indirect,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
-                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed, struct orl_crew *crew,
-                    struct orl_search *search);
+                    const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
+                    struct orl_thread_pool *pool, struct orl_search *search);
 
 /* Makes the data that only views read, unless it exists: texels, if the rest is gathered, and
  * maximum kernel widths of caustics. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
-int orl_gather_for_views(struct orl_gather *gather, struct orl_crew *crew);
+int orl_gather_for_views(struct orl_gather *gather, struct orl_thread_pool *pool);
 
 void orl_gather_done(struct orl_gather *gather);
 
 /*
- * Detaches a gather from its world and maps between jobs (gather_kept.c), and keeps what was
+ * Detaches a gather from its world and maps between jobs (gather_reuse.c), and keeps what was
  * computed from them. A later job with the same scene, maps and bandwidths resumes it with its own
  * copies of these; orl_gather_done frees it. Pausing returns its size in bytes.
  */
-uint64_t orl_gather_pause(struct orl_gather *gather);
-void orl_gather_resume(struct orl_gather *gather, const struct orl_world *world,
+uint64_t orl_gather_detach(struct orl_gather *gather);
+void orl_gather_attach(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
                        const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed);
 
 /* A place at which light is estimated. */
-struct orl_place {
+struct orl_shading_point {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
-    bool in_air; /* off any surface: no photon lands there, or suns' images are more accurate */
+    bool in_free_space; /* off any surface: no photon lands there, or suns' images are more accurate
+                         */
     /* On a surface that a BSDF stands for: lit as views see it; outside is then true as well. */
     bool proxied;
     bool textured; /* seen by a view with a textured normal: light is estimated about `shading` */
@@ -122,7 +125,7 @@ struct orl_tally {
 double orl_tally_variance(const struct orl_tally *tally);
 
 /* A texel that a ray reads later, when it has arrived from memory; NULL: none. */
-struct orl_glimpse {
+struct orl_texel_fetch {
     const struct orl_texel *texel;
     struct orl_rgb weight; /* weight of its irradiance in the ray's radiance */
 };
@@ -132,7 +135,7 @@ struct orl_glimpse {
  * They split many rays through a pane evenly into reflected and transmitted ones. Few rays need
  * them.
  */
-struct orl_even {
+struct orl_sobol_slice {
     uint32_t index, sequence, skip;
 };
 
@@ -142,15 +145,15 @@ struct orl_gather_ray {
     bool outside;
     /* Set for a ray of a view's lobe if no density counts caustics, so that the ray must find them;
      * else NULL. */
-    const struct orl_chance *of_lobe;
+    const struct orl_mis_pdf *lobe_mis_pdf;
     /* Numbers for the event at the first surface; NULL: random ones. */
-    const struct orl_even *first;
+    const struct orl_sobol_slice *first;
     /* The first hit if it is known, or nothing_ahead; else NULL and false. */
-    const struct orl_hit *ahead;
-    bool nothing_ahead;
-    bool aims; /* true if some rays are aimed when it continues from a matt surface */
+    const struct orl_hit *first_hit;
+    bool hits_nothing;
+    bool importance_sampled; /* true if some rays are aimed when it continues from a matt surface */
     /* True if flat surfaces may be read from texels: for hemispheres, which average many rays. */
-    bool by_texels;
+    bool reads_texels;
     /* Irradiance cache that gives the rest at near surfaces within its reach; NULL: none. */
     const struct orl_icache *known;
     struct orl_tally *tally; /* receives the parts of the radiance; may be NULL */
@@ -158,8 +161,9 @@ struct orl_gather_ray {
     /* Receives the distance of the first surface inside, if any; may be NULL. */
     double *ret_distance;
     /* NULL, or empty at first. Receives the first texel met, whose light is then left out of the
-     * radiance (orl_gather_read). A caller that traces many rays thereby hides memory latency. */
-    struct orl_glimpse *ret_glimpse;
+     * radiance (orl_gather_read_texel). A caller that traces many rays thereby hides memory
+     * latency. */
+    struct orl_texel_fetch *ret_fetch;
 };
 
 /* Returns the radiance along a ray. Suns seen directly are left out; lamps count with the share
@@ -169,33 +173,35 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
                                    struct orl_search *search);
 
 /* Returns the radiance that a texel adds to the ray; the ray's tally receives its parts. */
-struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct orl_glimpse *glimpse);
+struct orl_rgb orl_gather_read_texel(const struct orl_gather_ray *ray,
+                                     const struct orl_texel_fetch *fetch);
 
 /* Finds the surface at a place that came without its facet. Returns false if there is none within
  * rounding. */
-bool orl_gather_footing(const struct orl_gather *gather, struct orl_vec3 point,
-                        struct orl_vec3 normal, struct orl_footing *ret_footing);
+bool orl_gather_find_surface(const struct orl_gather *gather, struct orl_vec3 point,
+                             struct orl_vec3 normal, struct orl_surface_point *ret_surface_point);
 
 /* Returns the caustic part by density at a point of a surface: from k photons, and from the usual
  * number. */
-struct orl_density orl_gather_caustic_by(const struct orl_gather *gather,
-                                         const struct orl_footing *footing, uint32_t k,
-                                         struct orl_search *search);
+struct orl_density orl_gather_caustic_k(const struct orl_gather *gather,
+                                        const struct orl_surface_point *surface_point, uint32_t k,
+                                        struct orl_search *search);
 struct orl_density orl_gather_caustic(const struct orl_gather *gather,
-                                      const struct orl_footing *footing, struct orl_search *search);
+                                      const struct orl_surface_point *surface_point,
+                                      struct orl_search *search);
 
 /*
  * Returns the caustic part for views, from a disc no wider than usual among the photons found. In a
  * dark place beside a bright one the nearest photons are far, and a disc that holds enough of them
  * would carry the bright light over the edge.
  */
-struct orl_density orl_gather_caustic_seen(const struct orl_gather *gather,
-                                           const struct orl_footing *footing,
-                                           struct orl_search *search);
+struct orl_density orl_gather_caustic_for_view(const struct orl_gather *gather,
+                                               const struct orl_surface_point *surface_point,
+                                               struct orl_search *search);
 
 /* Returns orl_gather_caustic with its bias, in twice the time. */
 struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
-                                                const struct orl_footing *footing,
+                                                const struct orl_surface_point *surface_point,
                                                 struct orl_search *search);
 
 /*
@@ -204,19 +210,21 @@ struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
  * control variate: the density less this has only the bias of its other light. found is 0 if
  * nothing is mirrored or the surface is curved.
  */
-struct orl_image_blur {
+struct orl_virtual_sun_blur {
     struct orl_estimate excess; /* without bias; its errors are those of the points alone */
     double mean;                /* luma of the images, averaged over the disc */
     uint32_t found;             /* number of points on the disc */
 };
-struct orl_image_blur orl_gather_image_blur(const struct orl_gather *gather,
-                                            const struct orl_footing *footing, double radius,
-                                            uint32_t sequence);
+struct orl_virtual_sun_blur
+orl_gather_virtual_sun_blur(const struct orl_gather *gather,
+                            const struct orl_surface_point *surface_point, double radius,
+                            uint32_t sequence);
 
 /* Returns the rest at a point of a surface, by density or from records. found is 0 if there are
  * none, or if the rest is to be gathered. */
-struct orl_density orl_gather_rest(const struct orl_gather *gather,
-                                   const struct orl_footing *footing, struct orl_search *search);
+struct orl_density orl_gather_indirect(const struct orl_gather *gather,
+                                       const struct orl_surface_point *surface_point,
+                                       struct orl_search *search);
 
 /*
  * Returns the gathered part at a place, by a stratified cosine-weighted hemisphere of rows x
@@ -230,12 +238,12 @@ struct orl_density orl_gather_rest(const struct orl_gather *gather,
 enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 56 }; /* maximum */
 struct orl_hemisphere {
     struct orl_rgb irradiance;
-    struct orl_vec3 by_rotation[3], by_translation[3]; /* per channel */
+    struct orl_vec3 rotation_gradient[3], translation_gradient[3]; /* per channel */
     double mean_distance, least_distance;
-    double error_by_photons, error_by_rays;
+    double photon_error, ray_error;
 };
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
-                                            const struct orl_place *place, uint32_t rows,
+                                            const struct orl_shading_point *place, uint32_t rows,
                                             uint32_t columns, const struct orl_icache *known,
                                             struct orl_random *random, struct orl_search *search);
 
@@ -245,32 +253,37 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
  * ret_variance may be NULL. It receives the variance of the mean's luma, as if points were random;
  * it is 0 for one ray.
  */
-struct orl_rgb orl_gather_direct(const struct orl_gather *gather, const struct orl_place *place,
-                                 uint32_t sequence, uint32_t first, uint32_t rays,
-                                 double *ret_variance);
+struct orl_rgb orl_gather_direct(const struct orl_gather *gather,
+                                 const struct orl_shading_point *place, uint32_t sequence,
+                                 uint32_t first, uint32_t rays, double *ret_variance);
 
-/* Returns the place of a sensor. *ret_footing is set if it lies on a surface; otherwise the place
- * is in mid-air. */
-struct orl_place orl_gather_place(const struct orl_gather *gather, struct orl_vec3 position,
-                                  struct orl_vec3 direction, struct orl_footing *ret_footing);
+/* Returns the place of a sensor. *ret_surface_point is set if it lies on a surface; otherwise the
+ * place is in mid-air. */
+struct orl_shading_point orl_gather_sensor_point(const struct orl_gather *gather,
+                                                 struct orl_vec3 position,
+                                                 struct orl_vec3 direction,
+                                                 struct orl_surface_point *ret_surface_point);
 
 /* Returns true if the place receives caustics otherwise than by density: inside, in mid-air, and if
  * there are any. */
-bool orl_gather_catches(const struct orl_gather *gather, const struct orl_place *place);
+bool orl_gather_has_free_caustics(const struct orl_gather *gather,
+                                  const struct orl_shading_point *place);
 
 /*
  * Returns the irradiance of a sensor, with all three parts. A sensor on a surface reads caustics by
  * density, less the excess by blurred suns in flat mirrors. Its place is treated as in mid-air if
  * the blur would show and suns' images give all caustics. In mid-air, where no photon lands, the
- * sun is sampled by points on panes with lobes and by its images in flat mirrors. air.h adds all
- * other caustics. Small bright patches of the global map get some more rays (bright.h).
+ * sun is sampled by points on panes with lobes and by its images in flat mirrors. sensor_flux.h
+ * adds all other caustics. Small bright patches of the global map get some more rays
+ * (photon_guiding.h).
  *
  * The standard error combines that of the photons, by their batches, and that of the rays, by a few
  * groups. Both contain the photons' scatter that single rays see, so that it is an overestimate if
  * rays are fewer than leaves.
  */
-struct orl_estimate orl_gather_sensor(const struct orl_gather *gather, struct orl_place *place,
-                                      const struct orl_footing *footing, uint32_t samples,
-                                      uint64_t index, struct orl_search *search);
+struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
+                                      struct orl_shading_point *place,
+                                      const struct orl_surface_point *surface_point,
+                                      uint32_t samples, uint64_t index, struct orl_search *search);
 
 #endif

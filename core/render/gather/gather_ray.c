@@ -1,6 +1,6 @@
 /* Rays of a final gather: the surfaces they meet, the light there, and their continuation. */
-#include "photon/density/records.h"
-#include "render/gather/aim.h"
+#include "photon/density/precomputed_irradiance.h"
+#include "render/gather/direction_sampling.h"
 #include "render/gather/icache.h"
 #include "scene/material/color_at.h"
 
@@ -21,47 +21,49 @@ static const double dim = 0.2, clear_glass = 0.5, half = 0.5;
 /* Returns the irradiance of a diffuse surface that a ray met, by shadow rays and caustic
  * photons. */
 static struct orl_rgb relight_surface(const struct orl_gather *gather, const struct orl_hit *hit,
-                                      const struct orl_footing *footing, struct orl_random *random,
-                                      struct orl_search *search, struct orl_tally *tally)
+                                      const struct orl_surface_point *surface_point,
+                                      struct orl_random *random, struct orl_search *search,
+                                      struct orl_tally *tally)
 {
-    const struct orl_vec3 lit = footing->normal;
-    const struct orl_direct_query query = {.point =
-                                               orl_hit_leave(gather->world->geometry, hit, lit),
-                                           .normal = lit,
-                                           .through_ports = true};
+    const struct orl_vec3 lit = surface_point->normal;
+    const struct orl_direct_query query = {
+        .point = orl_hit_ray_origin(gather->lit_scene->geometry, hit, lit),
+        .normal = lit,
+        .through_ports = true};
     const struct orl_density caustic =
-        orl_gather_caustic_by(gather, footing, NEIGHBOURS_CAUSTIC_RELIT, search);
+        orl_gather_caustic_k(gather, surface_point, NEIGHBOURS_CAUSTIC_RELIT, search);
     tally->parts[ORL_MAP_CAUSTIC] = caustic.parts;
-    return orl_rgb_add(orl_direct_light(gather->world, &query, random), caustic.irradiance);
+    return orl_rgb_add(orl_direct_light(gather->lit_scene, &query, random), caustic.irradiance);
 }
 
 /* Returns the irradiance of a diffuse surface that a ray met: from a map, or lit again if it is
- * near or crowded. *relit: in: near; out: lit again. The tally receives its parts. */
+ * near or unreliable. *relit: in: near; out: lit again. The tally receives its parts. */
 static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
                                      bool *relit, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = orl_hit_facing(hit);
-    const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
+    const struct orl_surface_point surface_point = {gather->lit_scene, hit->point, lit, hit->facet};
     struct orl_rgb irradiance = orl_gray(0);
-    if (gather->rest == ORL_REST_RECORDS) {
-        const struct orl_density rest =
+    if (gather->indirect == ORL_INDIRECT_PRECOMPUTED) {
+        const struct orl_density indirect =
             roughly && gather->maps[ORL_MAP_PRECOMPUTED]
-                ? orl_records_glance(gather->maps[ORL_MAP_PRECOMPUTED], &footing,
-                                     gather->max_radius[ORL_MAP_PRECOMPUTED], search)
-                : orl_gather_rest(gather, &footing, search);
-        *relit = rest.crowded;
+                ? orl_precomputed_mean(gather->maps[ORL_MAP_PRECOMPUTED], &surface_point,
+                                       gather->max_radius[ORL_MAP_PRECOMPUTED], search)
+                : orl_gather_indirect(gather, &surface_point, search);
+        *relit = indirect.unreliable;
         if (!*relit) {
-            tally->parts[ORL_MAP_PRECOMPUTED] = rest.parts;
-            irradiance = rest.irradiance;
+            tally->parts[ORL_MAP_PRECOMPUTED] = indirect.parts;
+            irradiance = indirect.irradiance;
         }
-    } else if (gather->leaves && !*relit) {
-        irradiance = orl_leaves_irradiance(gather->leaves, hit->point, lit, &footing, search,
-                                           &tally->parts[ORL_MAP_GLOBAL], relit);
-    }
-    if (*relit || gather->rest != ORL_REST_GATHERED)
+    } else if (gather->leaf_irradiance && !*relit) {
         irradiance =
-            orl_rgb_add(relight_surface(gather, hit, &footing, random, search, tally), irradiance);
+            orl_leaf_irradiance_estimate(gather->leaf_irradiance, hit->point, lit, &surface_point,
+                                         search, &tally->parts[ORL_MAP_GLOBAL], relit);
+    }
+    if (*relit || gather->indirect != ORL_INDIRECT_GATHERED)
+        irradiance = orl_rgb_add(
+            relight_surface(gather, hit, &surface_point, random, search, tally), irradiance);
     return irradiance;
 }
 
@@ -80,12 +82,13 @@ static struct orl_rgb reflect_irradiance(const struct orl_gather *gather,
     return sent;
 }
 
-struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct orl_glimpse *glimpse)
+struct orl_rgb orl_gather_read_texel(const struct orl_gather_ray *ray,
+                                     const struct orl_texel_fetch *fetch)
 {
-    const struct orl_texel *texel = glimpse->texel;
+    const struct orl_texel *texel = fetch->texel;
     const struct orl_rgb irradiance = {(double)texel->irradiance[0], (double)texel->irradiance[1],
                                        (double)texel->irradiance[2]};
-    const struct orl_rgb sent = orl_rgb_mul(glimpse->weight, irradiance);
+    const struct orl_rgb sent = orl_rgb_mul(fetch->weight, irradiance);
     const double share = ray->share * orl_luma(sent) / UINT8_MAX;
     for (int b = 0; b < ORL_MAP_BATCHES && ray->tally; b++)
         ray->tally->parts[ORL_MAP_GLOBAL].luma[b] += share * texel->parts[b];
@@ -96,37 +99,38 @@ struct orl_rgb orl_gather_read(const struct orl_gather_ray *ray, const struct or
 static struct orl_rgb reflect_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
                                     const struct orl_texel *texel)
 {
-    const struct orl_glimpse glimpse = {texel, weight};
-    if (!ray->ret_glimpse || ray->ret_glimpse->texel)
-        return orl_gather_read(ray, &glimpse);
-    *ray->ret_glimpse = glimpse;
+    const struct orl_texel_fetch fetch = {texel, weight};
+    if (!ray->ret_fetch || ray->ret_fetch->texel)
+        return orl_gather_read_texel(ray, &fetch);
+    *ray->ret_fetch = fetch;
     __builtin_prefetch(texel);
     return orl_gray(0);
 }
 
 /* Computes the reflected radiance of a near surface from cached records. Returns false if there are
  * none. The records may include one reflection more than the plan counts, which is negligible. */
-static bool known_radiance(const struct orl_gather *gather, const struct orl_gather_ray *ray,
-                           const struct orl_hit *hit, struct orl_rgb weight,
-                           struct orl_random *random, struct orl_search *search,
-                           struct orl_rgb *ret_radiance)
+static bool cached_radiance(const struct orl_gather *gather, const struct orl_gather_ray *ray,
+                            const struct orl_hit *hit, struct orl_rgb weight,
+                            struct orl_random *random, struct orl_search *search,
+                            struct orl_rgb *ret_radiance)
 {
     const struct orl_vec3 lit = orl_hit_facing(hit);
-    const struct orl_place place = {.point = orl_hit_leave(gather->world->geometry, hit, lit),
-                                    .normal = lit};
-    struct orl_cached rest;
-    if (!ray->known || !orl_icache_lookup(ray->known, &place, &rest))
+    const struct orl_shading_point place = {
+        .point = orl_hit_ray_origin(gather->lit_scene->geometry, hit, lit), .normal = lit};
+    struct orl_cached_irradiance indirect;
+    if (!ray->known || !orl_icache_lookup(ray->known, &place, &indirect))
         return false;
-    const struct orl_footing footing = {gather->world, hit->point, lit, hit->facet};
+    const struct orl_surface_point surface_point = {gather->lit_scene, hit->point, lit, hit->facet};
     const struct orl_rgb diffuse =
-        orl_material_diffuse(orl_world_material(gather->world, hit), hit);
+        orl_material_diffuse(orl_lit_scene_material(gather->lit_scene, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
     struct orl_tally met = {.known = 0};
-    const struct orl_rgb direct = relight_surface(gather, hit, &footing, random, search, &met);
+    const struct orl_rgb direct =
+        relight_surface(gather, hit, &surface_point, random, search, &met);
     if (ray->tally)
-        ray->tally->known += ray->share * orl_luma(reflected) * rest.standard_error;
+        ray->tally->known += ray->share * orl_luma(reflected) * indirect.standard_error;
     *ret_radiance = orl_rgb_add(reflect_irradiance(gather, ray, reflected, direct, &met),
-                                orl_rgb_mul(reflected, rest.irradiance));
+                                orl_rgb_mul(reflected, indirect.irradiance));
     return true;
 }
 
@@ -138,9 +142,10 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
                                        struct orl_random *random, struct orl_search *search)
 {
     const struct orl_rgb diffuse =
-        orl_material_diffuse(orl_world_material(gather->world, hit), hit);
+        orl_material_diffuse(orl_lit_scene_material(gather->lit_scene, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
-    if (ray->by_texels && gather->texels && !*relit && orl_texels_has(gather->texels, hit->facet)) {
+    if (ray->reads_texels && gather->texels && !*relit &&
+        orl_texels_has(gather->texels, hit->facet)) {
         bool cut;
         const struct orl_texel *texel =
             orl_texels_at(gather->texels, hit->facet, hit->front, hit->point, &cut);
@@ -149,28 +154,29 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
     }
     struct orl_tally met = {.known = 0};
     const struct orl_rgb irradiance =
-        met_irradiance(gather, hit, relit, ray->by_texels, random, search, &met);
+        met_irradiance(gather, hit, relit, ray->reads_texels, random, search, &met);
     return reflect_irradiance(gather, ray, reflected, irradiance, &met);
 }
 
 /* Returns the radiance that a surface emits. For a ray that must find caustics itself it adds suns
  * and lights by the surface's lobes. */
-static struct orl_rgb shining_radiance(const struct orl_world *world, const struct orl_hit *hit,
-                                       struct orl_vec3 eye, bool caustics, struct orl_chance chance,
+static struct orl_rgb emitted_radiance(const struct orl_lit_scene *lit_scene,
+                                       const struct orl_hit *hit, struct orl_vec3 eye,
+                                       bool caustics, struct orl_mis_pdf chance,
                                        struct orl_random *random)
 {
-    const struct orl_material *m = orl_world_material(world, hit);
-    const struct orl_chance found = orl_chance_found();
-    struct orl_rgb sum = orl_shining(world, hit, eye, caustics ? &chance : &found);
+    const struct orl_material *m = orl_lit_scene_material(lit_scene, hit);
+    const struct orl_mis_pdf found = orl_mis_pdf_zero();
+    struct orl_rgb sum = orl_emitted_radiance(lit_scene, hit, eye, caustics ? &chance : &found);
     if (caustics && orl_material_has_lobes(m))
-        sum = orl_rgb_add(sum, orl_direct_by_lobes(world, hit, m, eye, random));
+        sum = orl_rgb_add(sum, orl_direct_by_lobes(lit_scene, hit, m, eye, random));
     return sum;
 }
 
 /* Returns the distance below which a surface is not read from the map. */
-static double near_of(const struct orl_gather *gather, bool by_texels, const struct orl_hit *hit)
+static double near_of(const struct orl_gather *gather, bool reads_texels, const struct orl_hit *hit)
 {
-    return by_texels && gather->texels && orl_texels_has(gather->texels, hit->facet)
+    return reads_texels && gather->texels && orl_texels_has(gather->texels, hit->facet)
                ? near_texels * orl_texels_width(gather->texels, hit->facet, hit->front)
                : gather->near;
 }
@@ -183,11 +189,11 @@ struct leg {
     const struct orl_gather *gather;
     const struct orl_gather_ray *ray;
     struct orl_search *search;
-    struct leg *through;  /* receives the other branch if the first surface is a dim pane */
-    uint32_t reflections; /* number of diffuse reflections */
-    bool caustics;        /* true if it must find caustics itself */
-    bool aims;            /* aims extra rays at ports from matt surfaces that are lit again */
-    double by_cosine;     /* pdf of its direction if port rays compete with it; else 0 */
+    struct leg *through;     /* receives the other branch if the first surface is a dim pane */
+    uint32_t reflections;    /* number of diffuse reflections */
+    bool caustics;           /* true if it must find caustics itself */
+    bool importance_sampled; /* aims extra rays at ports from matt surfaces that are lit again */
+    double by_cosine;        /* pdf of its direction if port rays compete with it; else 0 */
     bool weighed; /* by the balance heuristic: a small weight is then no reason for roulette */
 };
 
@@ -199,14 +205,14 @@ static struct leg *leg_of(struct orl_eye_path *p)
 /* Continues outdoors. Returns true if the ray comes in again. */
 static bool continue_outdoors(struct orl_eye_path *p)
 {
-    return orl_exterior_pass(p, &leg_of(p)->search->health);
+    return orl_exterior_continue(p, &leg_of(p)->search->health);
 }
 
 static void count_leak(struct orl_eye_path *p)
 {
     struct orl_health *health = &leg_of(p)->search->health;
     health->rays++;
-    health->rays_leaked += !p->world->open;
+    health->rays_leaked += !p->lit_scene->open;
 }
 
 /*
@@ -217,7 +223,7 @@ static void count_leak(struct orl_eye_path *p)
 static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 eye)
 {
-    if (!orl_material_is_window(m) || orl_material_bends(m) ||
+    if (!orl_material_is_window(m) || orl_material_deviates(m) ||
         (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));
@@ -229,31 +235,32 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
 }
 
 /* Samples the lobes of a surface; stratified at the first one if the ray asks for it. */
-static struct orl_scatter draw_by_lobes(struct orl_eye_path *p, const struct orl_material *m,
-                                        enum orl_lobes lobes)
+static struct orl_surface_sample draw_by_lobes(struct orl_eye_path *p, const struct orl_material *m,
+                                               enum orl_lobes lobes)
 {
     const struct leg *leg = leg_of(p);
-    const struct orl_even *even = p->bounce == 0 ? leg->ray->first : NULL;
+    const struct orl_sobol_slice *slice = p->bounce == 0 ? leg->ray->first : NULL;
     const struct orl_vec3 eye = orl_path_back(&p->path);
     double u[ORL_SOBOL_DIMENSIONS];
-    if (!even)
-        return orl_scatter_sample(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, p->random);
-    orl_sobol_point(&leg->gather->sobol, even->index, even->sequence, even->skip + 3, u);
-    return orl_scatter_sample_at(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, u + even->skip);
+    if (!slice)
+        return orl_material_sample(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, p->random);
+    orl_sobol_point(&leg->gather->sobol, slice->index, slice->sequence, slice->skip + 3, u);
+    return orl_material_sample_at(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, u + slice->skip);
 }
 
-static void note_event(struct leg *leg, const struct orl_scatter *s)
+static void note_event(struct leg *leg, const struct orl_surface_sample *s)
 {
     struct orl_eye_path *p = &leg->eye;
     /* For rays that need not find caustics, photons bring the light of lamps by lobes, mirrors and
      * dielectrics. That includes lamps outside, which a ray sees beyond a port. */
-    p->chance = !leg->caustics && s->event != ORL_EVENT_DIFFUSE
-                    ? orl_chance_found_straight()
-                    : orl_chance_after(p->world, &p->hit, orl_path_back(&p->path), s, p->chance);
+    p->chance =
+        !leg->caustics && s->event != ORL_EVENT_DIFFUSE
+            ? orl_mis_pdf_zero_straight()
+            : orl_mis_pdf_update(p->lit_scene, &p->hit, orl_path_back(&p->path), s, p->chance);
     leg->reflections += s->event == ORL_EVENT_DIFFUSE;
     leg->caustics = leg->caustics && s->event != ORL_EVENT_DIFFUSE;
     leg->weighed = leg->weighed && s->event != ORL_EVENT_DIFFUSE;
-    orl_eye_path_cross(p, s);
+    orl_eye_path_cross_port(p, s);
 }
 
 /* Starts the branch through a dim pane. */
@@ -262,85 +269,91 @@ static void branch_through_pane(const struct leg *leg, const struct orl_material
     struct leg *through = leg->through;
     struct orl_eye_path *p = &through->eye;
     *through = *leg;
-    const struct orl_scatter s = draw_by_lobes(p, m, ORL_LOBE_TRANSMITTED);
+    const struct orl_surface_sample s = draw_by_lobes(p, m, ORL_LOBE_TRANSMITTED);
     if (s.event == ORL_EVENT_ABSORBED)
         return;
     p->seen = orl_gray(0);
     p->path.weight = orl_rgb_mul(p->path.weight, s.weight);
     note_event(through, &s);
-    orl_path_leave(&p->path, p->world, &p->hit, &s);
+    orl_path_spawn_ray(&p->path, p->lit_scene, &p->hit, &s);
     p->bounce++;
 }
 
 /*
  * At a matt surface that is lit again, ports, small mirrors and lenses may be in few directions and
- * send most of the light. For each of these ways (aim.h) such a surface aims one ray with a
- * probability of a quarter, in addition to the ray that goes on. An aimed ray counts if it meets
- * its target first. All rays are weighed by the multi-sample balance heuristic (Veach 1997, section
- * 9.2).
+ * send most of the light. For each of these ways (direction_sampling.h) such a surface aims one ray
+ * with a probability of a quarter, in addition to the ray that goes on. An aimed ray counts if it
+ * meets its target first. All rays are weighed by the multi-sample balance heuristic (Veach 1997,
+ * section 9.2).
  */
-static const struct orl_effort aimed = {{[ORL_WAY_PORT] = 0.25, [ORL_WAY_TARGET] = 0.25}};
+static const struct orl_strategy_counts sampled_counts = {
+    {[ORL_SAMPLE_PORT] = 0.25, [ORL_SAMPLE_TARGET] = 0.25}};
 
 /* Returns the weight of a ray from a matt surface by the balance heuristic; by_cosine: its density
  * by the cosine. */
-static double weight_of(const struct leg *leg, struct orl_vec3 from, const struct orl_aimed *ray,
-                        double by_cosine)
+static double weight_of(const struct leg *leg, struct orl_vec3 from,
+                        const struct orl_direction_sample *ray, double by_cosine)
 {
-    const struct orl_aim *const aim = leg->gather->aim;
-    const struct orl_effort effort = orl_aim_effort(aim, aimed);
-    return by_cosine / (by_cosine + orl_aim_density(aim, &effort, from, orl_v3(0, 0, 0), ray));
+    const struct orl_direction_sampler *const sampler = leg->gather->sampler;
+    const struct orl_strategy_counts ray_counts =
+        orl_direction_sampler_counts(sampler, sampled_counts);
+    return by_cosine /
+           (by_cosine + orl_direction_pdf(sampler, &ray_counts, from, orl_v3(0, 0, 0), ray));
 }
 
 static void follow_leg(struct leg *leg);
 
 /* Aims a ray in one of the ways and adds the light that it finds; drawn: the ray that goes on. */
-static void trace_aimed_ray(struct leg *leg, enum orl_way way, const struct orl_scatter *drawn)
+static void trace_sampled_ray(struct leg *leg, enum orl_strategy strategy,
+                              const struct orl_surface_sample *drawn)
 {
     struct orl_eye_path *p = &leg->eye;
-    const struct orl_world *world = p->world;
+    const struct orl_lit_scene *lit_scene = p->lit_scene;
     const struct orl_vec3 normal = orl_hit_facing(&p->hit);
-    const struct orl_vec3 from = orl_hit_leave(world->geometry, &p->hit, normal);
-    struct orl_scatter s = *drawn;
-    struct orl_aimed ray;
+    const struct orl_vec3 from = orl_hit_ray_origin(lit_scene->geometry, &p->hit, normal);
+    struct orl_surface_sample s = *drawn;
+    struct orl_direction_sample ray;
     const double which = orl_random_uniform(p->random), u0 = orl_random_uniform(p->random);
     const double u[3] = {u0, orl_random_uniform(p->random), which};
-    if (!orl_aim_draw(leg->gather->aim, way, from, normal, u, &ray))
+    if (!orl_direction_trace(leg->gather->sampler, strategy, from, normal, u, &ray))
         return;
     s.direction = ray.direction;
     struct leg at_target = *leg;
     struct orl_eye_path *q = &at_target.eye;
-    at_target.aims = false;
+    at_target.importance_sampled = false;
     q->seen = orl_gray(0);
     const double by_cosine = orl_dot(s.direction, normal) / ORL_PI;
     q->path.weight =
         orl_rgb_mul(q->path.weight, orl_rgb_scale(s.weight, weight_of(leg, from, &ray, by_cosine)));
     note_event(&at_target, &s);
     at_target.weighed = true;
-    orl_path_leave(&q->path, world, &q->hit, &s);
-    orl_eye_path_foresee(q, &ray.hit);
+    orl_path_spawn_ray(&q->path, lit_scene, &q->hit, &s);
+    orl_eye_path_set_next_hit(q, &ray.hit);
     q->bounce++;
     follow_leg(&at_target);
     p->seen = orl_rgb_add(p->seen, q->seen);
 }
 
 /* Aims rays in all ways that the scene has targets for. */
-static void trace_aimed_rays(struct leg *leg, const struct orl_scatter *drawn)
+static void trace_sampled_rays(struct leg *leg, const struct orl_surface_sample *drawn)
 {
-    const struct orl_effort effort = orl_aim_effort(leg->gather->aim, aimed);
-    for (int way = 0; way < ORL_WAYS; way++)
-        if (effort.rays[way] > 0 && orl_random_uniform(leg->eye.random) < effort.rays[way])
-            trace_aimed_ray(leg, (enum orl_way)way, drawn);
+    const struct orl_strategy_counts ray_counts =
+        orl_direction_sampler_counts(leg->gather->sampler, sampled_counts);
+    for (int strategy = 0; strategy < ORL_STRATEGIES; strategy++)
+        if (ray_counts.rays[strategy] > 0 &&
+            orl_random_uniform(leg->eye.random) < ray_counts.rays[strategy])
+            trace_sampled_ray(leg, (enum orl_strategy)strategy, drawn);
 }
 
-static struct orl_scatter draw_continuation(struct orl_eye_path *p, const struct orl_material *m,
-                                            enum orl_lobes lobes)
+static struct orl_surface_sample
+draw_continuation(struct orl_eye_path *p, const struct orl_material *m, enum orl_lobes lobes)
 {
     struct leg *leg = leg_of(p);
-    const struct orl_scatter s = draw_by_lobes(p, m, lobes);
-    if (!leg->aims || p->outside || s.event != ORL_EVENT_DIFFUSE || s.transmitted ||
+    const struct orl_surface_sample s = draw_by_lobes(p, m, lobes);
+    if (!leg->importance_sampled || p->outside || s.event != ORL_EVENT_DIFFUSE || s.transmitted ||
         !orl_material_is_matt(m))
         return s;
-    trace_aimed_rays(leg, &s);
+    trace_sampled_rays(leg, &s);
     leg->by_cosine = orl_dot(s.direction, orl_hit_facing(&p->hit)) / ORL_PI;
     return s;
 }
@@ -354,8 +367,9 @@ static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
     const struct orl_rgb weight = leg->eye.path.weight;
     struct orl_random *random = leg->eye.random;
     struct orl_rgb sent = orl_gray(0);
-    const bool near = hit->distance < near_of(gather, leg->ray->by_texels, hit);
-    *ret_relit = near && !known_radiance(gather, leg->ray, hit, weight, random, leg->search, &sent);
+    const bool near = hit->distance < near_of(gather, leg->ray->reads_texels, hit);
+    *ret_relit =
+        near && !cached_radiance(gather, leg->ray, hit, weight, random, leg->search, &sent);
     return *ret_relit || !near
                ? diffuse_radiance(gather, leg->ray, hit, weight, ret_relit, random, leg->search)
                : sent;
@@ -365,7 +379,8 @@ static struct orl_rgb met_diffuse(const struct leg *leg, bool *ret_relit)
 static void weigh_leg(struct leg *leg)
 {
     struct orl_eye_path *p = &leg->eye;
-    const struct orl_aimed ray = {.direction = p->path.direction, .met = true, .hit = p->hit};
+    const struct orl_direction_sample ray = {
+        .direction = p->path.direction, .met = true, .hit = p->hit};
     const struct orl_vec3 from = orl_madd(p->hit.point, ray.direction, -p->hit.distance);
     const double weight = weight_of(leg, from, &ray, leg->by_cosine);
     p->path.weight = orl_rgb_scale(p->path.weight, weight);
@@ -379,15 +394,15 @@ static enum orl_lobes shade_surface(struct orl_eye_path *p, const struct orl_mat
     struct leg *leg = leg_of(p);
     const struct orl_vec3 eye = orl_path_back(&p->path);
     const bool diffuse = orl_rgb_max(orl_material_diffuse(m, &p->hit)) > 0 &&
-                         leg->reflections < p->world->omit.most_reflections;
+                         leg->reflections < p->lit_scene->omit.most_reflections;
     bool relit = false;
     leg->search->health.rays++;
     if (leg->by_cosine > 0)
         weigh_leg(leg);
     if (p->bounce == 0 && !leg->ray->outside && leg->ray->ret_distance)
         *leg->ray->ret_distance = p->hit.distance;
-    orl_eye_path_see(p,
-                     shining_radiance(p->world, &p->hit, eye, leg->caustics, p->chance, p->random));
+    orl_eye_path_add_radiance(
+        p, emitted_radiance(p->lit_scene, &p->hit, eye, leg->caustics, p->chance, p->random));
     if (diffuse)
         p->seen = orl_rgb_add(p->seen, met_diffuse(leg, &relit));
     if (diffuse && !relit && orl_material_is_matt(m))
@@ -400,25 +415,25 @@ static enum orl_lobes shade_surface(struct orl_eye_path *p, const struct orl_mat
 }
 
 /* Applies roulette to dim lobes and long chains. Returns false if the leg ends. */
-static bool continue_leg(struct orl_eye_path *p, const struct orl_scatter *s)
+static bool continue_leg(struct orl_eye_path *p, const struct orl_surface_sample *s)
 {
     const double survive = fmin(orl_rgb_max(p->path.weight), 1.0);
     if (!leg_of(p)->weighed && (p->bounce >= SURE_BOUNCES || survive < dim) &&
-        !orl_path_survives(&p->path, survive, p->random))
+        !orl_path_roulette(&p->path, survive, p->random))
         return false;
     note_event(leg_of(p), s);
     return true;
 }
 
-static const struct orl_eye_sink sink = {.outdoors = continue_outdoors,
-                                         .escaped = count_leak,
-                                         .met = shade_surface,
-                                         .draw = draw_continuation,
-                                         .sent_on = continue_leg};
+static const struct orl_path_visitor visitor = {.on_outdoors = continue_outdoors,
+                                                .escaped = count_leak,
+                                                .met = shade_surface,
+                                                .draw = draw_continuation,
+                                                .on_sampled = continue_leg};
 
 static void follow_leg(struct leg *leg)
 {
-    orl_eye_path_follow(&leg->eye, &sink, &leg->search->health);
+    orl_eye_path_trace(&leg->eye, &visitor, &leg->search->health);
 }
 
 static struct orl_rgb trace_gather(const struct orl_gather *gather,
@@ -427,20 +442,21 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
 {
     struct leg through;
     through.eye.bounce = 0;
-    struct leg leg = {.eye = {.world = gather->world,
+    struct leg leg = {.eye = {.lit_scene = gather->lit_scene,
                               .random = random,
                               .path = orl_path_from(ray->origin, ray->direction),
-                              .chance = ray->of_lobe ? *ray->of_lobe : orl_chance_found(),
+                              .chance = ray->lobe_mis_pdf ? *ray->lobe_mis_pdf : orl_mis_pdf_zero(),
                               .outside = ray->outside},
                       .gather = gather,
                       .ray = ray,
                       .search = search,
                       .through = &through,
-                      .caustics = ray->of_lobe != NULL,
-                      .aims = ray->aims && !gather->world->scene->mist};
+                      .caustics = ray->lobe_mis_pdf != NULL,
+                      .importance_sampled =
+                          ray->importance_sampled && !gather->lit_scene->scene->mist};
     search->health.paths++;
-    if (ray->ahead || ray->nothing_ahead)
-        orl_eye_path_foresee(&leg.eye, ray->ahead);
+    if (ray->first_hit || ray->hits_nothing)
+        orl_eye_path_set_next_hit(&leg.eye, ray->first_hit);
     follow_leg(&leg);
     if (through.eye.bounce == 0)
         return leg.eye.seen;
@@ -452,5 +468,5 @@ struct orl_rgb orl_gather_radiance(const struct orl_gather *gather,
                                    const struct orl_gather_ray *ray, struct orl_random *random,
                                    struct orl_search *search)
 {
-    return orl_health_keep(&search->health, trace_gather(gather, ray, random, search));
+    return orl_health_filter(&search->health, trace_gather(gather, ray, random, search));
 }

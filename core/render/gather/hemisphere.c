@@ -1,7 +1,7 @@
 /* The gathered part at a place: a stratified hemisphere of one ray a stratum, and three or fifteen
  * more in strata whose neighbours differ. */
-#include "light/proxies.h"
 #include "render/gather/gather.h"
+#include "scene/built/proxies.h"
 
 enum { AHEAD = 16 };
 
@@ -66,8 +66,9 @@ static void add_row(struct orl_hemisphere *h, const struct spoke *spokes,
         const double by_beside = (sine_high - sine_low) / nearer_distance(here, beside);
         for (uint32_t c = 0; c < channels; c++) {
             const double value = channel(here->radiance, c);
-            struct orl_vec3 *shift = &h->by_translation[c];
-            h->by_rotation[c] = orl_madd(h->by_rotation[c], spokes[column].turn, turning * value);
+            struct orl_vec3 *shift = &h->translation_gradient[c];
+            h->rotation_gradient[c] =
+                orl_madd(h->rotation_gradient[c], spokes[column].turn, turning * value);
             if (below)
                 *shift = orl_madd(*shift, spokes[column].out,
                                   by_below * (value - channel(below->radiance, c)));
@@ -87,8 +88,8 @@ static void add_gradients(struct orl_hemisphere *h, const struct orl_frame *fram
     for (uint32_t row = 0; row < rows; row++)
         add_row(h, spokes, strands, rows, columns, row, channels);
     for (uint32_t c = channels; c < 3; c++) {
-        h->by_rotation[c] = h->by_rotation[0];
-        h->by_translation[c] = h->by_translation[0];
+        h->rotation_gradient[c] = h->rotation_gradient[0];
+        h->translation_gradient[c] = h->translation_gradient[0];
     }
 }
 
@@ -109,7 +110,7 @@ static double variance_of_mean(const struct strand *strands, uint32_t rows, uint
 /* State while a hemisphere is gathered. */
 struct making {
     const struct orl_gather *gather;
-    const struct orl_place *place;
+    const struct orl_shading_point *place;
     const struct orl_icache *known;
     struct orl_frame frame;
     uint32_t rows, columns;
@@ -124,8 +125,8 @@ struct making {
 /* A ray that may still have to read a texel. */
 struct under_way {
     struct orl_gather_ray ray;
-    struct orl_even first;
-    struct orl_glimpse glimpse;
+    struct orl_sobol_slice first;
+    struct orl_texel_fetch fetch;
     struct orl_rgb radiance;
     double distance;
     uint32_t stratum;
@@ -148,28 +149,28 @@ static void send_ray(struct making *m, uint32_t stratum, double down, double acr
             &m->frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine)))),
         .outside = m->place->outside,
         .first = &w->first,
-        .by_texels = true,
+        .reads_texels = true,
         .known = m->known,
         .tally = tally,
         .share = ORL_PI / ((double)m->rows * m->columns),
         .ret_distance = &w->distance,
-        .ret_glimpse = &w->glimpse};
-    w->radiance =
-        m->place->proxied
-            ? orl_health_keep(&m->search->health,
-                              orl_exterior_radiance(orl_world_seen(m->gather->world), w->ray.origin,
-                                                    w->ray.direction, orl_chance_found(), m->random,
-                                                    &m->search->health, NULL))
-            : orl_gather_radiance(m->gather, &w->ray, m->random, m->search);
-    w->distance = fmax(w->distance, 1e-9 * m->gather->world->geometry->radius);
+        .ret_fetch = &w->fetch};
+    w->radiance = m->place->proxied
+                      ? orl_health_filter(&m->search->health,
+                                          orl_exterior_radiance(
+                                              orl_lit_scene_seen(m->gather->lit_scene),
+                                              w->ray.origin, w->ray.direction, orl_mis_pdf_zero(),
+                                              m->random, &m->search->health, NULL))
+                      : orl_gather_radiance(m->gather, &w->ray, m->random, m->search);
+    w->distance = fmax(w->distance, 1e-9 * m->gather->lit_scene->geometry->radius);
     m->least_distance = fmin(m->least_distance, w->distance);
 }
 
 /* Returns the radiance of a ray after its texel, if any, has arrived. */
 static struct orl_rgb arrived_radiance(const struct under_way *w)
 {
-    return w->glimpse.texel ? orl_rgb_add(w->radiance, orl_gather_read(&w->ray, &w->glimpse))
-                            : w->radiance;
+    return w->fetch.texel ? orl_rgb_add(w->radiance, orl_gather_read_texel(&w->ray, &w->fetch))
+                          : w->radiance;
 }
 
 /* Sends one ray a stratum. A texel is read some rays later, when memory has delivered it. */
@@ -266,7 +267,7 @@ static void refine_stratum(struct making *m, uint32_t stratum)
 }
 
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
-                                            const struct orl_place *place, uint32_t rows,
+                                            const struct orl_shading_point *place, uint32_t rows,
                                             uint32_t columns, const struct orl_icache *known,
                                             struct orl_random *random, struct orl_search *search)
 {
@@ -296,8 +297,8 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     h.irradiance = orl_rgb_scale(h.irradiance, ORL_PI / ((double)rows * columns));
     h.mean_distance = nearness > 0 ? (double)rows * columns / nearness : INFINITY;
     h.least_distance = m.least_distance;
-    add_gradients(&h, &m.frame, m.strands, rows, columns, gather->world->omit.channels);
-    h.error_by_photons = sqrt(orl_tally_variance(&m.tally));
-    h.error_by_rays = ORL_PI * sqrt(variance_of_mean(m.strands, rows, columns));
+    add_gradients(&h, &m.frame, m.strands, rows, columns, gather->lit_scene->omit.channels);
+    h.photon_error = sqrt(orl_tally_variance(&m.tally));
+    h.ray_error = ORL_PI * sqrt(variance_of_mean(m.strands, rows, columns));
     return h;
 }

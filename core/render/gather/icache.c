@@ -1,4 +1,4 @@
-#include "render/gather/icache_visit.h"
+#include "render/gather/icache_iterator.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,11 +17,12 @@ void orl_icache_done(struct orl_icache *cache)
     memset(cache, 0, sizeof *cache);
 }
 
-int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, size_t count)
+int orl_icache_add(struct orl_icache *cache, const struct orl_irradiance_record *records,
+                   size_t count)
 {
     if (cache->count + count > cache->capacity) {
         const size_t capacity = 2 * (cache->count + count);
-        struct orl_record *grown = realloc(cache->records, capacity * sizeof *grown);
+        struct orl_irradiance_record *grown = realloc(cache->records, capacity * sizeof *grown);
         if (!grown)
             return ORL_ERR_NOMEM;
         cache->records = grown;
@@ -33,21 +34,21 @@ int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, s
     return 0;
 }
 
-double orl_record_served(const struct orl_record *record)
+double orl_irradiance_record_radius(const struct orl_irradiance_record *record)
 {
     return fmax(record->radius, record->least);
 }
 
 /* Returns the radius for reading. A record whose radius was raised to the pixels' limit is not
  * extended further. */
-static double radius_read(const struct orl_record *record)
+static double radius_read(const struct orl_irradiance_record *record)
 {
     return fmax(ORL_ICACHE_OVERLAP * record->radius, record->least);
 }
 
 /* Returns the largest distance at which a record is read; a cell of its level is at least twice as
  * wide. */
-static double reach_of(const struct orl_record *record)
+static double reach_of(const struct orl_irradiance_record *record)
 {
     return ORL_ICACHE_ACCURACY * radius_read(record);
 }
@@ -63,7 +64,7 @@ static int exponent_of(double value)
  * place, and their coordinates would overflow. */
 enum { CELL_BITS = 40 };
 
-static int level_of(const struct orl_icache *cache, const struct orl_record *record)
+static int level_of(const struct orl_icache *cache, const struct orl_irradiance_record *record)
 {
     const int level = exponent_of(2 * reach_of(record));
     return level > cache->least_level ? level : cache->least_level;
@@ -85,7 +86,8 @@ struct cells {
     int64_t low[3], high[3];
 };
 
-static struct cells cells_of(const struct orl_icache *cache, const struct orl_record *record)
+static struct cells cells_of(const struct orl_icache *cache,
+                             const struct orl_irradiance_record *record)
 {
     struct cells cells = {.level = level_of(cache, record)};
     const double cell = ldexp(1, cells.level), reach = reach_of(record);
@@ -97,7 +99,7 @@ static struct cells cells_of(const struct orl_icache *cache, const struct orl_re
     return cells;
 }
 
-static struct orl_icache_entry entry_of(const struct orl_record *record, uint32_t index)
+static struct orl_icache_entry entry_of(const struct orl_irradiance_record *record, uint32_t index)
 {
     const struct orl_vec3 p = record->place.point;
     /* Places are doubles: the margin exceeds the rounding of them. */
@@ -161,17 +163,17 @@ int orl_icache_index(struct orl_icache *cache)
     return 0;
 }
 
-static double channel_at(const struct orl_record *record, int c, double value, struct orl_vec3 turn,
-                         struct orl_vec3 shift)
+static double channel_at(const struct orl_irradiance_record *record, int c, double value,
+                         struct orl_vec3 turn, struct orl_vec3 shift)
 {
-    return value + orl_dot(turn, record->by_rotation[c]) +
-           orl_dot(shift, record->by_translation[c]);
+    return value + orl_dot(turn, record->rotation_gradient[c]) +
+           orl_dot(shift, record->translation_gradient[c]);
 }
 
 /* Returns a record's irradiance, extrapolated to the place along its gradients and never below
  * zero. */
-static struct orl_rgb extrapolate_record(const struct orl_record *record,
-                                         const struct orl_place *place, uint32_t channels)
+static struct orl_rgb extrapolate_record(const struct orl_irradiance_record *record,
+                                         const struct orl_shading_point *place, uint32_t channels)
 {
     const struct orl_vec3 turn =
         orl_cross(record->place.normal, place->textured ? place->shading : place->normal);
@@ -186,8 +188,8 @@ static struct orl_rgb extrapolate_record(const struct orl_record *record,
 
 /* Returns the error of a record at a place, for that radius, or INFINITY if it exceeds the
  * accuracy. */
-static double error_of(const struct orl_record *record, const struct orl_place *place,
-                       double radius, double overlap)
+static double error_of(const struct orl_irradiance_record *record,
+                       const struct orl_shading_point *place, double radius, double overlap)
 {
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
     const double distance = orl_length(shift);
@@ -204,13 +206,15 @@ static double error_of(const struct orl_record *record, const struct orl_place *
     return error < ORL_ICACHE_ACCURACY ? error : INFINITY;
 }
 
-bool orl_record_serves(const struct orl_record *record, const struct orl_place *place)
+bool orl_irradiance_record_covers(const struct orl_irradiance_record *record,
+                                  const struct orl_shading_point *place)
 {
-    return error_of(record, place, orl_record_served(record), 1) < INFINITY;
+    return error_of(record, place, orl_irradiance_record_radius(record), 1) < INFINITY;
 }
 
 /* Returns the weight of a record at a place; 0 if it is not read there. */
-static double weight_of(const struct orl_record *record, const struct orl_place *place)
+static double weight_of(const struct orl_irradiance_record *record,
+                        const struct orl_shading_point *place)
 {
     const double error = error_of(record, place, radius_read(record), ORL_ICACHE_OVERLAP);
     return fmax(0, 1 - error / ORL_ICACHE_ACCURACY);
@@ -218,8 +222,8 @@ static double weight_of(const struct orl_record *record, const struct orl_place 
 
 /* Returns true if nothing occludes a record from a place where it is read. Both are lifted a
  * little, because the straight line between places on a vault's outside passes through it. */
-static bool is_open(const struct orl_icache *cache, const struct orl_record *record,
-                    const struct orl_place *place)
+static bool is_open(const struct orl_icache *cache, const struct orl_irradiance_record *record,
+                    const struct orl_shading_point *place)
 {
     static const double lifted = 0.05;
     const struct orl_vec3 shift = orl_sub(place->point, record->place.point);
@@ -232,22 +236,23 @@ static bool is_open(const struct orl_icache *cache, const struct orl_record *rec
     return !orl_geometry_occluded(cache->geometry, from, orl_scale(way, 1 / length), length);
 }
 
-bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place)
+bool orl_icache_covers(const struct orl_icache *cache, const struct orl_shading_point *place)
 {
-    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
-    for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
-         i = orl_icache_visit_next(&v))
-        if (orl_record_serves(&cache->records[i], place) &&
+    struct orl_icache_iterator v = orl_icache_iterator_begin(cache, place);
+    for (uint32_t i = orl_icache_iterator_next(&v); i != ORL_ICACHE_END;
+         i = orl_icache_iterator_next(&v))
+        if (orl_irradiance_record_covers(&cache->records[i], place) &&
             is_open(cache, &cache->records[i], place))
             return true;
     return false;
 }
 
-bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place)
+bool orl_icache_has_record_for(const struct orl_icache *cache,
+                               const struct orl_shading_point *place)
 {
-    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
-    for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
-         i = orl_icache_visit_next(&v))
+    struct orl_icache_iterator v = orl_icache_iterator_begin(cache, place);
+    for (uint32_t i = orl_icache_iterator_next(&v); i != ORL_ICACHE_END;
+         i = orl_icache_iterator_next(&v))
         if (weight_of(&cache->records[i], place) > 0 && is_open(cache, &cache->records[i], place))
             return true;
     return false;
@@ -262,7 +267,8 @@ struct joined {
 };
 
 static void join_record(struct joined *joined, const struct orl_icache *cache,
-                        const struct orl_record *record, const struct orl_place *place)
+                        const struct orl_irradiance_record *record,
+                        const struct orl_shading_point *place)
 {
     const double weight = weight_of(record, place);
     if (!(weight > 0) || !is_open(cache, record, place))
@@ -270,9 +276,9 @@ static void join_record(struct joined *joined, const struct orl_icache *cache,
     const struct orl_rgb value = extrapolate_record(record, place, cache->channels);
     joined->sum = orl_rgb_add(joined->sum, orl_rgb_scale(value, weight));
     joined->squares += weight * orl_luma(value) * orl_luma(value);
-    joined->noise += weight * record->error_by_rays * record->error_by_rays;
-    joined->by_photons += weight * record->error_by_photons;
-    joined->by_rays += weight * weight * record->error_by_rays * record->error_by_rays;
+    joined->noise += weight * record->ray_error * record->ray_error;
+    joined->by_photons += weight * record->photon_error;
+    joined->by_rays += weight * weight * record->ray_error * record->ray_error;
     joined->total += weight;
 }
 
@@ -281,7 +287,8 @@ static void join_record(struct joined *joined, const struct orl_icache *cache,
  * beyond their rays' noise. Each extrapolation errs by the curvature of the light times its squared
  * distance. These errors differ between records by about their own size, and do not average out.
  */
-static bool resolve_interpolation(const struct joined *joined, struct orl_cached *ret_cached)
+static bool resolve_interpolation(const struct joined *joined,
+                                  struct orl_cached_irradiance *ret_cached)
 {
     const double total = joined->total, by_photons = joined->by_photons;
     if (!(total > 0))
@@ -289,26 +296,27 @@ static bool resolve_interpolation(const struct joined *joined, struct orl_cached
     const double mean = orl_luma(joined->sum) / total;
     const double by_interpolation =
         fmax((joined->squares - joined->noise) / total - mean * mean, 0);
-    *ret_cached = (struct orl_cached){
+    *ret_cached = (struct orl_cached_irradiance){
         orl_rgb_scale(joined->sum, 1 / total),
         sqrt((by_photons * by_photons + joined->by_rays) / (total * total) + by_interpolation)};
     return true;
 }
 
-bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
-                       struct orl_cached *ret_cached)
+bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_shading_point *place,
+                       struct orl_cached_irradiance *ret_cached)
 {
     struct joined joined = {.total = 0};
-    struct orl_icache_visit v = orl_icache_visit_begin(cache, place);
-    for (uint32_t i = orl_icache_visit_next(&v); i != ORL_ICACHE_NOTHING;
-         i = orl_icache_visit_next(&v))
+    struct orl_icache_iterator v = orl_icache_iterator_begin(cache, place);
+    for (uint32_t i = orl_icache_iterator_next(&v); i != ORL_ICACHE_END;
+         i = orl_icache_iterator_next(&v))
         join_record(&joined, cache, &cache->records[i], place);
     return resolve_interpolation(&joined, ret_cached);
 }
 
-bool orl_records_lookup(const struct orl_record *records, size_t count,
-                        const struct orl_icache *like, const struct orl_place *place,
-                        struct orl_cached *ret_cached)
+bool orl_irradiance_records_lookup(const struct orl_irradiance_record *records, size_t count,
+                                   const struct orl_icache *like,
+                                   const struct orl_shading_point *place,
+                                   struct orl_cached_irradiance *ret_cached)
 {
     struct joined joined = {.total = 0};
     for (size_t i = 0; i < count; i++)

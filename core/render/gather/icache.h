@@ -5,9 +5,9 @@
  *
  * A record holds the gathered irradiance at a place with its gradients and a radius: the harmonic
  * mean of the gather's ray lengths. The radius is smaller near close objects, on a steep gradient,
- * and beside such records (orl_icache_hold_back). It is at most a number of pixels. A record serves
- * a place x with error e = |x - x_i| / R + sqrt(1 - n . n_i) below a = ORL_ICACHE_ACCURACY, where R
- * is the radius or the least that pixels allow.
+ * and beside such records (orl_icache_clamp_neighbours). It is at most a number of pixels. A record
+ * serves a place x with error e = |x - x_i| / R + sqrt(1 - n . n_i) below a = ORL_ICACHE_ACCURACY,
+ * where R is the radius or the least that pixels allow.
  *
  * Places are served by few records, but read from more: from all records whose e is below a when R
  * is ORL_ICACHE_OVERLAP times the radius, or the least, with the tolerance of normals increased
@@ -26,11 +26,11 @@
 #define ORL_ICACHE_ACCURACY 0.25
 #define ORL_ICACHE_OVERLAP 1.5
 
-struct orl_record {
-    struct orl_place place;
+struct orl_irradiance_record {
+    struct orl_shading_point place;
     struct orl_rgb irradiance;
-    struct orl_vec3 by_rotation[3], by_translation[3];
-    double error_by_photons, error_by_rays; /* standard errors, of the irradiance's luma */
+    struct orl_vec3 rotation_gradient[3], translation_gradient[3];
+    double photon_error, ray_error; /* standard errors, of the irradiance's luma */
     /* Number of rays through its hemisphere's strata, one each. */
     double rays;
     /* Radius, and a lower limit of the radius with which it serves. */
@@ -43,22 +43,23 @@ struct orl_icache {
     uint32_t channels; /* 3, or 1 if all is gray */
     /* Borrowed; tests occlusion between places; NULL: no test. */
     const struct orl_geometry *geometry;
-    struct orl_record *records;
+    struct orl_irradiance_record *records;
     size_t count, capacity;
     /* An index by level (power of two of the record's reach) and cell; rebuilt between rounds. */
     struct orl_icache_entry *entries;
     uint32_t *heads; /* hash table: first entry of each bucket, and one past the last */
     size_t n_heads;  /* a power of two */
     int lowest_level, highest_level;
-    int least_level; /* lower limit of the level, which limits the size of cells */
-    size_t looked;   /* tree nodes and records that orl_icache_hold_back has visited */
+    int least_level;  /* lower limit of the level, which limits the size of cells */
+    size_t n_visited; /* tree nodes and records that orl_icache_clamp_neighbours has visited */
 };
 
 void orl_icache_init(struct orl_icache *cache, uint32_t channels);
 void orl_icache_done(struct orl_icache *cache);
 
 /* Adds records (copied); they are found after orl_icache_index. Returns 0 or ORL_ERR_NOMEM. */
-int orl_icache_add(struct orl_icache *cache, const struct orl_record *records, size_t count);
+int orl_icache_add(struct orl_icache *cache, const struct orl_irradiance_record *records,
+                   size_t count);
 int orl_icache_index(struct orl_icache *cache);
 
 /*
@@ -66,18 +67,19 @@ int orl_icache_index(struct orl_icache *cache);
  * has seen a near surface, no radius exceeds the neighbour's plus the distance to it. Places that
  * are then no longer served need records of their own. Rebuilds the index. Takes time n log n for n
  * records of about one radius, however close they stand. Returns 0, ORL_ERR_NOMEM or the codes of
- * orl_crew_try; on error no radius has changed.
+ * orl_parallel_try; on error no radius has changed.
  */
-int orl_icache_hold_back(struct orl_icache *cache, struct orl_crew *crew);
+int orl_icache_clamp_neighbours(struct orl_icache *cache, struct orl_thread_pool *pool);
 
 /* Returns true if a place needs no record of its own. */
-bool orl_icache_serves(const struct orl_icache *cache, const struct orl_place *place);
+bool orl_icache_covers(const struct orl_icache *cache, const struct orl_shading_point *place);
 
 /* Returns true if a look-up at the place finds a record. */
-bool orl_icache_reaches(const struct orl_icache *cache, const struct orl_place *place);
+bool orl_icache_has_record_for(const struct orl_icache *cache,
+                               const struct orl_shading_point *place);
 
 /* The interpolated irradiance at a place. */
-struct orl_cached {
+struct orl_cached_irradiance {
     struct orl_rgb irradiance;
     double standard_error; /* standard error of its luma */
 };
@@ -88,12 +90,13 @@ struct orl_cached {
  * interpolation error is the records' scatter beyond their rays' noise. The noise of gradients is
  * not included.
  */
-bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_place *place,
-                       struct orl_cached *ret_cached);
+bool orl_icache_lookup(const struct orl_icache *cache, const struct orl_shading_point *place,
+                       struct orl_cached_irradiance *ret_cached);
 
 /* Interpolates from a few records outside the cache, with the cache's parameters. */
-bool orl_records_lookup(const struct orl_record *records, size_t count,
-                        const struct orl_icache *like, const struct orl_place *place,
-                        struct orl_cached *ret_cached);
+bool orl_irradiance_records_lookup(const struct orl_irradiance_record *records, size_t count,
+                                   const struct orl_icache *like,
+                                   const struct orl_shading_point *place,
+                                   struct orl_cached_irradiance *ret_cached);
 
 #endif

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/gather/icache_visit.h"
+#include "render/gather/icache_iterator.h"
 
 /* Radii of the discs, in pixels, and the pixels of a record's least radius. */
 enum { DISCS = 4, MOST_ABOUT = 256 };
@@ -27,14 +27,14 @@ static const double turned = 0.95, risen = 0.1;
 
 struct fitting {
     struct orl_icache *cache; /* finds neighbours; its radii are those of the largest disc */
-    const struct orl_record *records; /* original values */
-    struct orl_record *fitted;
+    const struct orl_irradiance_record *records; /* original values */
+    struct orl_irradiance_record *fitted;
     const struct orl_geometry *geometry;
 };
 
 /* A record near the one that is fitted, and its position along the surface in pixels. */
 struct neighbour {
-    const struct orl_record *record;
+    const struct orl_irradiance_record *record;
     double x, y;
 };
 
@@ -46,8 +46,8 @@ struct about {
     double variance; /* variance of one ray's luma, estimated from these records */
 };
 
-static bool is_of_surface(const struct orl_record *record, const struct orl_record *other,
-                          struct orl_vec3 shift)
+static bool is_of_surface(const struct orl_irradiance_record *record,
+                          const struct orl_irradiance_record *other, struct orl_vec3 shift)
 {
     const double away = orl_length(shift);
     return other->place.outside == record->place.outside &&
@@ -73,8 +73,8 @@ static double ray_variance(const struct about *about)
 {
     double sum = 0;
     for (uint32_t i = 0; i < about->count; i++) {
-        const struct orl_record *record = about->list[i].record;
-        sum += record->error_by_rays * record->error_by_rays * record->rays / about->count;
+        const struct orl_irradiance_record *record = about->list[i].record;
+        sum += record->ray_error * record->ray_error * record->rays / about->count;
     }
     return sum;
 }
@@ -83,14 +83,14 @@ static double ray_variance(const struct about *about)
 static bool collect_neighbours(const struct fitting *f, uint32_t index, double pixels,
                                struct about *ret)
 {
-    const struct orl_record *record = &f->records[index];
-    struct orl_icache_visit v = orl_icache_visit_begin(f->cache, &record->place);
+    const struct orl_irradiance_record *record = &f->records[index];
+    struct orl_icache_iterator v = orl_icache_iterator_begin(f->cache, &record->place);
     ret->count = 0;
     ret->pixel = record->least / least_pixels;
     ret->frame = orl_frame_about(record->place.normal);
-    for (uint32_t k = orl_icache_visit_next(&v); k != ORL_ICACHE_NOTHING && ret->count < MOST_ABOUT;
-         k = orl_icache_visit_next(&v)) {
-        const struct orl_record *other = &f->records[k];
+    for (uint32_t k = orl_icache_iterator_next(&v); k != ORL_ICACHE_END && ret->count < MOST_ABOUT;
+         k = orl_icache_iterator_next(&v)) {
+        const struct orl_irradiance_record *other = &f->records[k];
         const struct orl_vec3 shift = orl_sub(other->place.point, record->place.point);
         if (orl_length(shift) >= pixels * ret->pixel ||
             (k != index && (!is_of_surface(record, other, shift) ||
@@ -221,7 +221,7 @@ static bool fit_plane(const struct about *about, double luma, double radius, str
 
 /* Stores the plane in the record. The value stays at least zero, and the slope within the limit for
  * records. */
-static void store_plane(struct orl_record *record, const struct plane *plane,
+static void store_plane(struct orl_irradiance_record *record, const struct plane *plane,
                         const struct about *about)
 {
     const double served = fmax(record->radius, record->least);
@@ -230,23 +230,23 @@ static void store_plane(struct orl_record *record, const struct plane *plane,
             orl_add(orl_scale(about->frame.u, plane->x[c] / about->pixel),
                     orl_scale(about->frame.v, plane->y[c] / about->pixel));
         const double steepest = fmax(plane->at[c], 0) / served, steep = orl_length(slope);
-        record->by_translation[c] = orl_scale(slope, steep > steepest ? steepest / steep : 1);
+        record->translation_gradient[c] = orl_scale(slope, steep > steepest ? steepest / steep : 1);
     }
     record->irradiance =
         (struct orl_rgb){fmax(plane->at[0], 0), fmax(plane->at[1], 0), fmax(plane->at[2], 0)};
-    record->error_by_photons = hypot(record->error_by_photons, plane->error);
-    record->error_by_rays = 0;
+    record->photon_error = hypot(record->photon_error, plane->error);
+    record->ray_error = 0;
 }
 
 static void fit_record(void *arg, size_t index, uint32_t member)
 {
     const struct fitting *f = arg;
-    const struct orl_record *record = &f->records[index];
+    const struct orl_irradiance_record *record = &f->records[index];
     const double luma = orl_luma(record->irradiance);
     struct about about; /* its list stays uninitialised, because it is large */
     struct plane plane;
     (void)member;
-    if (!(record->error_by_rays > good_enough * luma) || !(luma > 0))
+    if (!(record->ray_error > good_enough * luma) || !(luma > 0))
         return;
     int n = DISCS;
     while (!collect_neighbours(f, (uint32_t)index, discs[n - 1], &about) && n > 1)
@@ -278,13 +278,13 @@ static int copy_widened(struct orl_icache *wide, const struct orl_icache *cache)
 }
 
 int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry,
-                   struct orl_crew *crew)
+                   struct orl_thread_pool *pool)
 {
     struct orl_icache wide;
     struct fitting f = {.cache = &wide, .geometry = geometry};
     if (cache->count == 0)
         return 0;
-    struct orl_record *fitted = malloc((cache->count + 1) * sizeof *fitted);
+    struct orl_irradiance_record *fitted = malloc((cache->count + 1) * sizeof *fitted);
     int code = copy_widened(&wide, cache);
     if (!fitted)
         code = ORL_ERR_NOMEM;
@@ -292,7 +292,7 @@ int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry
         memcpy(fitted, cache->records, cache->count * sizeof *fitted);
         f.records = cache->records;
         f.fitted = fitted;
-        code = orl_crew_try(crew, cache->count, fit_record, &f);
+        code = orl_parallel_try(pool, cache->count, fit_record, &f);
     }
     if (code == 0)
         memcpy(cache->records, fitted, cache->count * sizeof *fitted);

@@ -22,9 +22,9 @@
 /*
  * Fits all records at once, from their original values, so that the result depends neither on order
  * nor on the crew. Their radii and the index stay the same. Returns 0, ORL_ERR_NOMEM or the codes
- * of orl_crew_try.
+ * of orl_parallel_try.
  */
 int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry,
-                   struct orl_crew *crew);
+                   struct orl_thread_pool *pool);
 
 #endif

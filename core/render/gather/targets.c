@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/geometry/placed.h"
+#include "scene/geometry/instances.h"
 #include "scene/geometry/quadric.h"
 #include "scene/material/bounds.h"
 
@@ -16,14 +16,14 @@ static const double parallel = 0.999; /* cosine between normals of surfaces that
 struct item {
     struct orl_target_sphere bound;
     uint32_t index;
-    bool placed;
+    bool instance;
 };
 
 /* Which facets of a material are targets: none, round ones, all. */
 enum rule { RULE_NONE, RULE_ROUND, RULE_ALL };
 
 struct finder {
-    const struct orl_world *world;
+    const struct orl_lit_scene *lit_scene;
     struct orl_targets *targets;
     struct item *items;
     size_t n;
@@ -36,10 +36,10 @@ struct finder {
 
 static enum rule rule_of(const struct orl_material *m)
 {
-    if (orl_material_bends(m))
+    if (orl_material_deviates(m))
         return RULE_ROUND;
-    return orl_material_is_mirror(m) && (orl_material_mirrored_most(m, true, 1) > least_mirrored ||
-                                         orl_material_mirrored_most(m, false, 1) > least_mirrored)
+    return orl_material_is_mirror(m) && (orl_material_max_mirrored(m, true, 1) > least_mirrored ||
+                                         orl_material_max_mirrored(m, false, 1) > least_mirrored)
                ? RULE_ALL
                : RULE_NONE;
 }
@@ -50,7 +50,7 @@ static void find_solids(struct finder *f, const struct orl_geometry *geometry)
 {
     struct orl_facet own;
     for (size_t i = 0; i < geometry->n_facets; i++) {
-        const struct orl_facet *facet = orl_facet_own(geometry, i, &own);
+        const struct orl_facet *facet = orl_facet_get_own(geometry, i, &own);
         struct orl_vec3 *const faces = f->faces[facet->material];
         if (f->rules[facet->material] != RULE_ROUND || !orl_surface_kind_is_flat(facet->kind))
             continue;
@@ -90,10 +90,10 @@ static struct orl_target_sphere about_facet(const struct orl_geometry *g,
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
     if (facet->kind == ORL_SURFACE_SPHERE || facet->kind == ORL_SURFACE_BUBBLE)
-        return (struct orl_target_sphere){facet->round->center[0], facet->round->radius[0]};
+        return (struct orl_target_sphere){facet->quadric->center[0], facet->quadric->radius[0]};
     if (facet->kind == ORL_SURFACE_POLYGON)
         for (uint32_t i = 0; i < facet->n_triangles; i++) {
-            const struct orl_triangle t = orl_triangle_of(g, orl_facet_triangle(facet, i));
+            const struct orl_triangle t = orl_triangle_get(g, orl_facet_triangle(facet, i));
             extend_box(&low, &high, t.a);
             extend_box(&low, &high, t.b);
             extend_box(&low, &high, t.c);
@@ -148,11 +148,11 @@ static void add_target(struct finder *f, const struct item *items, size_t n,
                        struct orl_target_sphere bound)
 {
     struct orl_targets *const t = f->targets;
-    if (t->n == ORL_MOST_TARGETS || bound.radius > largest * f->world->geometry->radius ||
-        orl_world_is_outside(f->world, bound.center))
+    if (t->n == ORL_MOST_TARGETS || bound.radius > largest * f->lit_scene->geometry->radius ||
+        orl_lit_scene_is_outside(f->lit_scene, bound.center))
         return;
     for (size_t i = 0; i < n; i++)
-        (items[i].placed ? t->of_place : t->of_facet)[items[i].index] = (uint8_t)t->n;
+        (items[i].instance ? t->of_instance : t->of_facet)[items[i].index] = (uint8_t)t->n;
     t->at[t->n++] = bound;
 }
 
@@ -175,19 +175,19 @@ static void add_groups(struct finder *f, struct item *items, size_t n, uint32_t 
 /* ---- Search for targets ---------------------------------------------------------------------- */
 
 /* Adds an item if there is memory for items; else only counts it. */
-static void add_item(struct finder *f, struct orl_target_sphere bound, size_t index, bool placed)
+static void add_item(struct finder *f, struct orl_target_sphere bound, size_t index, bool instance)
 {
     if (f->items)
-        f->items[f->n] = (struct item){bound, (uint32_t)index, placed};
+        f->items[f->n] = (struct item){bound, (uint32_t)index, instance};
     f->n++;
 }
 
 static void find_facets(struct finder *f)
 {
-    const struct orl_geometry *const g = f->world->geometry;
+    const struct orl_geometry *const g = f->lit_scene->geometry;
     struct orl_facet own;
     for (size_t i = 0; i < g->n_facets; i++) {
-        const struct orl_facet *facet = orl_facet_own(g, i, &own);
+        const struct orl_facet *facet = orl_facet_get_own(g, i, &own);
         if (facet->area > 0 && is_target(f, facet))
             add_item(f, about_facet(g, facet), i, false);
     }
@@ -195,10 +195,10 @@ static void find_facets(struct finder *f)
 
 static void find_places(struct finder *f)
 {
-    const struct orl_geometry *const g = f->world->geometry;
-    for (size_t i = 0; i < g->n_placed; i++)
-        if (f->prototypes[g->placed[i].number])
-            add_item(f, about_box(g->placed[i].low, g->placed[i].high), i, true);
+    const struct orl_geometry *const g = f->lit_scene->geometry;
+    for (size_t i = 0; i < g->n_instances; i++)
+        if (f->prototypes[g->instance[i].number])
+            add_item(f, about_box(g->instance[i].low, g->instance[i].high), i, true);
 }
 
 static void find_items(struct finder *f)
@@ -211,9 +211,9 @@ static void find_items(struct finder *f)
 /* Finds out what materials and prototypes are targets. */
 static void survey_scene(struct finder *f)
 {
-    const struct orl_geometry *const g = f->world->geometry;
-    for (size_t i = 0; i < f->world->n_materials; i++)
-        f->rules[i] = rule_of(&f->world->materials[i]);
+    const struct orl_geometry *const g = f->lit_scene->geometry;
+    for (size_t i = 0; i < f->lit_scene->n_materials; i++)
+        f->rules[i] = rule_of(&f->lit_scene->materials[i]);
     find_solids(f, g);
     for (size_t i = 0; i < g->n_prototypes; i++)
         find_solids(f, g->prototypes[i]);
@@ -221,15 +221,15 @@ static void survey_scene(struct finder *f)
         const struct orl_geometry *const prototype = g->prototypes[i];
         struct orl_facet own;
         for (size_t k = 0; k < prototype->n_facets && !f->prototypes[i]; k++)
-            f->prototypes[i] = is_target(f, orl_facet_own(prototype, k, &own));
+            f->prototypes[i] = is_target(f, orl_facet_get_own(prototype, k, &own));
     }
 }
 
-static bool has_specular(const struct orl_world *world)
+static bool has_specular(const struct orl_lit_scene *lit_scene)
 {
-    for (size_t i = 0; i < world->n_materials; i++)
-        if (orl_material_bends(&world->materials[i]) ||
-            orl_material_is_mirror(&world->materials[i]))
+    for (size_t i = 0; i < lit_scene->n_materials; i++)
+        if (orl_material_deviates(&lit_scene->materials[i]) ||
+            orl_material_is_mirror(&lit_scene->materials[i]))
             return true;
     return false;
 }
@@ -237,24 +237,24 @@ static bool has_specular(const struct orl_world *world)
 /* Allocates the items, whose number is known, and the targets' tables. */
 static bool allocate_tables(struct finder *f)
 {
-    const struct orl_geometry *const g = f->world->geometry;
+    const struct orl_geometry *const g = f->lit_scene->geometry;
     struct orl_targets *const t = f->targets;
     f->items = malloc(f->n * sizeof *f->items);
     t->of_facet = malloc(g->n_facets + 1);
-    t->of_place = malloc(g->n_placed + 1);
-    if (!f->items || !t->of_facet || !t->of_place)
+    t->of_instance = malloc(g->n_instances + 1);
+    if (!f->items || !t->of_facet || !t->of_instance)
         return false;
     memset(t->of_facet, ORL_NO_TARGET, g->n_facets + 1);
-    memset(t->of_place, ORL_NO_TARGET, g->n_placed + 1);
+    memset(t->of_instance, ORL_NO_TARGET, g->n_instances + 1);
     return true;
 }
 
 static int find_targets(struct finder *f)
 {
-    const size_t materials = f->world->n_materials + 1;
+    const size_t materials = f->lit_scene->n_materials + 1;
     f->faces = calloc(materials, sizeof *f->faces);
     f->rules = calloc(materials, sizeof *f->rules);
-    f->prototypes = calloc(f->world->geometry->n_prototypes + 1, sizeof *f->prototypes);
+    f->prototypes = calloc(f->lit_scene->geometry->n_prototypes + 1, sizeof *f->prototypes);
     if (!f->faces || !f->rules || !f->prototypes)
         return ORL_ERR_NOMEM;
     survey_scene(f);
@@ -268,11 +268,11 @@ static int find_targets(struct finder *f)
     return 0;
 }
 
-int orl_targets_init(struct orl_targets *targets, const struct orl_world *world)
+int orl_targets_init(struct orl_targets *targets, const struct orl_lit_scene *lit_scene)
 {
-    struct finder f = {.world = world, .targets = targets};
+    struct finder f = {.lit_scene = lit_scene, .targets = targets};
     memset(targets, 0, sizeof *targets);
-    const int code = has_specular(world) ? find_targets(&f) : 0;
+    const int code = has_specular(lit_scene) ? find_targets(&f) : 0;
     free(f.items);
     free(f.faces);
     free(f.rules);
@@ -285,7 +285,7 @@ int orl_targets_init(struct orl_targets *targets, const struct orl_world *world)
 void orl_targets_done(struct orl_targets *targets)
 {
     free(targets->of_facet);
-    free(targets->of_place);
+    free(targets->of_instance);
     memset(targets, 0, sizeof *targets);
 }
 
@@ -294,8 +294,8 @@ uint32_t orl_targets_of(const struct orl_targets *targets, const struct orl_geom
 {
     if (targets->n == 0)
         return ORL_NO_TARGET;
-    return orl_facet_is_placed(geometry, facet)
-               ? targets->of_place[orl_placed_of(geometry, facet) - geometry->placed]
+    return orl_facet_is_instanced(geometry, facet)
+               ? targets->of_instance[orl_instance_of(geometry, facet) - geometry->instance]
                : targets->of_facet[facet];
 }
 
@@ -308,8 +308,8 @@ static double opening_of(const struct orl_target_sphere *target, struct orl_vec3
     return sine2 < 1 ? sine2 / (1 + sqrt(1 - sine2)) : 2;
 }
 
-struct orl_vec3 orl_target_draw(const struct orl_target_sphere *target, struct orl_vec3 point,
-                                const double u[2])
+struct orl_vec3 orl_target_sample(const struct orl_target_sphere *target, struct orl_vec3 point,
+                                  const double u[2])
 {
     const struct orl_vec3 way = orl_sub(target->center, point);
     const double down = u[0] * opening_of(target, way), phi = 2 * ORL_PI * u[1];
@@ -318,8 +318,8 @@ struct orl_vec3 orl_target_draw(const struct orl_target_sphere *target, struct o
     return orl_to_world(&frame, orl_v3(sine * cos(phi), sine * sin(phi), 1 - down));
 }
 
-double orl_target_density(const struct orl_target_sphere *target, struct orl_vec3 point,
-                          struct orl_vec3 direction)
+double orl_target_pdf(const struct orl_target_sphere *target, struct orl_vec3 point,
+                      struct orl_vec3 direction)
 {
     const struct orl_vec3 way = orl_sub(target->center, point);
     const double opening = opening_of(target, way), d2 = orl_dot(way, way);

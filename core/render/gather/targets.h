@@ -12,7 +12,7 @@
 #ifndef ORL_RENDER_GATHER_TARGETS_H
 #define ORL_RENDER_GATHER_TARGETS_H
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 
 enum { ORL_MOST_TARGETS = 32, ORL_NO_TARGET = 255 };
 
@@ -25,12 +25,12 @@ struct orl_targets {
     struct orl_target_sphere at[ORL_MOST_TARGETS];
     uint32_t n;
     uint8_t *of_facet; /* target of each of the scene's own facets, or ORL_NO_TARGET; NULL: none */
-    uint8_t *of_place; /* target of each placed copy (scene/geometry/placed.h); NULL: none */
+    uint8_t *of_instance; /* target of each placed copy (scene/geometry/instances.h); NULL: none */
 };
 
 /* Finds the targets indoors; in a scene that is no building, all of them. Returns 0 or
  * ORL_ERR_NOMEM; call orl_targets_done in either case. */
-int orl_targets_init(struct orl_targets *targets, const struct orl_world *world);
+int orl_targets_init(struct orl_targets *targets, const struct orl_lit_scene *lit_scene);
 void orl_targets_done(struct orl_targets *targets); /* also accepts an all-zero struct */
 
 /* Returns the target that a facet belongs to, or ORL_NO_TARGET. */
@@ -38,11 +38,11 @@ uint32_t orl_targets_of(const struct orl_targets *targets, const struct orl_geom
                         uint32_t facet);
 
 /* Returns a direction from a point towards a target; u in [0,1)^2. */
-struct orl_vec3 orl_target_draw(const struct orl_target_sphere *target, struct orl_vec3 point,
-                                const double u[2]);
+struct orl_vec3 orl_target_sample(const struct orl_target_sphere *target, struct orl_vec3 point,
+                                  const double u[2]);
 
 /* Returns the density of that direction, per steradian; 0 outside the target's cone. */
-double orl_target_density(const struct orl_target_sphere *target, struct orl_vec3 point,
-                          struct orl_vec3 direction);
+double orl_target_pdf(const struct orl_target_sphere *target, struct orl_vec3 point,
+                      struct orl_vec3 direction);
 
 #endif

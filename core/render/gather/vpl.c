@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/map/facing.h"
+#include "photon/map/normal_code.h"
 
 /* Length that determines the cap, as a share of the typical distance between lamps; the cap is its
  * inverse square. */
@@ -24,10 +24,10 @@ static void to_floats(struct orl_vec3 v, float ret[3])
 
 /* Makes a lamp of a photon. The surface is intersected again, because the map's coded normal is
  * exact to a degree only. */
-static void make_lamp(const struct orl_world *world, const struct orl_photon *photon,
+static void make_lamp(const struct orl_lit_scene *lit_scene, const struct orl_photon *photon,
                       struct orl_vpl *ret_lamp)
 {
-    const struct orl_geometry *g = world->geometry;
+    const struct orl_geometry *g = lit_scene->geometry;
     const struct orl_vec3 at = from_floats(photon->position);
     const struct orl_vec3 coded = orl_normal_decode(photon->normal);
     const double lift = 64 * g->radius * 0x1p-24 + 4 * orl_facet_offset(g, photon->facet);
@@ -36,7 +36,8 @@ static void make_lamp(const struct orl_world *world, const struct orl_photon *ph
         hit.facet != photon->facet)
         hit = (struct orl_hit){.point = at, .normal = coded, .facet = photon->facet, .front = true};
     const struct orl_vec3 lit = orl_dot(hit.normal, coded) > 0 ? hit.normal : orl_neg(hit.normal);
-    const struct orl_rgb albedo = orl_material_diffuse(orl_world_material(world, &hit), &hit);
+    const struct orl_rgb albedo =
+        orl_material_diffuse(orl_lit_scene_material(lit_scene, &hit), &hit);
     to_floats(orl_madd(hit.point, lit, orl_facet_offset(g, photon->facet)), ret_lamp->place);
     to_floats(lit, ret_lamp->place + 3);
     ret_lamp->intensity[0] = (float)(photon->flux[0] * albedo.r / ORL_PI);
@@ -77,7 +78,7 @@ static void make_strip(void *arg, size_t strip, uint32_t member)
     const size_t end = m->count - strip * STRIP < STRIP ? m->count : (strip + 1) * STRIP;
     (void)member;
     for (size_t i = strip * STRIP; i < end; i++)
-        make_lamp(m->vpls->world, &m->photons[i], &m->vpls->lamps[m->places[i]]);
+        make_lamp(m->vpls->lit_scene, &m->photons[i], &m->vpls->lamps[m->places[i]]);
 }
 
 /* Sorts lamps by group, and within a group in the order of photons. */
@@ -95,25 +96,26 @@ static void find_places(const struct making *making)
         making->places[i] = (uint32_t)next[making->photons[i].batch]++;
 }
 
-int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world, struct orl_crew *crew,
-                  const struct orl_photon *photons, size_t count, uint64_t emitted)
+int orl_vpls_init(struct orl_vpls *vpls, const struct orl_lit_scene *lit_scene,
+                  struct orl_thread_pool *pool, const struct orl_photon *photons, size_t count,
+                  uint64_t emitted)
 {
     struct making making = {.vpls = vpls, .photons = photons, .count = count};
-    *vpls = (struct orl_vpls){.world = world, .emitted = (double)emitted / ORL_MAP_BATCHES};
+    *vpls = (struct orl_vpls){.lit_scene = lit_scene, .emitted = (double)emitted / ORL_MAP_BATCHES};
     vpls->lamps = malloc((count + 1) * sizeof *vpls->lamps);
     making.places = malloc((count + 1) * sizeof *making.places);
     int code = vpls->lamps && making.places ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
         find_places(&making);
-        code = orl_crew_try(crew, (count + STRIP - 1) / STRIP, make_strip, &making);
+        code = orl_parallel_try(pool, (count + STRIP - 1) / STRIP, make_strip, &making);
     }
     free(making.places);
     if (code)
         return code;
     const double near = count > 0 ? near_share * typical_distance(vpls, count) : 1;
     /* Without lamps the paths carry all light. */
-    vpls->most_sr_m2 = count == 0 ? 0 : near > 0 ? 1 / (near * near) : INFINITY;
-    return orl_vpl_plant(vpls, crew);
+    vpls->max_factor_sr_m2 = count == 0 ? 0 : near > 0 ? 1 / (near * near) : INFINITY;
+    return orl_vpl_build_trees(vpls, pool);
 }
 
 void orl_vpls_done(struct orl_vpls *vpls)
@@ -133,16 +135,16 @@ static struct orl_rgb light_of(const struct orl_vpls *vpls, const struct orl_vpl
     const double there = -orl_dot(way, from_floats(lamp->place + 3));
     if (!(d > 0) || !(here > 0) || !(there > 0))
         return orl_gray(0);
-    const double factor = fmin(here * there / (d2 * d2), vpls->most_sr_m2);
-    /* In a sealed scene no path leaves through a port and comes in again (light/world.h). */
+    const double factor = fmin(here * there / (d2 * d2), vpls->max_factor_sr_m2);
+    /* In a sealed scene no path leaves through a port and comes in again (light/lit_scene.h). */
     const struct orl_rgb share = orl_transmittance_to_surface(
-        vpls->world, point, orl_scale(way, 1 / d), d * (1 - 1e-6), vpls->world->open);
+        vpls->lit_scene, point, orl_scale(way, 1 / d), d * (1 - 1e-6), vpls->lit_scene->open);
     const struct orl_rgb intensity = {lamp->intensity[0], lamp->intensity[1], lamp->intensity[2]};
     return orl_rgb_scale(orl_rgb_mul(intensity, share), factor);
 }
 
-struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u, uint32_t lamps,
-                             struct orl_vec3 point, struct orl_vec3 normal)
+struct orl_rgb orl_vpl_irradiance(const struct orl_vpls *vpls, uint32_t group, double u,
+                                  uint32_t lamps, struct orl_vec3 point, struct orl_vec3 normal)
 {
     const uint32_t size = CUT_A_LAMP * lamps;
     struct orl_vpl_cut cut;
@@ -151,7 +153,7 @@ struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double
     for (uint32_t k = 0; k < lamps; k++) {
         uint32_t lamp;
         double probability;
-        if (orl_vpl_draw(vpls, &cut, (u + k) / lamps, point, normal, &lamp, &probability))
+        if (orl_vpl_sample(vpls, &cut, (u + k) / lamps, point, normal, &lamp, &probability))
             sum = orl_rgb_add(sum, orl_rgb_scale(light_of(vpls, &vpls->lamps[lamp], point, normal),
                                                  1 / (probability * lamps * vpls->emitted)));
     }

@@ -4,8 +4,8 @@
  * without a density estimate; their error is noise, not bias.
  *
  * A lamp very near to a place would shine without bound. The geometric factor of a connection is
- * therefore capped. Rays that hit the near surface by themselves carry the remainder, orl_vpl_left
- * of it (Kollig and Keller 2004).
+ * therefore capped. Rays that hit the near surface by themselves carry the remainder,
+ * orl_vpl_clamped_share of it (Kollig and Keller 2004).
  *
  * Lamps are in as many independent groups as photons have batches, for standard errors. Those of a
  * group are leaves of a binary tree. A place draws a lamp by descending from the root, choosing a
@@ -14,7 +14,7 @@
 #ifndef ORL_RENDER_GATHER_VPL_H
 #define ORL_RENDER_GATHER_VPL_H
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "light/direct.h"
 #include "photon/shooting/shoot.h"
@@ -34,25 +34,26 @@ struct orl_vpl_node {
 };
 
 struct orl_vpls {
-    const struct orl_world *world; /* borrowed */
-    struct orl_vpl *lamps;         /* sorted by group */
+    const struct orl_lit_scene *lit_scene; /* borrowed */
+    struct orl_vpl *lamps;                 /* sorted by group */
     size_t first[ORL_MAP_BATCHES + 1];
     struct orl_vpl_node *nodes;      /* nodes of all trees */
     uint32_t roots[ORL_MAP_BATCHES]; /* only valid for groups that have lamps */
     double emitted;                  /* number of paths per group */
-    double most_sr_m2;               /* maximum of cos cos / distance^2 */
+    double max_factor_sr_m2;         /* maximum of cos cos / distance^2 */
 };
 
 /* Makes lights from photons in order of emission, which stay unchanged. Returns 0, ORL_ERR_NOMEM or
- * the codes of orl_crew_try. */
-int orl_vpls_init(struct orl_vpls *vpls, const struct orl_world *world, struct orl_crew *crew,
-                  const struct orl_photon *photons, size_t count, uint64_t emitted);
+ * the codes of orl_parallel_try. */
+int orl_vpls_init(struct orl_vpls *vpls, const struct orl_lit_scene *lit_scene,
+                  struct orl_thread_pool *pool, const struct orl_photon *photons, size_t count,
+                  uint64_t emitted);
 void orl_vpls_done(struct orl_vpls *vpls);
 
 /* Returns one estimate of the irradiance at a place by all lamps of a group, from a sample of that
  * many. u: stratified over samples. */
-struct orl_rgb orl_vpl_light(const struct orl_vpls *vpls, uint32_t group, double u, uint32_t lamps,
-                             struct orl_vec3 point, struct orl_vec3 normal);
+struct orl_rgb orl_vpl_irradiance(const struct orl_vpls *vpls, uint32_t group, double u,
+                                  uint32_t lamps, struct orl_vec3 point, struct orl_vec3 normal);
 
 /* The top of a group's tree for a place: nodes with the largest uncertainty are split first. */
 enum { ORL_VPL_MOST_CUT = 32 };
@@ -60,7 +61,7 @@ struct orl_vpl_cut {
     uint32_t nodes[ORL_VPL_MOST_CUT];
     double light[ORL_VPL_MOST_CUT]; /* estimate of the node's light */
     /* Uncertain part of it; 0 if the node cannot be split usefully. */
-    double unsure[ORL_VPL_MOST_CUT];
+    double uncertain[ORL_VPL_MOST_CUT];
     uint32_t count;
     double sum; /* sum of light; 0: no lamp lights the place */
 };
@@ -69,19 +70,19 @@ void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint
 
 /* Draws a lamp by a cut made for the same place, and sets its probability. Returns false if no lamp
  * lights the place. */
-bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
-                  struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
-                  double *ret_probability);
+bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
+                    struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
+                    double *ret_probability);
 
 /* Builds the trees and sorts the lamps by them. Returns the codes of orl_vpls_init. */
-int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew);
+int orl_vpl_build_trees(struct orl_vpls *vpls, struct orl_thread_pool *pool);
 
 /* Returns the share of a surface's light that a ray of that length and those cosines must carry. */
-static inline double orl_vpl_left(const struct orl_vpls *vpls, double cos_here, double cos_there,
-                                  double distance)
+static inline double orl_vpl_clamped_share(const struct orl_vpls *vpls, double cos_here,
+                                           double cos_there, double distance)
 {
     const double factor = fabs(cos_here * cos_there) / (distance * distance);
-    return factor > vpls->most_sr_m2 ? 1 - vpls->most_sr_m2 / factor : 0;
+    return factor > vpls->max_factor_sr_m2 ? 1 - vpls->max_factor_sr_m2 / factor : 0;
 }
 
 #endif

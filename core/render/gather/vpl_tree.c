@@ -9,7 +9,7 @@ static const double alike = 0.2;
 static const double least_cosine = 1e-3; /* lower limit of the cosine of a visible lamp */
 
 /* State while one tree is built. */
-struct gardener {
+struct tree_builder {
     struct orl_vpls *vpls;
     uint32_t n_nodes; /* index past its last node so far */
     float normals_as; /* length that the difference of opposite normals counts as */
@@ -35,7 +35,7 @@ static struct bounds bounds_of(const struct orl_vpl *lamps, uint32_t count)
 }
 
 /* Returns the axis of the largest extent; -1 if all lamps coincide. */
-static int widest_axis(const struct gardener *g, const struct bounds *b)
+static int widest_axis(const struct tree_builder *g, const struct bounds *b)
 {
     int best = -1;
     float most = 0;
@@ -85,7 +85,7 @@ static uint32_t partition_lamps(struct orl_vpl *lamps, uint32_t count, int axis,
 
 /* Builds a node and its subtree; returns its index. The depth is limited by how often floats can be
  * halved. */
-static uint32_t grow_node(struct gardener *g, uint32_t first, uint32_t count)
+static uint32_t build_node(struct tree_builder *g, uint32_t first, uint32_t count)
 {
     struct orl_vpl *lamps = &g->vpls->lamps[first];
     const uint32_t index = g->n_nodes++;
@@ -99,32 +99,32 @@ static uint32_t grow_node(struct gardener *g, uint32_t first, uint32_t count)
     const uint32_t below = partition_lamps(lamps, count, axis, 0.5F * (b.low[axis] + b.high[axis]));
     if (below == 0 || below == count)
         return index;
-    grow_node(g, first, below);
-    node->right = grow_node(g, first + below, count - below);
+    build_node(g, first, below);
+    node->right = build_node(g, first + below, count - below);
     return index;
 }
 
 /* Builds a group's tree. A tree of n lamps has fewer than 2 n nodes, so that each tree has its own
  * range. */
-static void grow_tree(void *arg, size_t group, uint32_t member)
+static void build_tree(void *arg, size_t group, uint32_t member)
 {
     struct orl_vpls *vpls = arg;
     const uint32_t first = (uint32_t)vpls->first[group];
     const uint32_t count = (uint32_t)vpls->first[group + 1] - first;
-    struct gardener g = {
-        .vpls = vpls, .n_nodes = 2 * first, .normals_as = (float)vpls->world->geometry->radius};
+    struct tree_builder g = {
+        .vpls = vpls, .n_nodes = 2 * first, .normals_as = (float)vpls->lit_scene->geometry->radius};
     (void)member;
     if (count > 0)
-        vpls->roots[group] = grow_node(&g, first, count);
+        vpls->roots[group] = build_node(&g, first, count);
 }
 
-int orl_vpl_plant(struct orl_vpls *vpls, struct orl_crew *crew)
+int orl_vpl_build_trees(struct orl_vpls *vpls, struct orl_thread_pool *pool)
 {
     const size_t count = vpls->first[ORL_MAP_BATCHES];
     vpls->nodes = malloc((2 * count + 1) * sizeof *vpls->nodes);
     if (!vpls->nodes)
         return ORL_ERR_NOMEM;
-    return orl_crew_try(crew, ORL_MAP_BATCHES, grow_tree, vpls);
+    return orl_parallel_try(pool, ORL_MAP_BATCHES, build_tree, vpls);
 }
 
 /*
@@ -145,7 +145,7 @@ static double height_bound(const struct orl_vpl_node *node, const double normal[
 
 /* Estimates the light of a node's lamps at a place; zero only if none can light it. */
 static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 point,
-                           struct orl_vec3 normal, double most_sr_m2)
+                           struct orl_vec3 normal, double max_factor_sr_m2)
 {
     const double up[3] = {normal.x, normal.y, normal.z};
     const double down[3] = {node->normal[0], node->normal[1], node->normal[2]};
@@ -158,8 +158,9 @@ static double likely_light(const struct orl_vpl_node *node, struct orl_vec3 poin
     const double there = height_bound(node, down, -(x * down[0] + y * down[1] + z * down[2]),
                                       (sqrt(d2) + r) * node->spread, near);
     const double factor = here * there;
-    const double most = most_sr_m2 * near2 * near2; /* not divided yet: lamps may share a point */
-    return node->power * (factor < most ? factor / (near2 * near2) : most_sr_m2);
+    const double most =
+        max_factor_sr_m2 * near2 * near2; /* not divided yet: lamps may share a point */
+    return node->power * (factor < most ? factor / (near2 * near2) : max_factor_sr_m2);
 }
 
 /* Returns true if all lamps of the node light the place alike, seen from far away. */
@@ -181,8 +182,8 @@ static void set_node(struct orl_vpl_cut *cut, uint32_t i, const struct orl_vpls 
 {
     const struct orl_vpl_node *n = &vpls->nodes[node];
     cut->nodes[i] = node;
-    cut->light[i] = likely_light(n, point, normal, vpls->most_sr_m2);
-    cut->unsure[i] = cut->light[i] > 0 && !is_end(n, point) ? cut->light[i] : 0;
+    cut->light[i] = likely_light(n, point, normal, vpls->max_factor_sr_m2);
+    cut->uncertain[i] = cut->light[i] > 0 && !is_end(n, point) ? cut->light[i] : 0;
 }
 
 void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint32_t group,
@@ -196,8 +197,8 @@ void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint
     for (cut->count = 1; cut->count < size && cut->count < ORL_VPL_MOST_CUT; cut->count++) {
         uint32_t most = 0;
         for (uint32_t i = 1; i < cut->count; i++)
-            most = cut->unsure[i] > cut->unsure[most] ? i : most;
-        if (!(cut->unsure[most] > 0))
+            most = cut->uncertain[i] > cut->uncertain[most] ? i : most;
+        if (!(cut->uncertain[most] > 0))
             break;
         const uint32_t node = cut->nodes[most];
         set_node(cut, most, vpls, node + 1, point, normal);
@@ -207,9 +208,9 @@ void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint
         cut->sum += cut->light[i];
 }
 
-bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
-                  struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
-                  double *ret_probability)
+bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
+                    struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
+                    double *ret_probability)
 {
     uint32_t i = 0;
     if (!(cut->sum > 0))
@@ -223,8 +224,8 @@ bool orl_vpl_draw(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, do
     const struct orl_vpl_node *node = &vpls->nodes[cut->nodes[i]];
     while (!is_end(node, point)) {
         const struct orl_vpl_node *left = node + 1, *right = &vpls->nodes[node->right];
-        const double l = likely_light(left, point, normal, vpls->most_sr_m2);
-        const double r = likely_light(right, point, normal, vpls->most_sr_m2);
+        const double l = likely_light(left, point, normal, vpls->max_factor_sr_m2);
+        const double r = likely_light(right, point, normal, vpls->max_factor_sr_m2);
         if (!(l + r > 0))
             return false;
         const double share = l / (l + r);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/kth.h"
+#include "base/statistics/nth_element.h"
 #include "render/heat_map/quad.h"
 #include "render/heat_map/section.h"
 
@@ -33,7 +33,7 @@ static void place_on_page(const struct page *page, const double at[2], double *r
 static void write_text(const struct page *page, double x, double y, enum orl_canvas_align align,
                        const unsigned char rgb[3], const char *text)
 {
-    struct orl_canvas_letters letters = {.size = LETTERS, .align = align};
+    struct orl_canvas_text_style letters = {.size = LETTERS, .align = align};
     memcpy(letters.rgb, rgb, 3);
     orl_canvas_text(page->canvas, x, y, &letters, text);
 }
@@ -119,7 +119,7 @@ static int make_scale(struct page *page)
     for (size_t i = 0; i < plane->count; i++)
         if (isfinite(page->map->values[plane->sensors[i]]))
             values[n++] = page->map->values[plane->sensors[i]];
-    const double high = n > 0 ? orl_find_kth(values, n, (n - 1) - (n - 1) / 100) : 0;
+    const double high = n > 0 ? orl_nth_element(values, n, (n - 1) - (n - 1) / 100) : 0;
     free(values);
     orl_scale_set(&page->scale, &page->map->how->colors, page->map->unit, high);
     return 0;

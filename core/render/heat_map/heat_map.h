@@ -7,7 +7,7 @@
 #ifndef ORL_RENDER_HEAT_MAP_HEAT_MAP_H
 #define ORL_RENDER_HEAT_MAP_HEAT_MAP_H
 
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
 
 #include "render/heat_map/planes.h"
 #include "render/picture/scale.h"

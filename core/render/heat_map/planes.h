@@ -9,7 +9,7 @@
 #ifndef ORL_RENDER_HEAT_MAP_PLANES_H
 #define ORL_RENDER_HEAT_MAP_PLANES_H
 
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 enum { ORL_LEAST_IN_PLANE = 4 }; /* smallest number of sensors for a map */
 

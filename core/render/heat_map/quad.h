@@ -2,7 +2,7 @@
 #ifndef ORL_RENDER_HEAT_MAP_QUAD_H
 #define ORL_RENDER_HEAT_MAP_QUAD_H
 
-#include <oriel/canvas.h>
+#include <oriel/base/canvas.h>
 
 /* Four corners in order, of either orientation; convex. Page units. */
 struct orl_quad {

@@ -10,9 +10,9 @@
 #include "scene/geometry/geometry.h"
 
 /* Callback for each segment, in the plane's axes. */
-typedef void (*orl_section_piece)(void *ctx, const double from[2], const double to[2]);
+typedef void (*orl_section_segment)(void *ctx, const double from[2], const double to[2]);
 
 void orl_section_cut(const struct orl_geometry *geometry, const struct orl_sensor_plane *plane,
-                     orl_section_piece piece, void *ctx);
+                     orl_section_segment piece, void *ctx);
 
 #endif

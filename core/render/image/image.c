@@ -3,14 +3,15 @@
 #include <stdlib.h>
 
 #include "render/gather/icache_fit.h"
-#include "render/image/mosaic.h"
+#include "render/image/adaptive_tile.h"
 #include "render/image/small_lights.h"
 
 enum { LAMP_RAYS = 4 };
 /* Rays into a pane's lobes; fewer if the rest is not gathered and the picture has larger other
  * errors. */
 enum { PANE_SAMPLES = 28, FEWER_PANE_SAMPLES = 12, GLOSS_SAMPLES = 4 };
-static const double dimmest = 0.004; /* branches below this share of the pixel are not followed */
+static const double least_weight =
+    0.004; /* branches below this share of the pixel are not followed */
 /* Weight in the pixel below which a lobe is faint. */
 static const double faint_lobe = 0.1;
 enum { COARSEST_STEP = 16, RECORDS_A_ROUND = 256, HOLDS = 2 };
@@ -34,7 +35,7 @@ static const double large_picture = 1 << 17, most_finer = 1.5;
 
 /* Places of one lattice row that need a record. */
 struct row {
-    struct orl_record *places; /* with the least radius that pixels allow */
+    struct orl_irradiance_record *places; /* with the least radius that pixels allow */
     size_t count, capacity;
     size_t looks, lobes; /* rays through the row's places, and those of them that met lobes */
     bool out_of_memory;
@@ -46,14 +47,14 @@ struct painter {
     struct orl_shader shader;
     struct orl_icache cache;
     bool outside;
-    struct orl_grain grain;
+    struct orl_pixel_footprint footprint;
     /* A round of records: places are found row by row, then records are computed. */
     uint32_t step;
     double before, share; /* progress of the view: by earlier rounds, and the share of this one */
     double records;       /* share of the progress by all rounds and by fitting records */
     uint64_t *seen;       /* for every second pixel: what its lattice ray saw */
     struct row *rows;
-    struct orl_record *wanted;
+    struct orl_irradiance_record *wanted;
     size_t n_wanted, first_record;
 };
 
@@ -74,7 +75,7 @@ static uint64_t seed_of(const struct painter *p)
  * nothing. */
 static uint32_t finest_step(const struct painter *p)
 {
-    return p->gather->rest == ORL_REST_GATHERED || p->outside ? 1 : 2;
+    return p->gather->indirect == ORL_INDIRECT_GATHERED || p->outside ? 1 : 2;
 }
 
 /* Returns the factor of rays over the usual number. */
@@ -85,7 +86,7 @@ static double rays_of(const struct painter *p)
 
 /* Returns the rows of a record. Inside, where the rest is read, even few rays are more accurate
  * than what they replace. */
-static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
+static uint32_t rows_of(const struct painter *p, const struct orl_shading_point *place)
 {
     const struct orl_film *film = p->painting->film;
     const double finer = cbrt(sqrt(large_picture / ((double)film->width * film->height)));
@@ -97,7 +98,7 @@ static uint32_t rows_of(const struct painter *p, const struct orl_place *place)
 
 static uint32_t pane_samples_of(const struct painter *p)
 {
-    const bool gathered = p->gather->rest == ORL_REST_GATHERED;
+    const bool gathered = p->gather->indirect == ORL_INDIRECT_GATHERED;
     return (uint32_t)ceil((gathered ? PANE_SAMPLES : FEWER_PANE_SAMPLES) * rays_of(p));
 }
 
@@ -105,21 +106,22 @@ static uint32_t pane_samples_of(const struct painter *p)
 static void compute_record(void *arg, size_t index, uint32_t member)
 {
     const struct painter *p = arg;
-    struct orl_record *record = &p->wanted[p->first_record + index];
+    struct orl_irradiance_record *record = &p->wanted[p->first_record + index];
     struct orl_random random =
         orl_random_stream(seed_of(p), ORL_PURPOSE_RECORD, p->cache.count + p->first_record + index);
     if (cancelled(p))
         return;
-    *record = orl_record_make(p->gather, &record->place, record->least, rows_of(p, &record->place),
-                              &p->cache, &random, &p->painting->env->searches[member]);
+    *record = orl_irradiance_record_make(p->gather, &record->place, record->least,
+                                         rows_of(p, &record->place), &p->cache, &random,
+                                         &p->painting->env->searches[member]);
 }
 
 static void request_record(struct row *row, const struct orl_vertex *v,
-                           const struct orl_grain *grain)
+                           const struct orl_pixel_footprint *footprint)
 {
     if (row->count == row->capacity) {
         const size_t capacity = row->capacity ? 2 * row->capacity : 16;
-        struct orl_record *grown = realloc(row->places, capacity * sizeof *grown);
+        struct orl_irradiance_record *grown = realloc(row->places, capacity * sizeof *grown);
         if (!grown) {
             row->out_of_memory = true;
             return;
@@ -127,28 +129,28 @@ static void request_record(struct row *row, const struct orl_vertex *v,
         row->places = grown;
         row->capacity = capacity;
     }
-    row->places[row->count++] =
-        (struct orl_record){.place = v->place, .least = orl_record_least(grain, v->distance)};
+    row->places[row->count++] = (struct orl_irradiance_record){
+        .place = v->place, .least = orl_pixel_footprint_radius(footprint, v->distance)};
 }
 
 /* Returns true if a place needs no record; in the last round it suffices that a record can be
  * read. */
-static bool is_served(const struct painter *p, const struct orl_place *place)
+static bool is_served(const struct painter *p, const struct orl_shading_point *place)
 {
-    return p->step > finest_step(p) ? orl_icache_serves(&p->cache, place)
-                                    : orl_icache_reaches(&p->cache, place);
+    return p->step > finest_step(p) ? orl_icache_covers(&p->cache, place)
+                                    : orl_icache_has_record_for(&p->cache, place);
 }
 
 /* Returns true if the value read at a place is in doubt. */
 static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
                        struct orl_search *search)
 {
-    struct orl_footing footing;
-    if (p->gather->rest != ORL_REST_RECORDS ||
-        !orl_gather_footing(p->gather, v->on_surface, v->place.normal, &footing))
+    struct orl_surface_point surface_point;
+    if (p->gather->indirect != ORL_INDIRECT_PRECOMPUTED ||
+        !orl_gather_find_surface(p->gather, v->on_surface, v->place.normal, &surface_point))
         return false;
-    const struct orl_density read = orl_gather_rest(p->gather, &footing, search);
-    return orl_lighting_doubt(&read) > 0;
+    const struct orl_density read = orl_gather_indirect(p->gather, &surface_point, search);
+    return orl_lighting_gathered_share(&read) > 0;
 }
 
 /*
@@ -195,7 +197,7 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
                                 struct row *row, struct orl_search *search)
 {
     struct orl_vec3 origin, direction;
-    struct orl_shaded shaded;
+    struct orl_shaded_ray shaded;
     struct orl_random random = {0};
     bool gathered = false;
     if (!orl_paint_ray(p->painting, x + 0.5, y + 0.5, &origin, &direction))
@@ -209,10 +211,11 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
         const bool served = (!is_read || doubt) && is_served(p, &v->place);
         const bool wants = !served && (!is_read || (doubt && is_doubted(p, v, search)));
         if (wants)
-            request_record(row, v, &p->grain);
+            request_record(row, v, &p->footprint);
         gathered = gathered || served || wants;
     }
-    return gathered && p->gather->rest != ORL_REST_GATHERED ? SEEN_GATHERED : shaded.way | 1;
+    return gathered && p->gather->indirect != ORL_INDIRECT_GATHERED ? SEEN_GATHERED
+                                                                    : shaded.way | 1;
 }
 
 /* Finds the places along one lattice row. */
@@ -222,7 +225,8 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
     struct orl_search *search = &p->painting->env->searches[member];
     const uint32_t step = p->step, y = (uint32_t)index * step;
     const bool all =
-        step >= (uint32_t)(p->gather->rest == ORL_REST_GATHERED ? ALL_OF_STEP : ALL_READ_OF_STEP);
+        step >=
+        (uint32_t)(p->gather->indirect == ORL_INDIRECT_GATHERED ? ALL_OF_STEP : ALL_READ_OF_STEP);
     for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
         if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
             continue; /* the previous lattice contains this point */
@@ -243,7 +247,7 @@ static int join_rows(struct painter *p, size_t rows)
         total += p->rows[i].count;
         short_of_memory = short_of_memory || p->rows[i].out_of_memory;
     }
-    struct orl_record *wanted = realloc(p->wanted, (total + 1) * sizeof *wanted);
+    struct orl_irradiance_record *wanted = realloc(p->wanted, (total + 1) * sizeof *wanted);
     if (wanted)
         p->wanted = wanted;
     p->n_wanted = 0;
@@ -252,7 +256,8 @@ static int join_rows(struct painter *p, size_t rows)
             wanted[p->n_wanted++] = p->rows[i].places[k];
         free(p->rows[i].places);
     }
-    return wanted && !short_of_memory ? orl_records_thin(p->wanted, &p->n_wanted) : ORL_ERR_NOMEM;
+    return wanted && !short_of_memory ? orl_irradiance_records_thin(p->wanted, &p->n_wanted)
+                                      : ORL_ERR_NOMEM;
 }
 
 /* Returns the number of rays through the lattice's points, or of those that met lobes. */
@@ -275,8 +280,8 @@ static int compute_wanted(struct painter *p)
 {
     for (p->first_record = 0; p->first_record < p->n_wanted; p->first_record += RECORDS_A_ROUND) {
         const size_t left = p->n_wanted - p->first_record;
-        orl_crew_for(p->painting->env->crew, left < RECORDS_A_ROUND ? left : RECORDS_A_ROUND,
-                     compute_record, p);
+        orl_parallel_for(p->painting->env->pool, left < RECORDS_A_ROUND ? left : RECORDS_A_ROUND,
+                         compute_record, p);
         if (cancelled(p))
             return ORL_ERR_CANCELLED;
         report_records(p);
@@ -288,7 +293,7 @@ static int compute_wanted(struct painter *p)
         code = orl_icache_index(&p->cache);
     /* After the last round no further records could serve the places that are no longer reached. */
     for (int i = 0; i < HOLDS && code == 0 && p->step > finest_step(p); i++)
-        code = orl_icache_hold_back(&p->cache, p->painting->env->crew);
+        code = orl_icache_clamp_neighbours(&p->cache, p->painting->env->pool);
     return code;
 }
 
@@ -314,7 +319,7 @@ static double sum_of(const double shares[STEPS + 1])
 /* Estimates the pixels' share of the time from the coarsest lattice's rays. */
 static void foresee_pixels(struct painter *p, size_t looks, size_t lobes)
 {
-    const bool gathered = p->gather->rest == ORL_REST_GATHERED;
+    const bool gathered = p->gather->indirect == ORL_INDIRECT_GATHERED;
     const double records = sum_of(gathered ? shares_gathered : shares_read), rays = rays_of(p);
     const double met = gathered && looks > 0 ? (double)lobes / (double)looks : 0;
     const double pixels = (1 - records) * (1 + times_of_lobes * met * rays);
@@ -324,7 +329,8 @@ static void foresee_pixels(struct painter *p, size_t looks, size_t lobes)
 
 static double share_of_round(const struct painter *p, int round)
 {
-    const double *shares = p->gather->rest == ORL_REST_GATHERED ? shares_gathered : shares_read;
+    const double *shares =
+        p->gather->indirect == ORL_INDIRECT_GATHERED ? shares_gathered : shares_read;
     return p->records * shares[round] / sum_of(shares);
 }
 
@@ -342,7 +348,7 @@ static int place_records(struct painter *p)
         p->rows = calloc(rows, sizeof *p->rows);
         if (!p->rows)
             return ORL_ERR_NOMEM;
-        orl_crew_for(p->painting->env->crew, rows, look_along_row, p);
+        orl_parallel_for(p->painting->env->pool, rows, look_along_row, p);
         code = join_rows(p, rows);
         if (round == 0)
             foresee_pixels(p, count_looks(p, rows, false), count_looks(p, rows, true));
@@ -354,7 +360,7 @@ static int place_records(struct painter *p)
         p->painting->env->progress(p->painting->env->ctx, p->before);
     }
     if (code == 0)
-        code = orl_icache_fit(&p->cache, p->gather->world->geometry, p->painting->env->crew);
+        code = orl_icache_fit(&p->cache, p->gather->lit_scene->geometry, p->painting->env->pool);
     p->before += share_of_round(p, STEPS);
     return code;
 }
@@ -374,23 +380,24 @@ static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *
     const struct orl_gather_ray ray = {.origin = lobe->origin,
                                        .direction = lobe->direction,
                                        .outside = lobe->outside,
-                                       .of_lobe = &lobe->chance,
-                                       .by_texels = faint,
+                                       .lobe_mis_pdf = &lobe->mis_pdf,
+                                       .reads_texels = faint,
                                        .known = faint ? &p->cache : NULL};
     return orl_gather_radiance(p->gather, &ray, random, search);
 }
 
 static int paint_pixels(const struct painter *p)
 {
-    const uint32_t lamps = (uint32_t)(p->gather->world->n_emitters > 0);
+    const uint32_t lamps = (uint32_t)(p->gather->lit_scene->n_emitters > 0);
     atomic_bool failed = false;
-    struct orl_mosaic mosaic = {.lighting = {p->gather, &p->cache, p->grain, lamps ? LAMP_RAYS : 1},
-                                .shader = p->shader,
-                                .painting = p->painting,
-                                .seed = seed_of(p),
-                                .outside = p->outside,
-                                .failed = &failed};
-    const int code = orl_paint_tiles(p->painting, orl_mosaic_paint, &mosaic, p->before);
+    struct orl_tile_painter tile_painter = {
+        .lighting = {p->gather, &p->cache, p->footprint, lamps ? LAMP_RAYS : 1},
+        .shader = p->shader,
+        .painting = p->painting,
+        .seed = seed_of(p),
+        .outside = p->outside,
+        .failed = &failed};
+    const int code = orl_paint_tiles(p->painting, orl_tile_painter_paint, &tile_painter, p->before);
     return code == 0 && atomic_load(&failed) ? ORL_ERR_NOMEM : code;
 }
 
@@ -399,39 +406,40 @@ int orl_image_render(const struct orl_gather *gather, const struct orl_painting 
 {
     struct painter painter = {.gather = gather,
                               .painting = painting,
-                              .shader = {.world = gather->world,
+                              .shader = {.lit_scene = gather->lit_scene,
                                          .backs_unseen = painting->view->backs_unseen,
                                          .irradiance = painting->irradiance,
                                          .sobol = &gather->sobol,
                                          .gloss_samples = GLOSS_SAMPLES,
-                                         .dimmest = dimmest,
+                                         .least_weight = least_weight,
                                          .radiance = lobe_radiance,
                                          .ctx = &painter}};
     const struct orl_view *view = painting->view;
-    const struct orl_vec3 eye = orl_sub(view->point, gather->world->geometry->center);
+    const struct orl_vec3 eye = orl_sub(view->point, gather->lit_scene->geometry->center);
     const double degrees = fmax(view->horizontal, view->vertical);
     const double side = fmax(painting->film->width, painting->film->height);
-    struct orl_small_lights discs;
+    struct orl_small_lights small_lights;
     painter.shader.pane_samples = pane_samples_of(&painter);
-    painter.outside = orl_world_is_outside(gather->world, eye);
-    painter.grain =
+    painter.outside = orl_lit_scene_is_outside(gather->lit_scene, eye);
+    painter.footprint =
         view->type == 'l'
-            ? (struct orl_grain){.width = view->horizontal / painting->film->width}
-            : (struct orl_grain){.angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side,
-                                 .start = view->fore,
-                                 .nearest = orl_geometry_resolution(gather->world->geometry)};
-    orl_icache_init(&painter.cache, gather->world->omit.channels);
-    painter.cache.geometry = gather->world->geometry;
-    int code = orl_discs_init(&discs, gather->world, painting);
-    painter.shader.suns = discs.suns;
-    painter.shader.lamps_apart = discs.lamps;
+            ? (struct orl_pixel_footprint){.width = view->horizontal / painting->film->width}
+            : (struct orl_pixel_footprint){
+                  .angle = fmax(degrees * ORL_DEG_TO_RAD, 0.05) / side,
+                  .start = view->fore,
+                  .nearest = orl_geometry_resolution(gather->lit_scene->geometry)};
+    orl_icache_init(&painter.cache, gather->lit_scene->omit.channels);
+    painter.cache.geometry = gather->lit_scene->geometry;
+    int code = orl_small_lights_init(&small_lights, gather->lit_scene, painting);
+    painter.shader.suns = small_lights.suns;
+    painter.shader.excluded_lamps = small_lights.lamps;
     if (code == 0)
         code = place_records(&painter);
     if (code == 0)
         code = paint_pixels(&painter);
     if (code == 0)
-        orl_discs_paint(&discs, &painter.shader, painting, painter.outside);
-    orl_discs_done(&discs);
+        orl_small_lights_paint(&small_lights, &painter.shader, painting, painter.outside);
+    orl_small_lights_done(&small_lights);
     orl_icache_done(&painter.cache);
     free(painter.wanted);
     free(painter.seen);

@@ -1,6 +1,6 @@
 /*
  * One view from photon maps. With a final gather, irradiance records are made first, in rounds from
- * coarse to fine; then tiles are painted (mosaic.h).
+ * coarse to fine; then tiles are painted (adaptive_tile.h).
  *
  * A pixel's standard error contains the photons' noise, through records or densities, and the noise
  * of the rays for lobes and lamps. If the pixel has several rays it also contains their spread,

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
-#include "base/scatter.h"
+#include "base/sampling/golden_order.h"
 
 /* Tiles are small if pixels are painted one by one, so that all threads finish at about the same
  * time. */
@@ -30,7 +30,7 @@ static bool lies_within(const struct orl_painting *painting, double x, double y,
         return true;
     return orl_geometry_intersect(
         painting->geometry, origin, direction,
-        orl_view_reach(painting->view, x / film->width, 1 - y / film->height), &hit);
+        orl_view_clip_distance(painting->view, x / film->width, 1 - y / film->height), &hit);
 }
 
 bool orl_paint_ray(const struct orl_painting *painting, double x, double y,
@@ -66,7 +66,7 @@ static void paint_tile(void *arg, size_t index, uint32_t member)
 {
     struct tiles *tiles = arg;
     const struct orl_painting *painting = tiles->painting;
-    const size_t tile = orl_scatter(index, tiles->stride, tiles->all);
+    const size_t tile = orl_golden_order(index, tiles->stride, tiles->all);
     const uint32_t x = (uint32_t)(tile % tiles->across) * tiles->side;
     const uint32_t y = (uint32_t)(tile / tiles->across) * tiles->side;
     const struct orl_tile at = {x, y, least(x + tiles->side, painting->film->width),
@@ -84,10 +84,10 @@ static int paint_all(struct tiles *tiles)
     const struct orl_film *film = painting->film;
     tiles->across = (film->width + tiles->side - 1) / tiles->side;
     tiles->all = tiles->across * ((film->height + tiles->side - 1) / tiles->side);
-    tiles->stride = orl_scatter_stride(tiles->all);
+    tiles->stride = orl_golden_stride(tiles->all);
     painting->env->progress(painting->env->ctx, tiles->before); /* end the previous phase */
     painting->env->phase(painting->env->ctx, tiles->before, 1);
-    orl_crew_for(painting->env->crew, tiles->all, paint_tile, tiles);
+    orl_parallel_for(painting->env->pool, tiles->all, paint_tile, tiles);
     if (orl_paint_cancelled(painting->env))
         return ORL_ERR_CANCELLED;
     painting->env->progress(painting->env->ctx, 1);

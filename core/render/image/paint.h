@@ -5,15 +5,15 @@
 
 #include <stdatomic.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
-#include "photon/density/search.h"
+#include "photon/density/density_search.h"
 #include "render/film/film.h"
 #include "render/film/view.h"
 #include "scene/geometry/geometry.h"
 
 struct orl_paint_env {
-    struct orl_crew *crew;
+    struct orl_thread_pool *pool;
     struct orl_search *searches; /* one per crew member */
     atomic_bool *cancel;
     uint64_t index; /* index of the view in the job; names its random numbers */

@@ -18,7 +18,7 @@ static void place_more(uint32_t ray, double *ret_x, double *ret_y)
     *ret_y = fmod(0.5 + i * golden, 1);
 }
 
-void orl_pixel_place(uint32_t ray, double *ret_x, double *ret_y)
+void orl_pixel_ray_position(uint32_t ray, double *ret_x, double *ret_y)
 {
     static const uint8_t order[ORL_PIXEL_RAYS] = {1, 7, 8, 14, 2, 4, 11, 13,
                                                   0, 6, 9, 15, 3, 5, 10, 12};
@@ -32,20 +32,20 @@ void orl_pixel_place(uint32_t ray, double *ret_x, double *ret_y)
     *ret_y = (row + (down[column] + 0.5) / SIDE) / SIDE;
 }
 
-void orl_pixel_add(struct orl_pixel_rays *tally, const struct orl_shade *shade)
+void orl_pixel_add(struct orl_pixel_rays *tally, const struct orl_ray_radiance *ray_radiance)
 {
-    const double luma = orl_luma(shade->radiance);
-    tally->sum = orl_rgb_add(tally->sum, shade->radiance);
+    const double luma = orl_luma(ray_radiance->radiance);
+    tally->sum = orl_rgb_add(tally->sum, ray_radiance->radiance);
     tally->squares += luma * luma;
     tally->least = tally->rays == 0 ? luma : fmin(tally->least, luma);
     tally->most = fmax(tally->most, luma);
-    tally->rest_error += shade->rest_error;
-    tally->caustic_error += shade->caustic_error;
-    tally->ray_error += shade->ray_error;
+    tally->rest_error += ray_radiance->rest_error;
+    tally->caustic_error += ray_radiance->caustic_error;
+    tally->ray_error += ray_radiance->ray_error;
     tally->rays++;
 }
 
-uint32_t orl_pixel_wants(const struct orl_pixel_rays *tally)
+uint32_t orl_pixel_rays_needed(const struct orl_pixel_rays *tally)
 {
     const double spread = tally->most - tally->least, mean = orl_luma(tally->sum) / tally->rays;
     if (tally->rays > ORL_PIXEL_RAYS)
@@ -56,7 +56,7 @@ uint32_t orl_pixel_wants(const struct orl_pixel_rays *tally)
                                                                   : ORL_PIXEL_RAYS;
 }
 
-struct orl_pixel orl_pixel_settle(const struct orl_pixel_rays *tally)
+struct orl_pixel orl_pixel_resolve(const struct orl_pixel_rays *tally)
 {
     const double n = tally->rays, mean = orl_luma(tally->sum) / n;
     const double spread = tally->rays > 1 ? fmax(tally->squares / n - mean * mean, 0) / (n - 1) : 0;

@@ -1,8 +1,8 @@
 #include "render/image/shade.h"
 
-#include "light/mist.h"
-#include "light/proxies.h"
-#include "scene/material/texture.h"
+#include "scene/built/proxies.h"
+#include "scene/built/volume.h"
+#include "scene/material/patterns/texture.h"
 
 /* Cosine of the largest deflection of a ray that counts as direct: a hundredth of a sun's
  * radius. */
@@ -21,7 +21,7 @@ struct look {
     const struct orl_shader *shader;
     struct orl_random *random;
     struct orl_search *search;
-    struct orl_shaded *shaded;
+    struct orl_shaded_ray *shaded;
     bool lobes;
     struct orl_vec3 direction; /* direction of the view ray */
     struct branch stack[MOST_BRANCHES];
@@ -29,9 +29,9 @@ struct look {
 };
 
 /* Returns the scene that views see. */
-static const struct orl_world *scene_of(const struct look *look)
+static const struct orl_lit_scene *scene_of(const struct look *look)
 {
-    return orl_world_seen(look->shader->world);
+    return orl_lit_scene_seen(look->shader->lit_scene);
 }
 
 static void add_radiance(struct look *look, struct orl_rgb weight, struct orl_rgb radiance)
@@ -44,13 +44,13 @@ static void add_radiance(struct look *look, struct orl_rgb weight, struct orl_rg
 static bool is_unseen(const struct look *look, const struct orl_hit *hit)
 {
     switch (look->shader->backs_unseen && !hit->front
-                ? orl_world_material(scene_of(look), hit)->kind
+                ? orl_lit_scene_material(scene_of(look), hit)->kind
                 : ORL_MATERIAL_VOID) {
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_ASHIKHMIN:
-    case ORL_MATERIAL_LOBED:
+    case ORL_MATERIAL_FUNCTION_LOBES:
         return true;
     default:
         return false;
@@ -62,11 +62,12 @@ static bool is_unseen(const struct look *look, const struct orl_hit *hit)
 static bool is_outside(const struct look *look, const struct branch *from,
                        const struct orl_hit *hit, struct orl_vec3 start, bool transmitted)
 {
-    const struct orl_world *world = scene_of(look);
-    if (transmitted && !world->open &&
-        (orl_world_material(world, hit)->kind == ORL_MATERIAL_ILLUM || is_unseen(look, hit)))
-        return orl_world_is_outside(look->shader->world, start);
-    return orl_world_outside_after(world, hit, transmitted, from->outside);
+    const struct orl_lit_scene *lit_scene = scene_of(look);
+    if (transmitted && !lit_scene->open &&
+        (orl_lit_scene_material(lit_scene, hit)->kind == ORL_MATERIAL_ILLUM ||
+         is_unseen(look, hit)))
+        return orl_lit_scene_is_outside(look->shader->lit_scene, start);
+    return orl_lit_scene_outside_after(lit_scene, hit, transmitted, from->outside);
 }
 
 /* Returns true if a branch is to be followed; with by_lot, applies Russian roulette to dim ones. */
@@ -74,28 +75,28 @@ static bool is_followed(struct look *look, struct branch *branch)
 {
     const struct orl_shader *shader = look->shader;
     const double share = orl_rgb_max(branch->path.weight);
-    const uint32_t most = shader->by_lot ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
+    const uint32_t most = shader->roulette ? MOST_SPLITS_BY_LOT : MOST_SPLITS;
     if (look->depth >= MOST_BRANCHES || branch->splits > most)
         return false;
-    if (share >= shader->dimmest || !shader->by_lot)
-        return share >= shader->dimmest;
-    if (!(orl_random_uniform(look->random) * shader->dimmest < share))
+    if (share >= shader->least_weight || !shader->roulette)
+        return share >= shader->least_weight;
+    if (!(orl_random_uniform(look->random) * shader->least_weight < share))
         return false;
-    branch->path.weight = orl_rgb_scale(branch->path.weight, shader->dimmest / share);
+    branch->path.weight = orl_rgb_scale(branch->path.weight, shader->least_weight / share);
     return true;
 }
 
 /* Pushes a branch in the direction of s, with its weight. */
 static void push_branch(struct look *look, const struct branch *from, const struct orl_hit *hit,
-                        const struct orl_scatter *s)
+                        const struct orl_surface_sample *s)
 {
-    const struct orl_world *world = scene_of(look);
+    const struct orl_lit_scene *lit_scene = scene_of(look);
     struct branch next = {
         .path = from->path, .distance = from->distance + hit->distance, .splits = from->splits + 1};
     next.path.weight = orl_rgb_mul(from->path.weight, s->weight);
     if (!is_followed(look, &next))
         return;
-    orl_path_leave(&next.path, world, hit, s);
+    orl_path_spawn_ray(&next.path, lit_scene, hit, s);
     next.outside = is_outside(look, from, hit, next.path.origin, s->transmitted);
     look->stack[look->depth++] = next;
 }
@@ -104,13 +105,13 @@ static void add_vertex(struct look *look, const struct branch *at, const struct 
                        const struct orl_material *m)
 {
     const struct orl_vec3 seen = orl_hit_facing(hit);
-    const struct orl_world *world = scene_of(look);
-    const bool proxied = orl_world_hides(world, hit->facet);
+    const struct orl_lit_scene *lit_scene = scene_of(look);
+    const bool proxied = orl_lit_scene_hides(lit_scene, hit->facet);
     if (look->shaded->n_vertices >= ORL_SHADE_VERTICES)
         return;
     struct orl_vertex *const vertex = &look->shaded->vertices[look->shaded->n_vertices++];
     *vertex = (struct orl_vertex){
-        .place = {.point = orl_hit_leave(world->geometry, hit, seen),
+        .place = {.point = orl_hit_ray_origin(lit_scene->geometry, hit, seen),
                   .normal = seen,
                   .outside = at->outside || proxied,
                   .proxied = proxied},
@@ -142,7 +143,7 @@ static void add_sample(struct samples *samples, struct orl_rgb value)
 static void add_mean(struct look *look, struct orl_rgb weight, const struct samples *samples,
                      bool is_gloss)
 {
-    struct orl_shaded *shaded = look->shaded;
+    struct orl_shaded_ray *shaded = look->shaded;
     const double n = samples->count;
     const struct orl_rgb mean = orl_rgb_scale(samples->sum, 1 / n);
     const struct orl_rgb shown = orl_rgb_mul(weight, mean);
@@ -163,48 +164,49 @@ static void add_direct_in_lobes(struct look *look, const struct branch *at,
                                 struct orl_vec3 eye)
 {
     enum { SAMPLES = 2 };
-    const struct orl_world *world = scene_of(look);
+    const struct orl_lit_scene *lit_scene = scene_of(look);
     struct samples direct = {.count = 0};
-    if (!orl_world_hides(world, hit->facet))
-        world = look->shader->world;
+    if (!orl_lit_scene_hides(lit_scene, hit->facet))
+        lit_scene = look->shader->lit_scene;
     for (int i = 0; i < SAMPLES; i++)
-        add_sample(&direct, orl_direct_by_lobes(world, hit, m, eye, look->random));
+        add_sample(&direct, orl_direct_by_lobes(lit_scene, hit, m, eye, look->random));
     add_mean(look, at->path.weight, &direct, !orl_material_transmits_lobes(m));
 }
 
 /* Returns true if all non-diffuse reflection goes one way. Other materials may mirror a share and
  * scatter another. */
-static bool mirrors_alone(const struct orl_material *m, const struct orl_hit *hit,
-                          struct orl_vec3 eye)
+static bool only_mirrors(const struct orl_material *m, const struct orl_hit *hit,
+                         struct orl_vec3 eye)
 {
     return m->kind == ORL_MATERIAL_TRANS && orl_rgb_max(orl_material_mirrored(m, hit, eye)) > 0;
 }
 
 /* Draws a sample of the lobes. Mirrored and straight light is followed separately: among samples it
  * counts as nothing, and it is not drawn if it is all there is on that side. */
-static struct orl_scatter sample_lobes(const struct look *look, const struct orl_hit *hit,
-                                       const struct orl_material *m, struct orl_vec3 eye,
-                                       uint32_t sample, uint32_t sequence)
+static struct orl_surface_sample sample_lobes(const struct look *look, const struct orl_hit *hit,
+                                              const struct orl_material *m, struct orl_vec3 eye,
+                                              uint32_t sample, uint32_t sequence)
 {
-    const enum orl_lobes lobes = mirrors_alone(m, hit, eye)
+    const enum orl_lobes lobes = only_mirrors(m, hit, eye)
                                      ? ORL_LOBE_TRANSMITTED
                                      : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
     double u[3];
     orl_sobol_point(look->shader->sobol, sample, sequence, 3, u);
-    return orl_scatter_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
+    return orl_material_sample_at(m, hit, eye, ORL_TRANSPORT_EYE, lobes, u);
 }
 
 /* Returns the radiance along a lobe's ray. */
 static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, struct orl_vec3 eye,
-                                 const struct orl_scatter *s, bool outside)
+                                 const struct orl_surface_sample *s, bool outside)
 {
-    const struct orl_world *world = scene_of(look);
-    const struct orl_vec3 start = orl_hit_leave(world->geometry, hit, s->direction);
-    const struct orl_chance chance = orl_chance_after(world, hit, eye, s, orl_chance_found());
-    if (orl_world_hides(world, hit->facet))
-        return orl_exterior_radiance(world, start, s->direction, chance, look->random,
+    const struct orl_lit_scene *lit_scene = scene_of(look);
+    const struct orl_vec3 start = orl_hit_ray_origin(lit_scene->geometry, hit, s->direction);
+    const struct orl_mis_pdf mis_pdf =
+        orl_mis_pdf_update(lit_scene, hit, eye, s, orl_mis_pdf_zero());
+    if (orl_lit_scene_hides(lit_scene, hit->facet))
+        return orl_exterior_radiance(lit_scene, start, s->direction, mis_pdf, look->random,
                                      &look->search->health, NULL);
-    const struct orl_lobe_ray ray = {start, s->direction, chance, orl_rgb_max(s->weight), outside};
+    const struct orl_lobe_ray ray = {start, s->direction, mis_pdf, orl_rgb_max(s->weight), outside};
     return look->shader->radiance(look->shader->ctx, &ray, look->random, look->search);
 }
 
@@ -213,7 +215,7 @@ static struct orl_rgb seen_along(struct look *look, const struct orl_hit *hit, s
 static void add_lobes(struct look *look, const struct branch *at, const struct orl_hit *hit,
                       const struct orl_material *m)
 {
-    const struct orl_world *world = scene_of(look);
+    const struct orl_lit_scene *lit_scene = scene_of(look);
     const bool is_gloss = !orl_material_transmits_lobes(m);
     const uint32_t samples = is_gloss ? look->shader->gloss_samples : look->shader->pane_samples;
     const struct orl_vec3 eye = orl_path_back(&at->path);
@@ -226,9 +228,10 @@ static void add_lobes(struct look *look, const struct branch *at, const struct o
     const uint32_t sequence = shares ? look->shader->sequence : own;
     const uint32_t first = shares ? look->shader->first_gloss : 0;
     for (uint32_t i = first; i < first + samples; i++) {
-        const struct orl_scatter s = sample_lobes(look, hit, m, eye, i, sequence);
+        const struct orl_surface_sample s = sample_lobes(look, hit, m, eye, i, sequence);
         struct orl_rgb seen = orl_gray(0);
-        const bool outside = orl_world_outside_after(world, hit, s.transmitted, at->outside);
+        const bool outside =
+            orl_lit_scene_outside_after(lit_scene, hit, s.transmitted, at->outside);
         if (s.event == ORL_EVENT_GLOSSY)
             seen = orl_rgb_mul(s.weight, seen_along(look, hit, eye, &s, outside));
         add_sample(&scattered, seen);
@@ -241,16 +244,17 @@ static void push_branches(struct look *look, const struct branch *at, const stru
                           const struct orl_material *m)
 {
     const struct orl_vec3 eye = orl_path_back(&at->path);
-    struct orl_scatter bent[ORL_PRISM_WAYS];
-    const struct orl_scatter on = {.direction = at->path.direction,
-                                   .weight = orl_material_straight(m, hit, eye),
-                                   .transmitted = true};
-    struct orl_scatter back = {.direction = orl_mirrored_at(m, hit, eye),
-                               .weight = orl_material_mirrored(m, hit, eye),
-                               .clarity = m->media[hit->front ? 1 : 0].transmissivity};
+    struct orl_surface_sample bent[ORL_PRISM_RAYS];
+    const struct orl_surface_sample on = {.direction = at->path.direction,
+                                          .weight = orl_material_straight(m, hit, eye),
+                                          .transmitted = true};
+    struct orl_surface_sample back = {.direction = orl_mirrored_at(m, hit, eye),
+                                      .weight = orl_material_mirrored(m, hit, eye),
+                                      .medium_transmissivity =
+                                          m->media[hit->front ? 1 : 0].transmissivity};
     push_branch(look, at, hit, &back);
     push_branch(look, at, hit, &on);
-    for (int i = orl_material_bent_ways(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
+    for (int i = orl_material_deviated_rays(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
         push_branch(look, at, hit, &bent[i]);
 }
 
@@ -258,13 +262,13 @@ static void push_branches(struct look *look, const struct branch *at, const stru
  * material, and some backs are invisible. */
 static const struct orl_material *seen_at(const struct look *look, const struct orl_hit *hit)
 {
-    const struct orl_world *world = scene_of(look);
-    const struct orl_material *m = orl_world_material(world, hit);
+    const struct orl_lit_scene *lit_scene = scene_of(look);
+    const struct orl_material *m = orl_lit_scene_material(lit_scene, hit);
     if (is_unseen(look, hit))
         return NULL;
     if (m->kind != ORL_MATERIAL_ILLUM)
         return m;
-    return m->seen_as >= 0 ? &world->materials[m->seen_as] : NULL;
+    return m->seen_as >= 0 ? &lit_scene->materials[m->seen_as] : NULL;
 }
 
 static bool is_straight(const struct look *look, struct orl_vec3 direction)
@@ -276,14 +280,15 @@ static bool is_straight(const struct look *look, struct orl_vec3 direction)
 static bool shows_lamp(const struct look *look, struct orl_vec3 direction, uint32_t facet)
 {
     const struct orl_shader *shader = look->shader;
-    if (shader->suns == ORL_LAMP_ALONE)
+    if (shader->suns == ORL_LAMP_ONLY)
         return facet == shader->lamp && is_straight(look, direction);
-    return shader->suns != ORL_SUNS_ALONE &&
-           !(shader->lamps_apart && !orl_facet_is_placed(look->shader->world->geometry, facet) &&
-             shader->lamps_apart[facet] && is_straight(look, direction));
+    return shader->suns != ORL_SUNS_ONLY &&
+           !(shader->excluded_lamps &&
+             !orl_facet_is_instanced(look->shader->lit_scene->geometry, facet) &&
+             shader->excluded_lamps[facet] && is_straight(look, direction));
 }
 
-static void note_way(struct orl_shaded *shaded, uint64_t met)
+static void note_signature(struct orl_shaded_ray *shaded, uint64_t met)
 {
     shaded->way = orl_mix64(shaded->way + met + 1);
 }
@@ -293,10 +298,10 @@ static void note_way(struct orl_shaded *shaded, uint64_t met)
 static void meet_for_irradiance(struct look *look, const struct branch *at,
                                 const struct orl_hit *hit, const struct orl_material *m)
 {
-    const struct orl_scatter on = {
+    const struct orl_surface_sample on = {
         .direction = at->path.direction, .weight = orl_gray(1), .transmitted = true};
-    const bool pane =
-        m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING || orl_material_bends(m);
+    const bool pane = m->kind == ORL_MATERIAL_GLASS || m->kind == ORL_MATERIAL_GLAZING ||
+                      orl_material_deviates(m);
     if (!pane && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);
     else if (pane || (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m)))
@@ -307,21 +312,22 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
 
 /* Adds the light scattered by mist and attenuates the branch. Returns false if the branch ends in
  * the mist; one sampled path then continues it. */
-static bool passes_mist(struct look *look, struct branch *at, double distance)
+static bool passes_volume(struct look *look, struct branch *at, double distance)
 {
-    const struct orl_world *const world = look->shader->world;
-    const struct orl_mist_event event =
-        orl_mist_meet(world->scene, at->path.origin, at->path.direction, distance, look->random);
+    const struct orl_lit_scene *const lit_scene = look->shader->lit_scene;
+    const struct orl_volume_event event = orl_volume_sample_event(
+        lit_scene->scene, at->path.origin, at->path.direction, distance, look->random);
     at->path.weight = orl_rgb_mul(at->path.weight, event.weight);
     if (!event.scattered)
         return true;
     const struct orl_vec3 point = orl_madd(at->path.origin, at->path.direction, event.distance);
     const struct orl_rgb direct =
-        orl_direct_in_mist(world, point, at->path.direction, event.forward, look->random);
+        orl_direct_in_volume(lit_scene, point, at->path.direction, event.asymmetry, look->random);
     const double u0 = orl_random_uniform(look->random),
                  u[2] = {u0, orl_random_uniform(look->random)};
-    const struct orl_lobe_ray ray = {point, orl_phase_sample(event.forward, at->path.direction, u),
-                                     orl_chance_found(), orl_rgb_max(at->path.weight), at->outside};
+    const struct orl_lobe_ray ray = {
+        point, orl_phase_function_sample(event.asymmetry, at->path.direction, u),
+        orl_mis_pdf_zero(), orl_rgb_max(at->path.weight), at->outside};
     add_radiance(look, at->path.weight,
                  orl_rgb_add(direct, look->shader->radiance(look->shader->ctx, &ray, look->random,
                                                             look->search)));
@@ -332,10 +338,10 @@ static void shade_surface(struct look *look, const struct branch *met, const str
 {
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
-    const bool alone = look->shader->suns >= ORL_SUNS_ALONE;
-    note_way(look->shaded, 2 * (uint64_t)hit->facet + hit->front);
+    const bool alone = look->shader->suns >= ORL_SUNS_ONLY;
+    note_signature(look->shaded, 2 * (uint64_t)hit->facet + hit->front);
     if (!m) {
-        const struct orl_scatter on = {
+        const struct orl_surface_sample on = {
             .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
         push_branch(look, &at, hit, &on);
         return;
@@ -344,7 +350,7 @@ static void shade_surface(struct look *look, const struct branch *met, const str
         meet_for_irradiance(look, &at, hit, m);
         return;
     }
-    orl_path_arrive(&at.path, m, hit);
+    orl_path_attenuate(&at.path, m, hit);
     if (!alone && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, &at, hit, m);
     push_branches(look, &at, hit, m);
@@ -358,32 +364,32 @@ static void shade_surface(struct look *look, const struct branch *met, const str
 
 /* Views ignore the BSDFs that stand for what they see, but must track which side of them they are
  * on. */
-static void pass_proxies(const struct orl_world *world, double distance, struct branch *at)
+static void pass_proxies(const struct orl_lit_scene *lit_scene, double distance, struct branch *at)
 {
-    const enum orl_crossing passed =
-        orl_proxies_passed(world->scene, at->path.origin, at->path.direction, distance);
-    if (passed != ORL_CROSSING_NONE && !world->open)
+    const enum orl_port_crossing passed =
+        orl_proxies_last_crossing(lit_scene->scene, at->path.origin, at->path.direction, distance);
+    if (passed != ORL_CROSSING_NONE && !lit_scene->open)
         at->outside = passed == ORL_CROSSING_OUTWARDS;
 }
 
 /* Returns the radiance of the sky, and of the suns that this ray shows. */
 static struct orl_rgb seen_beyond(const struct look *look, struct orl_vec3 direction)
 {
-    const struct orl_world *world = scene_of(look);
-    const enum orl_suns shown = look->shader->suns;
+    const struct orl_lit_scene *lit_scene = scene_of(look);
+    const enum orl_sun_visibility shown = look->shader->suns;
     const struct orl_rgb sky =
-        shown >= ORL_SUNS_ALONE ? orl_gray(0) : orl_world_dome_seen(world, direction);
+        shown >= ORL_SUNS_ONLY ? orl_gray(0) : orl_lit_scene_dome_seen(lit_scene, direction);
     const bool suns =
-        shown == ORL_SUNS_SEEN ||
-        (shown != ORL_LAMP_ALONE && (shown == ORL_SUNS_ALONE) == is_straight(look, direction));
-    return suns ? orl_rgb_add(sky, orl_world_sun_radiance(world, direction)) : sky;
+        shown == ORL_SUNS_VISIBLE ||
+        (shown != ORL_LAMP_ONLY && (shown == ORL_SUNS_ONLY) == is_straight(look, direction));
+    return suns ? orl_rgb_add(sky, orl_lit_scene_sun_radiance(lit_scene, direction)) : sky;
 }
 
 void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
-                   struct orl_search *search, struct orl_shaded *ret_shaded)
+                   struct orl_search *search, struct orl_shaded_ray *ret_shaded)
 {
-    const struct orl_world *world = orl_world_seen(shader->world);
+    const struct orl_lit_scene *lit_scene = orl_lit_scene_seen(shader->lit_scene);
     struct look look; /* its stack stays uninitialised, because it is large */
     look.shader = shader;
     look.random = random;
@@ -403,16 +409,17 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
         struct branch at = look.stack[--look.depth];
         struct orl_hit hit = {.distance = INFINITY};
         search->health.rays++;
-        const bool met = orl_path_meet(world, &at.path, &hit);
-        pass_proxies(world, hit.distance, &at);
-        if (world->scene->mist && !shader->irradiance && !passes_mist(&look, &at, hit.distance))
+        const bool met = orl_path_intersect(lit_scene, &at.path, &hit);
+        pass_proxies(lit_scene, hit.distance, &at);
+        if (lit_scene->scene->mist && !shader->irradiance &&
+            !passes_volume(&look, &at, hit.distance))
             continue;
         if (met) {
             shade_surface(&look, &at, &hit);
             continue;
         }
-        note_way(ret_shaded, UINT32_MAX);
-        search->health.rays_leaked += !world->open && !at.outside;
+        note_signature(ret_shaded, UINT32_MAX);
+        search->health.rays_leaked += !lit_scene->open && !at.outside;
         orl_path_escape(&at.path);
         if (shader->irradiance)
             continue;

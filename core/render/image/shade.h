@@ -12,7 +12,7 @@ enum { ORL_SHADE_VERTICES = 8 };
 
 /* A diffuse surface that the ray meets. */
 struct orl_vertex {
-    struct orl_place place; /* on the visible side, offset from the surface */
+    struct orl_shading_point place; /* on the visible side, offset from the surface */
     struct orl_vec3 on_surface;
     /* Weight of its irradiance in the ray's radiance: path weight times albedo / pi. */
     struct orl_rgb weight;
@@ -20,7 +20,7 @@ struct orl_vertex {
 };
 
 /* Result of a ray. */
-struct orl_shaded {
+struct orl_shaded_ray {
     struct orl_vertex vertices[ORL_SHADE_VERTICES];
     uint32_t n_vertices;
     /* Path signature: names the surfaces met, in order; equal for rays that see the same. */
@@ -38,8 +38,8 @@ struct orl_shaded {
 /* A ray of a lobe. */
 struct orl_lobe_ray {
     struct orl_vec3 origin, direction;
-    struct orl_chance chance; /* MIS density with which the lobe sends it there */
-    double weight;            /* weight of its radiance in the surface's: the largest channel */
+    struct orl_mis_pdf mis_pdf; /* MIS density with which the lobe sends it there */
+    double weight;              /* weight of its radiance in the surface's: the largest channel */
     bool outside;
 };
 
@@ -50,30 +50,30 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, const struct orl_lobe
 
 /* Suns that a ray shows if it meets them directly: through any number of panes that do not deflect
  * it. */
-enum orl_suns {
-    ORL_SUNS_SEEN,  /* all */
-    ORL_SUNS_APART, /* none: rays of their own add them (small_lights.h) */
-    ORL_SUNS_ALONE, /* only suns, and nothing else: for a ray of a sun */
-    ORL_LAMP_ALONE  /* only one lamp: for a ray of that lamp */
+enum orl_sun_visibility {
+    ORL_SUNS_VISIBLE,  /* all */
+    ORL_SUNS_EXCLUDED, /* none: rays of their own add them (small_lights.h) */
+    ORL_SUNS_ONLY,     /* only suns, and nothing else: for a ray of a sun */
+    ORL_LAMP_ONLY      /* only one lamp: for a ray of that lamp */
 };
 
 /* Parameters of shading for any technique. */
 struct orl_shader {
-    const struct orl_world *world;
+    const struct orl_lit_scene *lit_scene;
     const struct orl_sobol *sobol;
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, and into other lobes */
     bool only_gloss;                      /* true if panes' lobes are left out */
     uint32_t sequence;    /* gloss sequence shared by several looks; 0: each look has its own */
     uint32_t first_gloss; /* first index of this look in the shared sequence */
-    double dimmest;       /* branches below this share of the ray are omitted */
-    bool by_lot;          /* true if those undergo Russian roulette instead, without bias */
+    double least_weight;  /* branches below this share of the ray are omitted */
+    bool roulette;        /* true if those undergo Russian roulette instead, without bias */
     bool backs_unseen;    /* true if backs of opaque surfaces are invisible */
     /* If true, the result is the irradiance of the first diffuse surface, also behind glass,
      * instead of radiance. */
     bool irradiance;
-    enum orl_suns suns;
-    const bool *lamps_apart; /* by facet: lamps not shown when seen directly; NULL: none */
-    uint32_t lamp;           /* facet, for ORL_LAMP_ALONE */
+    enum orl_sun_visibility suns;
+    const bool *excluded_lamps; /* by facet: lamps not shown when seen directly; NULL: none */
+    uint32_t lamp;              /* facet, for ORL_LAMP_ONLY */
     orl_shade_radiance *radiance;
     const void *ctx;
 };
@@ -81,6 +81,6 @@ struct orl_shader {
 /* Shades one ray. If lobes is false they are detected but not sampled. */
 void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
-                   struct orl_search *search, struct orl_shaded *ret_shaded);
+                   struct orl_search *search, struct orl_shaded_ray *ret_shaded);
 
 #endif

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "light/direct.h"
 
 /* Rays of a disc, per side of the square that its points come from. They are few and cheap. With
@@ -18,7 +18,7 @@ static bool place_of(const struct orl_painting *painting, struct orl_vec3 direct
                      double *ret_y)
 {
     double x, y;
-    if (!orl_view_place(painting->view, direction, &x, &y))
+    if (!orl_view_project(painting->view, direction, &x, &y))
         return false;
     *ret_x = x * painting->film->width;
     *ret_y = (1 - y) * painting->film->height;
@@ -51,15 +51,16 @@ static bool is_small(const struct orl_painting *painting, const struct orl_sun *
     return !place_of(painting, sun->frame.n, &x, &y) || sr < most_pixels * pixel_sr(painting, x, y);
 }
 
-static enum orl_suns suns_of(const struct orl_world *world, const struct orl_painting *painting)
+static enum orl_sun_visibility suns_of(const struct orl_lit_scene *lit_scene,
+                                       const struct orl_painting *painting)
 {
     /* An irradiance picture shows no suns. */
     if (painting->irradiance)
-        return ORL_SUNS_SEEN;
-    for (size_t i = 0; i < world->n_suns; i++)
-        if (!is_small(painting, &world->suns[i]))
-            return ORL_SUNS_SEEN;
-    return world->n_suns > 0 ? ORL_SUNS_APART : ORL_SUNS_SEEN;
+        return ORL_SUNS_VISIBLE;
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        if (!is_small(painting, &lit_scene->suns[i]))
+            return ORL_SUNS_VISIBLE;
+    return lit_scene->n_suns > 0 ? ORL_SUNS_EXCLUDED : ORL_SUNS_VISIBLE;
 }
 
 static struct orl_vec3 eye_of(const struct orl_painting *painting)
@@ -76,47 +77,48 @@ static void place_in_square(uint32_t k, uint32_t side, double ret_u[2])
 }
 
 /* Returns true if a lamp is visible in the picture and small, from a few of its points. */
-static bool is_small_lamp(const struct orl_world *world, const struct orl_emitter *emitter,
+static bool is_small_lamp(const struct orl_lit_scene *lit_scene, const struct orl_emitter *emitter,
                           const struct orl_painting *painting)
 {
     enum { POINTS = LEAST_SIDE * LEAST_SIDE };
-    const uint32_t material = orl_facet_material(world->geometry, emitter->facet);
+    const uint32_t material = orl_facet_material(lit_scene->geometry, emitter->facet);
     double sr = 0, least_pixel_sr = INFINITY;
-    if (world->materials[material].kind == ORL_MATERIAL_ILLUM)
+    if (lit_scene->materials[material].kind == ORL_MATERIAL_ILLUM)
         return false; /* views see another material there */
     for (uint32_t k = 0; k < POINTS; k++) {
-        struct orl_lamp_aim aim;
+        struct orl_light_sample light_sample;
         double u[2], x, y;
         place_in_square(k, LEAST_SIDE, u);
-        if (!orl_lamp_aim(world, emitter, eye_of(painting), u, &aim))
+        if (!orl_light_sample(lit_scene, emitter, eye_of(painting), u, &light_sample))
             continue;
-        sr += aim.measure_sr / POINTS;
-        if (place_of(painting, aim.light, &x, &y))
+        sr += light_sample.measure_sr / POINTS;
+        if (place_of(painting, light_sample.light, &x, &y))
             least_pixel_sr = fmin(least_pixel_sr, pixel_sr(painting, x, y));
     }
     return isfinite(least_pixel_sr) && sr < most_pixels * least_pixel_sr;
 }
 
-int orl_discs_init(struct orl_small_lights *discs, const struct orl_world *world,
-                   const struct orl_painting *painting)
+int orl_small_lights_init(struct orl_small_lights *small_lights,
+                          const struct orl_lit_scene *lit_scene,
+                          const struct orl_painting *painting)
 {
-    *discs = (struct orl_small_lights){.suns = suns_of(world, painting)};
+    *small_lights = (struct orl_small_lights){.suns = suns_of(lit_scene, painting)};
     if (painting->irradiance || !is_of_a_point(painting->view) || painting->view->fore > 0 ||
-        world->n_emitters == 0 || world->n_emitters > MOST_LAMPS)
+        lit_scene->n_emitters == 0 || lit_scene->n_emitters > MOST_LAMPS)
         return 0;
-    discs->lamps = calloc(world->geometry->n_facets, sizeof *discs->lamps);
-    if (!discs->lamps)
+    small_lights->lamps = calloc(lit_scene->geometry->n_facets, sizeof *small_lights->lamps);
+    if (!small_lights->lamps)
         return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < world->n_emitters; i++)
-        discs->lamps[world->emitters[i].facet] =
-            is_small_lamp(world, &world->emitters[i], painting);
+    for (size_t i = 0; i < lit_scene->n_emitters; i++)
+        small_lights->lamps[lit_scene->emitters[i].facet] =
+            is_small_lamp(lit_scene, &lit_scene->emitters[i], painting);
     return 0;
 }
 
-void orl_discs_done(struct orl_small_lights *discs)
+void orl_small_lights_done(struct orl_small_lights *small_lights)
 {
-    free(discs->lamps);
-    *discs = (struct orl_small_lights){.lamps = NULL};
+    free(small_lights->lamps);
+    *small_lights = (struct orl_small_lights){.lamps = NULL};
 }
 
 /* A picture, and a shader that shows only the light being added. */
@@ -133,7 +135,7 @@ static void put_ray(const struct alone *alone, struct orl_vec3 direction, double
     const struct orl_painting *painting = alone->painting;
     struct orl_search *search = &painting->env->searches[0];
     struct orl_vec3 origin, along;
-    struct orl_shaded shaded;
+    struct orl_shaded_ray shaded;
     double x, y;
     if (!place_of(painting, direction, &x, &y) || !orl_paint_ray(painting, x, y, &origin, &along))
         return;
@@ -141,7 +143,7 @@ static void put_ray(const struct alone *alone, struct orl_vec3 direction, double
     orl_shade_ray(&alone->shader, origin, direction, alone->outside, false, random, search,
                   &shaded);
     const struct orl_rgb light =
-        orl_rgb_scale(orl_health_keep(&search->health, shaded.rest), sr / of_pixel);
+        orl_rgb_scale(orl_health_filter(&search->health, shaded.rest), sr / of_pixel);
     float *pixel = painting->film->pixels[(size_t)y * painting->film->width + (size_t)x];
     if (!(of_pixel > 0))
         return;
@@ -152,11 +154,11 @@ static void put_ray(const struct alone *alone, struct orl_vec3 direction, double
 
 static void paint_suns(struct alone *alone)
 {
-    const struct orl_world *world = alone->shader.world;
-    alone->shader.suns = ORL_SUNS_ALONE;
-    for (size_t i = 0; i < world->n_suns; i++)
+    const struct orl_lit_scene *lit_scene = alone->shader.lit_scene;
+    alone->shader.suns = ORL_SUNS_ONLY;
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
         for (uint32_t k = 0; k < SIDE * SIDE; k++) {
-            const struct orl_sun *sun = &world->suns[i];
+            const struct orl_sun *sun = &lit_scene->suns[i];
             struct orl_random random = orl_random_stream(i, ORL_PURPOSE_PIXEL, k);
             const double sr = 2 * ORL_PI * (1 - sun->cos_half_angle) / (SIDE * SIDE);
             double u[2];
@@ -167,30 +169,31 @@ static void paint_suns(struct alone *alone)
 
 static void paint_lamps(struct alone *alone, const bool *lamps)
 {
-    const struct orl_world *world = alone->shader.world;
-    const double each = sqrt((double)RAYS_OF_LAMPS / (double)world->n_emitters);
+    const struct orl_lit_scene *lit_scene = alone->shader.lit_scene;
+    const double each = sqrt((double)RAYS_OF_LAMPS / (double)lit_scene->n_emitters);
     const uint32_t side = (uint32_t)fmin(fmax(each, LEAST_SIDE), SIDE), points = side * side;
-    alone->shader.suns = ORL_LAMP_ALONE;
-    for (size_t i = 0; i < world->n_emitters; i++) {
-        const struct orl_emitter *emitter = &world->emitters[i];
+    alone->shader.suns = ORL_LAMP_ONLY;
+    for (size_t i = 0; i < lit_scene->n_emitters; i++) {
+        const struct orl_emitter *emitter = &lit_scene->emitters[i];
         alone->shader.lamp = emitter->facet;
         for (uint32_t k = 0; k < points && lamps[emitter->facet]; k++) {
             struct orl_random random = orl_random_stream(i, ORL_PURPOSE_PIXEL, k);
-            struct orl_lamp_aim aim;
+            struct orl_light_sample light_sample;
             double u[2];
             place_in_square(k, side, u);
-            if (orl_lamp_aim(world, emitter, eye_of(alone->painting), u, &aim))
-                put_ray(alone, aim.light, aim.measure_sr / points, &random);
+            if (orl_light_sample(lit_scene, emitter, eye_of(alone->painting), u, &light_sample))
+                put_ray(alone, light_sample.light, light_sample.measure_sr / points, &random);
         }
     }
 }
 
-void orl_discs_paint(const struct orl_small_lights *discs, const struct orl_shader *shader,
-                     const struct orl_painting *painting, bool outside)
+void orl_small_lights_paint(const struct orl_small_lights *small_lights,
+                            const struct orl_shader *shader, const struct orl_painting *painting,
+                            bool outside)
 {
     struct alone alone = {painting, *shader, outside};
-    if (discs->suns == ORL_SUNS_APART)
+    if (small_lights->suns == ORL_SUNS_EXCLUDED)
         paint_suns(&alone);
-    if (discs->lamps)
-        paint_lamps(&alone, discs->lamps);
+    if (small_lights->lamps)
+        paint_lamps(&alone, small_lights->lamps);
 }

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "render/picture/human.h"
+#include "render/picture/tonemap_ward_larson.h"
 
 /* Makes a level from the finer one: means of two by two pixels, of fewer at the edges. */
 static int halve_level(struct orl_blur *blur, int level)

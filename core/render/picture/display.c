@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 #include "render/film/png.h"
 
@@ -28,87 +28,88 @@ static double factor_for_mean(double sum, double lit)
 }
 
 /* Makes the foveal samples of the film; does nothing for other tones. */
-static int make_foveal_samples(struct orl_shown *shown, const struct orl_film *film,
+static int make_foveal_samples(struct orl_tonemapped *tonemapped, const struct orl_film *film,
                                const struct orl_view *view, const struct orl_display *how)
 {
-    *shown = (struct orl_shown){.film = film, .how = *how};
+    *tonemapped = (struct orl_tonemapped){.film = film, .how = *how};
     if (how->tone != ORL_TONE_HUMAN)
         return 0;
-    int code = orl_fovea_init(&shown->fovea, shown->film, view);
-    if (code == 0 && shown->how.veil)
-        code = orl_fovea_add_veil(&shown->fovea, view);
+    int code = orl_fovea_init(&tonemapped->fovea, tonemapped->film, view);
+    if (code == 0 && tonemapped->how.veil)
+        code = orl_fovea_add_veiling(&tonemapped->fovea, view);
     return code;
 }
 
-int orl_shown_init(struct orl_shown *shown, const struct orl_film *film,
-                   const struct orl_view *view, const struct orl_display *how)
+int orl_tonemapped_init(struct orl_tonemapped *tonemapped, const struct orl_film *film,
+                        const struct orl_view *view, const struct orl_display *how)
 {
     double sum = 0, lit = 0;
-    int code = make_foveal_samples(shown, film, view, how);
+    int code = make_foveal_samples(tonemapped, film, view, how);
     if (how->tone == ORL_TONE_HUMAN) {
         if (code == 0 && how->acuity)
-            code = orl_blur_init(&shown->blur, film, view);
+            code = orl_blur_init(&tonemapped->blur, film, view);
         if (code == 0)
-            orl_human_make(&shown->human, film, &shown->fovea);
+            orl_tonemap_make(&tonemapped->tonemap, film, &tonemapped->fovea);
         return code;
     }
     if (how->tone == ORL_TONE_LINEAR)
         add_logarithms(film, &sum, &lit);
-    shown->factor = how->tone == ORL_TONE_EXPOSURE ? how->exposure / ORL_EFFICACY_LM_PER_W
-                                                   : factor_for_mean(sum, lit);
+    tonemapped->factor = how->tone == ORL_TONE_EXPOSURE ? how->exposure / ORL_EFFICACY_LM_PER_W
+                                                        : factor_for_mean(sum, lit);
     return 0;
 }
 
-void orl_shown_done(struct orl_shown *shown)
+void orl_tonemapped_done(struct orl_tonemapped *tonemapped)
 {
-    orl_fovea_done(&shown->fovea);
-    orl_blur_done(&shown->blur);
+    orl_fovea_done(&tonemapped->fovea);
+    orl_blur_done(&tonemapped->blur);
 }
 
 /* ---- Shared tone mapping --------------------------------------------------------------------- */
 
-int orl_common_look(struct orl_common *common, const struct orl_film *film,
-                    const struct orl_view *view, bool again)
+int orl_shared_tonemap_add(struct orl_shared_tonemap *shared_tonemap, const struct orl_film *film,
+                           const struct orl_view *view, bool again)
 {
-    struct orl_shown shown;
-    if (common->how.tone != ORL_TONE_HUMAN) {
-        if (!again && common->how.tone == ORL_TONE_LINEAR)
-            add_logarithms(film, &common->sum, &common->lit);
+    struct orl_tonemapped tonemapped;
+    if (shared_tonemap->how.tone != ORL_TONE_HUMAN) {
+        if (!again && shared_tonemap->how.tone == ORL_TONE_LINEAR)
+            add_logarithms(film, &shared_tonemap->sum, &shared_tonemap->lit);
         return 0;
     }
-    const int code = make_foveal_samples(&shown, film, view, &common->how);
+    const int code = make_foveal_samples(&tonemapped, film, view, &shared_tonemap->how);
     if (code == 0 && again)
-        orl_human_count(&common->tally, film, &shown.fovea);
+        orl_tonemap_histogram_add(&shared_tonemap->histogram, film, &tonemapped.fovea);
     else if (code == 0)
-        orl_human_look(&common->tally, film, &shown.fovea);
-    orl_shown_done(&shown);
+        orl_tonemap_histogram_extend(&shared_tonemap->histogram, film, &tonemapped.fovea);
+    orl_tonemapped_done(&tonemapped);
     return code;
 }
 
-bool orl_common_range(struct orl_common *common)
+bool orl_shared_tonemap_range(struct orl_shared_tonemap *shared_tonemap)
 {
-    common->ranged = orl_human_find_range(&common->tally);
-    return common->ranged;
+    shared_tonemap->ranged = orl_tonemap_histogram_range(&shared_tonemap->histogram);
+    return shared_tonemap->ranged;
 }
 
-void orl_common_settle(struct orl_common *common)
+void orl_shared_tonemap_finish(struct orl_shared_tonemap *shared_tonemap)
 {
-    common->factor = common->how.tone == ORL_TONE_EXPOSURE
-                         ? common->how.exposure / ORL_EFFICACY_LM_PER_W
-                         : factor_for_mean(common->sum, common->lit);
-    common->human = (struct orl_human){.factor = common->factor};
-    if (common->ranged)
-        orl_human_settle(&common->human, &common->tally);
+    shared_tonemap->factor = shared_tonemap->how.tone == ORL_TONE_EXPOSURE
+                                 ? shared_tonemap->how.exposure / ORL_EFFICACY_LM_PER_W
+                                 : factor_for_mean(shared_tonemap->sum, shared_tonemap->lit);
+    shared_tonemap->tonemap = (struct orl_tonemap){.factor = shared_tonemap->factor};
+    if (shared_tonemap->ranged)
+        orl_tonemap_from_histogram(&shared_tonemap->tonemap, &shared_tonemap->histogram);
 }
 
-int orl_shown_init_in_common(struct orl_shown *shown, const struct orl_film *film,
-                             const struct orl_view *view, const struct orl_common *common)
+int orl_tonemapped_init_shared(struct orl_tonemapped *tonemapped, const struct orl_film *film,
+                               const struct orl_view *view,
+                               const struct orl_shared_tonemap *shared_tonemap)
 {
-    int code = make_foveal_samples(shown, film, view, &common->how);
-    if (code == 0 && common->how.tone == ORL_TONE_HUMAN && common->how.acuity)
-        code = orl_blur_init(&shown->blur, film, view);
-    shown->human = common->human;
-    shown->factor = common->factor;
+    int code = make_foveal_samples(tonemapped, film, view, &shared_tonemap->how);
+    if (code == 0 && shared_tonemap->how.tone == ORL_TONE_HUMAN && shared_tonemap->how.acuity)
+        code = orl_blur_init(&tonemapped->blur, film, view);
+    tonemapped->tonemap = shared_tonemap->tonemap;
+    tonemapped->factor = shared_tonemap->factor;
     return code;
 }
 
@@ -144,21 +145,23 @@ static void clip_to_gamut(float rgb[3], double brightness)
                                               ((double)rgb[c] - brightness));
 }
 
-void orl_shown_pixel(const struct orl_shown *shown, uint32_t x, uint32_t y, float ret_rgb[3])
+void orl_tonemapped_pixel(const struct orl_tonemapped *tonemapped, uint32_t x, uint32_t y,
+                          float ret_rgb[3])
 {
-    const struct orl_film *film = shown->film;
-    if (shown->how.acuity)
-        orl_blur_at(&shown->blur, &shown->fovea, x, y, ret_rgb);
+    const struct orl_film *film = tonemapped->film;
+    if (tonemapped->how.acuity)
+        orl_blur_at(&tonemapped->blur, &tonemapped->fovea, x, y, ret_rgb);
     else
         memcpy(ret_rgb, film->pixels[(size_t)y * film->width + x], 3 * sizeof *ret_rgb);
-    if (shown->how.veil)
-        orl_fovea_veil(&shown->fovea, (x + 0.5) / film->width, (y + 0.5) / film->height, ret_rgb);
-    if (shown->how.color_loss)
+    if (tonemapped->how.veil)
+        orl_fovea_mix_veiling(&tonemapped->fovea, (x + 0.5) / film->width, (y + 0.5) / film->height,
+                              ret_rgb);
+    if (tonemapped->how.color_loss)
         desaturate(ret_rgb);
     const double luminance = orl_luminance(ret_rgb);
-    const double bright = shown->how.tone == ORL_TONE_HUMAN
-                              ? orl_human_show(&shown->human, luminance)
-                              : shown->factor * luminance;
+    const double bright = tonemapped->how.tone == ORL_TONE_HUMAN
+                              ? orl_tonemap_apply(&tonemapped->tonemap, luminance)
+                              : tonemapped->factor * luminance;
     const double scale = luminance > 0 ? bright * ORL_EFFICACY_LM_PER_W / luminance : 0;
     for (int c = 0; c < 3; c++)
         ret_rgb[c] = luminance > 0 ? (float)(fmax((double)ret_rgb[c], 0) * scale) : 0;
@@ -206,26 +209,26 @@ static unsigned char to_byte(const struct curve *curve, float linear)
     return byte;
 }
 
-void orl_shown_bytes(const struct orl_shown *shown, unsigned char *ret_rgb)
+void orl_tonemapped_bytes(const struct orl_tonemapped *tonemapped, unsigned char *ret_rgb)
 {
     struct curve curve;
     make_curve(&curve);
-    for (uint32_t y = 0; y < shown->film->height; y++)
-        for (uint32_t x = 0; x < shown->film->width; x++) {
+    for (uint32_t y = 0; y < tonemapped->film->height; y++)
+        for (uint32_t x = 0; x < tonemapped->film->width; x++) {
             float rgb[3];
-            orl_shown_pixel(shown, x, y, rgb);
+            orl_tonemapped_pixel(tonemapped, x, y, rgb);
             for (int c = 0; c < 3; c++)
                 *ret_rgb++ = to_byte(&curve, rgb[c]);
         }
 }
 
 /* Writes 16-bit words, the more significant byte first as in PNG. */
-static void to_words(const struct orl_shown *shown, unsigned char *ret_rgb)
+static void to_words(const struct orl_tonemapped *tonemapped, unsigned char *ret_rgb)
 {
-    for (uint32_t y = 0; y < shown->film->height; y++)
-        for (uint32_t x = 0; x < shown->film->width; x++) {
+    for (uint32_t y = 0; y < tonemapped->film->height; y++)
+        for (uint32_t x = 0; x < tonemapped->film->width; x++) {
             float rgb[3];
-            orl_shown_pixel(shown, x, y, rgb);
+            orl_tonemapped_pixel(tonemapped, x, y, rgb);
             for (int c = 0; c < 3; c++) {
                 const uint16_t word = orl_srgb(rgb[c], UINT16_MAX);
                 *ret_rgb++ = (unsigned char)(word >> 8);
@@ -234,17 +237,17 @@ static void to_words(const struct orl_shown *shown, unsigned char *ret_rgb)
         }
 }
 
-int orl_shown_write_png(const struct orl_shown *shown, int bits, const char *path,
-                        struct orl_error *err)
+int orl_tonemapped_write_png(const struct orl_tonemapped *tonemapped, int bits, const char *path,
+                             struct orl_error *err)
 {
-    const uint32_t width = shown->film->width, height = shown->film->height;
+    const uint32_t width = tonemapped->film->width, height = tonemapped->film->height;
     unsigned char *rgb = malloc((size_t)bits / 8 * 3 * width * height);
     if (!rgb)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an image");
     if (bits == 16)
-        to_words(shown, rgb);
+        to_words(tonemapped, rgb);
     else
-        orl_shown_bytes(shown, rgb);
+        orl_tonemapped_bytes(tonemapped, rgb);
     const int code = bits == 16 ? orl_png_write_16(path, width, height, rgb, err)
                                 : orl_png_write(path, width, height, rgb, err);
     free(rgb);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/kth.h"
+#include "base/statistics/nth_element.h"
 #include "render/picture/legend.h"
 
 /* Ends of the scale. */
@@ -115,8 +115,8 @@ static int summarise_errors(const struct orl_film *film, char *ret_text, size_t 
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)
         errors[i] = 100 * orl_film_relative_error(film, i, mean);
-    const double median = orl_find_kth(errors, n, n / 2),
-                 high = orl_find_kth(errors, n, (n - 1) * 19 / 20);
+    const double median = orl_nth_element(errors, n, n / 2),
+                 high = orl_nth_element(errors, n, (n - 1) * 19 / 20);
     snprintf(ret_text, size, "median %.2g %%, 95 %% of pixels below %.2g %%", median, high);
     free(errors);
     return 0;

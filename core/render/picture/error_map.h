@@ -8,9 +8,9 @@
  *
  * As HDR: gray, W/sr/m2, the same view and format as the image. As PNG: in false colours, relative
  * to the pixel or to a tenth of the image's mean, if that is more. (A dark pixel's error is
- * invisible next to bright ones; oriel/study.h uses the same measure.) Colours go in even steps of
- * lightness from 0.1 % to 100 %, the same for all images. A legend below shows them with the median
- * and 95th percentile of this image. Pixels without any error get the darkest colour.
+ * invisible next to bright ones; oriel/job/study.h uses the same measure.) Colours go in even steps
+ * of lightness from 0.1 % to 100 %, the same for all images. A legend below shows them with the
+ * median and 95th percentile of this image. Pixels without any error get the darkest colour.
  */
 #ifndef ORL_RENDER_PICTURE_ERROR_MAP_H
 #define ORL_RENDER_PICTURE_ERROR_MAP_H

@@ -31,13 +31,13 @@ static void draw_fill(const struct orl_film *film, const struct orl_scale *scale
                               orl_sheet_at(sheet, x, y));
 }
 
-static int draw_shown(const struct orl_shown *shown, const struct orl_sheet *sheet)
+static int draw_tonemapped(const struct orl_tonemapped *tonemapped, const struct orl_sheet *sheet)
 {
     const uint32_t width = sheet->width, height = sheet->height;
     unsigned char *rgb = malloc(3 * (size_t)width * height);
     if (!rgb)
         return ORL_ERR_NOMEM;
-    orl_shown_bytes(shown, rgb);
+    orl_tonemapped_bytes(tonemapped, rgb);
     for (uint32_t y = 0; y < height; y++)
         memcpy(orl_sheet_at(sheet, 0, y), rgb + 3 * (size_t)y * width, 3 * (size_t)width);
     free(rgb);
@@ -98,7 +98,7 @@ static void draw_mark(const struct orl_sheet *sheet, double x, double y, const c
         memset(pen.rgb, 20, 3);
     }
     pen.weight = 0;
-    const double half = orl_letters_width(text, pen.size) / 2, gap = 4 * unit;
+    const double half = orl_stroke_text_width(text, pen.size) / 2, gap = 4 * unit;
     const bool right = x + arm + gap + 2 * half < sheet->width;
     const double middle = right ? x + arm + gap + half : x - arm - gap - half;
     orl_letters_on_anything(&sheet->raster, &pen, middle,
@@ -155,7 +155,7 @@ static void draw_legend(const struct orl_scale *scale, const struct orl_false_co
     orl_sheet_draw_legend(sheet, &legend);
 }
 
-static int draw_picture(const struct orl_film *film, const struct orl_shown *shown,
+static int draw_picture(const struct orl_film *film, const struct orl_tonemapped *tonemapped,
                         const struct orl_scale *scale, const struct orl_false_color *how,
                         enum orl_picture picture, const struct orl_sheet *sheet)
 {
@@ -163,7 +163,7 @@ static int draw_picture(const struct orl_film *film, const struct orl_shown *sho
     if (picture == ORL_PICTURE_FALSE)
         draw_fill(film, scale, sheet);
     else
-        code = draw_shown(shown, sheet);
+        code = draw_tonemapped(tonemapped, sheet);
     if (code == 0 && picture == ORL_PICTURE_BANDS)
         draw_bands(film, scale, sheet);
     if (code == 0 && picture == ORL_PICTURE_LINES)
@@ -179,14 +179,14 @@ static int draw_picture(const struct orl_film *film, const struct orl_shown *sho
     return code;
 }
 
-int orl_false_color_write(const struct orl_film *film, const struct orl_shown *shown,
+int orl_false_color_write(const struct orl_film *film, const struct orl_tonemapped *tonemapped,
                           const struct orl_scale *scale, const struct orl_false_color *how,
                           enum orl_picture picture, const char *path, struct orl_error *err)
 {
     struct orl_sheet sheet;
     int code = orl_sheet_init(&sheet, film->width, film->height);
     if (code == 0)
-        code = draw_picture(film, shown, scale, how, picture, &sheet);
+        code = draw_picture(film, tonemapped, scale, how, picture, &sheet);
     if (code < 0)
         orl_error_set(err, code, "out of memory drawing false colours");
     else

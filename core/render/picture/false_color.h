@@ -11,7 +11,7 @@
 
 /* Writes one of ORL_PICTURE_FALSE, _LINES and _BANDS as PNG. shown is required for the latter two.
  * Returns 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
-int orl_false_color_write(const struct orl_film *film, const struct orl_shown *shown,
+int orl_false_color_write(const struct orl_film *film, const struct orl_tonemapped *tonemapped,
                           const struct orl_scale *scale, const struct orl_false_color *how,
                           enum orl_picture picture, const char *path, struct orl_error *err);
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 /* Share of the light that the eye scatters (the 0.087 of Holladay's formula, less the part that
  * falls beyond the picture; as in Radiance's pcond). */
@@ -70,7 +70,7 @@ int orl_fovea_init(struct orl_fovea *fovea, const struct orl_film *film,
 void orl_fovea_done(struct orl_fovea *fovea)
 {
     free(fovea->pixels);
-    free(fovea->veil);
+    free(fovea->veiling);
     *fovea = (struct orl_fovea){.width = 0};
 }
 
@@ -107,24 +107,24 @@ static void scatter_into(struct orl_fovea *fovea, const struct orl_vec3 *ways, s
         weights += weight;
     }
     for (int c = 0; c < 3; c++)
-        fovea->veil[at][c] = weights > 0 ? (float)(scattered * sum[c] / weights) : 0;
+        fovea->veiling[at][c] = weights > 0 ? (float)(scattered * sum[c] / weights) : 0;
 }
 
-int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view)
+int orl_fovea_add_veiling(struct orl_fovea *fovea, const struct orl_view *view)
 {
     const size_t n = (size_t)fovea->width * fovea->height;
     struct orl_vec3 *ways = list_directions(fovea, view);
-    fovea->veil = calloc(n, sizeof *fovea->veil);
-    if (ways && fovea->veil) {
+    fovea->veiling = calloc(n, sizeof *fovea->veiling);
+    if (ways && fovea->veiling) {
         for (size_t i = 0; i < n; i++)
             scatter_into(fovea, ways, i);
         for (size_t i = 0; i < n; i++)
             for (int c = 0; c < 3; c++)
                 fovea->pixels[i][c] =
-                    (float)((1 - scattered) * (double)fovea->pixels[i][c]) + fovea->veil[i][c];
+                    (float)((1 - scattered) * (double)fovea->pixels[i][c]) + fovea->veiling[i][c];
     }
     free(ways);
-    return ways && fovea->veil ? 0 : ORL_ERR_NOMEM;
+    return ways && fovea->veiling ? 0 : ORL_ERR_NOMEM;
 }
 
 /* Returns the samples and weights about a position along one side. */
@@ -154,12 +154,12 @@ static void interpolate(const struct orl_fovea *fovea, float (*const samples)[3]
     }
 }
 
-void orl_fovea_veil(const struct orl_fovea *fovea, double x, double y, float rgb[3])
+void orl_fovea_mix_veiling(const struct orl_fovea *fovea, double x, double y, float rgb[3])
 {
-    float veil[3];
-    interpolate(fovea, fovea->veil, x, y, veil);
+    float veiling[3];
+    interpolate(fovea, fovea->veiling, x, y, veiling);
     for (int c = 0; c < 3; c++)
-        rgb[c] = (float)((1 - scattered) * (double)rgb[c]) + veil[c];
+        rgb[c] = (float)((1 - scattered) * (double)rgb[c]) + veiling[c];
 }
 
 void orl_fovea_at(const struct orl_fovea *fovea, double x, double y, float ret_rgb[3])

@@ -17,8 +17,8 @@ enum { ORL_FOVEA_SIDE = 120 };
 
 struct orl_fovea {
     uint32_t width, height;
-    float (*pixels)[3]; /* from the top left, row by row, W/sr/m2; owned */
-    float (*veil)[3];   /* veiling luminance, W/sr/m2; NULL: not requested; owned */
+    float (*pixels)[3];  /* from the top left, row by row, W/sr/m2; owned */
+    float (*veiling)[3]; /* veiling luminance, W/sr/m2; NULL: not requested; owned */
 };
 
 /* Makes the samples. Returns 0 or ORL_ERR_NOMEM; call orl_fovea_done in either case. */
@@ -26,13 +26,13 @@ int orl_fovea_init(struct orl_fovea *fovea, const struct orl_film *film,
                    const struct orl_view *view);
 void orl_fovea_done(struct orl_fovea *fovea);
 
-/* Computes the veil and mixes it into the samples as orl_fovea_veil does. Returns 0 or
+/* Computes the veil and mixes it into the samples as orl_fovea_mix_veiling does. Returns 0 or
  * ORL_ERR_NOMEM. */
-int orl_fovea_add_veil(struct orl_fovea *fovea, const struct orl_view *view);
+int orl_fovea_add_veiling(struct orl_fovea *fovea, const struct orl_view *view);
 
 /* Adds the veil to a pixel of the film; x and y as shares of the picture, 0..1 from the top
  * left. */
-void orl_fovea_veil(const struct orl_fovea *fovea, double x, double y, float rgb[3]);
+void orl_fovea_mix_veiling(const struct orl_fovea *fovea, double x, double y, float rgb[3]);
 
 /* Interpolates the samples at a place. */
 void orl_fovea_at(const struct orl_fovea *fovea, double x, double y, float ret_rgb[3]);

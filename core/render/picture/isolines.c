@@ -118,15 +118,15 @@ struct texts {
 void orl_letters_on_anything(const struct orl_raster *raster, const struct orl_pen *pen, double x,
                              double y, const char *text)
 {
-    const double half = orl_letters_width(text, pen->size) / 2, drop = pen->size / 2;
+    const double half = orl_stroke_text_width(text, pen->size) / 2, drop = pen->size / 2;
     const double c = cos(pen->turn), s = sin(pen->turn);
     const double left = x - half * c + drop * s, base = y + half * s + drop * c;
     const bool dark = 3 * pen->rgb[0] + 6 * pen->rgb[1] + pen->rgb[2] < 1000;
     struct orl_pen rim = *pen;
     memset(rim.rgb, dark ? 255 : 20, 3);
     rim.weight = fmax(pen->size / 8, 1) + fmax(pen->size / 3, 2);
-    orl_letters_draw(raster, &rim, left, base, text);
-    orl_letters_draw(raster, pen, left, base, text);
+    orl_stroke_text_draw(raster, &rim, left, base, text);
+    orl_stroke_text_draw(raster, pen, left, base, text);
 }
 
 /* Places a text along a segment, unless one is near: the same number within a third of the picture,
@@ -207,7 +207,7 @@ static void draw_level(const struct orl_raster *raster, const struct field *f,
         level > 0 ? share - orl_scale_share(scale, scale->levels[level - 1]) : share;
     char text[16];
     orl_scale_text(scale->levels[level], text);
-    const double room = 0.6 * orl_letters_width(text, pen->size);
+    const double room = 0.6 * orl_stroke_text_width(text, pen->size);
     for (uint32_t y = 0; y + 1 < f->height; y++)
         for (uint32_t x = 0; x + 1 < f->width; x++) {
             struct segment parts[2], whole;

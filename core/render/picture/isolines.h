@@ -8,7 +8,7 @@
 #ifndef ORL_RENDER_PICTURE_ISOLINES_H
 #define ORL_RENDER_PICTURE_ISOLINES_H
 
-#include "base/letters.h"
+#include "base/text/stroke_font.h"
 #include "render/picture/scale.h"
 
 /* Returns the pen of a level's lines and texts. */

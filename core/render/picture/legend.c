@@ -63,12 +63,12 @@ static void draw_ticks(const struct orl_raster *raster, const struct orl_legend 
     for (size_t i = 0; i < legend->n_ticks; i++) {
         const double x = (double)bar->left + legend->ticks[i].at * (double)(bar->right - bar->left);
         const double y = (double)bar->bottom;
-        const double width = orl_letters_width(legend->ticks[i].text, pen->size);
+        const double width = orl_stroke_text_width(legend->ticks[i].text, pen->size);
         orl_raster_line(raster, &line, x, y, x, y + 3 * unit);
         const double start = fmin(x - width / 2, raster->width - width - 2 * unit);
         if (start < free_from)
             continue;
-        orl_letters_draw(raster, pen, start, y + 13 * unit, legend->ticks[i].text);
+        orl_stroke_text_draw(raster, pen, start, y + 13 * unit, legend->ticks[i].text);
         free_from = start + width + 4 * unit;
     }
 }
@@ -83,8 +83,8 @@ void orl_legend_draw(const struct orl_raster *raster, const struct orl_legend *l
                             .bottom = (size_t)lrint(top + (SCALE_TOP + SCALE_UNITS) * unit)};
     for (int i = 0; i < 2; i++)
         if (legend->lines[i])
-            orl_letters_draw(raster, &pen, left + TEXT_LEFT * unit, top + (12 + 14 * i) * unit,
-                             legend->lines[i]);
+            orl_stroke_text_draw(raster, &pen, left + TEXT_LEFT * unit, top + (12 + 14 * i) * unit,
+                                 legend->lines[i]);
     draw_colours(raster, legend->palette, &bar);
     draw_ticks(raster, legend, unit, &bar, &pen);
 }

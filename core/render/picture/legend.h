@@ -7,10 +7,10 @@
 #ifndef ORL_RENDER_PICTURE_LEGEND_H
 #define ORL_RENDER_PICTURE_LEGEND_H
 
-#include <oriel/error.h>
-#include <oriel/picture.h>
+#include <oriel/base/error.h>
+#include <oriel/job/picture.h>
 
-#include "base/letters.h"
+#include "base/text/stroke_font.h"
 
 struct orl_sheet {
     struct orl_raster raster; /* picture and legend; its pixels are owned */

@@ -1,8 +1,8 @@
-#include <oriel/picture.h>
+#include <oriel/job/picture.h>
 
 #include <math.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 static double clip(double x)
 {

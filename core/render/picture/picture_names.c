@@ -1,10 +1,10 @@
 /* Names of picture formats and of their options. */
-#include <oriel/picture.h>
+#include <oriel/job/picture.h>
 
 #include <math.h>
 #include <string.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
 static const struct {
     const char *name, *ending;

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/units.h>
+#include <oriel/base/units.h>
 
-#include "base/kth.h"
+#include "base/statistics/nth_element.h"
 
 double orl_scale_value(const struct orl_scale *scale, const float rgb[3])
 {
@@ -41,7 +41,7 @@ static int find_high(const struct orl_scale *scale, const struct orl_film *film,
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++)
         values[i] = orl_scale_value(scale, film->pixels[i]);
-    *ret_high = orl_find_kth(values, n, (n - 1) - (n - 1) / 100);
+    *ret_high = orl_nth_element(values, n, (n - 1) - (n - 1) / 100);
     free(values);
     return 0;
 }

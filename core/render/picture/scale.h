@@ -10,8 +10,8 @@
 #ifndef ORL_RENDER_PICTURE_SCALE_H
 #define ORL_RENDER_PICTURE_SCALE_H
 
-#include <oriel/limits.h>
-#include <oriel/picture.h>
+#include <oriel/base/limits.h>
+#include <oriel/job/picture.h>
 
 #include "render/film/film.h"
 #include "render/picture/legend.h"

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 #include "render/picture/display.h"
 
@@ -61,11 +61,11 @@ static void write_line(const struct orl_raster *raster, double x, double y, doub
                        double size, const char *text)
 {
     struct orl_pen pen = {.size = size};
-    const double needed = orl_letters_width(text, size);
+    const double needed = orl_stroke_text_width(text, size);
     memcpy(pen.rgb, ink, sizeof ink);
     if (needed > width)
         pen.size *= width / needed;
-    orl_letters_draw(raster, &pen, x, y, text);
+    orl_stroke_text_draw(raster, &pen, x, y, text);
 }
 
 int orl_contact_sheet_init(struct orl_contact_sheet *sheet, const struct orl_sequence *sequence,
@@ -168,7 +168,7 @@ void orl_strip_draw(const struct orl_raster *raster, uint32_t top,
     const double unit = unit_of(raster->width, STRIP_ACROSS), size = STRIP_SIZE * unit;
     const double edge = 4 * unit, room = (raster->width - 3 * edge) / 2;
     const double base = top + (STRIP + STRIP_SIZE) / 2.0 * unit;
-    const double right = fmin(orl_letters_width(frame->lines[1], size), room);
+    const double right = fmin(orl_stroke_text_width(frame->lines[1], size), room);
     write_line(raster, edge, base, room, size, frame->lines[0]);
     write_line(raster, raster->width - edge - right, base, room, size, frame->lines[1]);
 }

@@ -8,9 +8,9 @@
 #ifndef ORL_RENDER_SEQUENCE_CONTACT_SHEET_H
 #define ORL_RENDER_SEQUENCE_CONTACT_SHEET_H
 
-#include <oriel/sequence.h>
+#include <oriel/job/sequence.h>
 
-#include "base/letters.h"
+#include "base/text/stroke_font.h"
 
 struct orl_contact_sheet {
     struct orl_raster raster; /* its pixels are owned */

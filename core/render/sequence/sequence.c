@@ -1,4 +1,4 @@
-#include <oriel/sequence.h>
+#include <oriel/job/sequence.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@ static const double usual_frame_s = 0.5;
 struct passage {
     const struct orl_sequence *sequence;
     uint32_t width, height; /* size of the first picture */
-    struct orl_common common;
+    struct orl_shared_tonemap shared_tonemap;
     struct orl_contact_sheet sheet;
     struct orl_apng *animation;
     struct orl_raster frame; /* a picture with its strip; its pixels are owned */
@@ -99,22 +99,24 @@ static int measure_picture(struct passage *p, size_t index, const struct orl_hdr
         p->brightest = index;
     }
     p->begins_black |= index == 0 && !(light > 0);
-    return memory_error(orl_common_look(&p->common, &picture->film, &picture->view, false), err);
+    return memory_error(
+        orl_shared_tonemap_add(&p->shared_tonemap, &picture->film, &picture->view, false), err);
 }
 
 static int count_picture(struct passage *p, size_t index, const struct orl_hdr_picture *picture,
                          struct orl_error *err)
 {
     (void)index;
-    return memory_error(orl_common_look(&p->common, &picture->film, &picture->view, true), err);
+    return memory_error(
+        orl_shared_tonemap_add(&p->shared_tonemap, &picture->film, &picture->view, true), err);
 }
 
 static int find_exposure(struct passage *p, struct orl_error *err)
 {
     int code = process_pictures(p, measure_picture, err);
-    if (code == 0 && orl_common_range(&p->common))
+    if (code == 0 && orl_shared_tonemap_range(&p->shared_tonemap))
         code = process_pictures(p, count_picture, err);
-    orl_common_settle(&p->common);
+    orl_shared_tonemap_finish(&p->shared_tonemap);
     return code;
 }
 
@@ -124,12 +126,13 @@ static int find_exposure(struct passage *p, struct orl_error *err)
 static int tone_map_picture(struct passage *p, const struct orl_hdr_picture *picture,
                             struct orl_error *err)
 {
-    struct orl_shown shown;
+    struct orl_tonemapped tonemapped;
     const int code = memory_error(
-        orl_shown_init_in_common(&shown, &picture->film, &picture->view, &p->common), err);
+        orl_tonemapped_init_shared(&tonemapped, &picture->film, &picture->view, &p->shared_tonemap),
+        err);
     if (code == 0)
-        orl_shown_bytes(&shown, p->frame.rgb);
-    orl_shown_done(&shown);
+        orl_tonemapped_bytes(&tonemapped, p->frame.rgb);
+    orl_tonemapped_done(&tonemapped);
     return code;
 }
 
@@ -184,7 +187,7 @@ static int open_all(struct passage *p, struct orl_error *err)
 
 int orl_sequence_write(const struct orl_sequence *sequence, struct orl_error *err)
 {
-    struct passage p = {.sequence = sequence, .common = {.how = *sequence->display}};
+    struct passage p = {.sequence = sequence, .shared_tonemap = {.how = *sequence->display}};
     int code = find_exposure(&p, err);
     if (code == 0)
         code = open_all(&p, err);

@@ -10,24 +10,24 @@
 
 #include "run/stages.h"
 
-struct orl_keepable {
+struct orl_file_cache_entry {
     const char *kind, *key;  /* names in the store */
     const char *what, *name; /* "BSDF", "pane.xml", for messages */
     /* True if it also depends on files that the key does not include, so that ORL_ERR_VERSION
      * causes no warning. */
-    bool outdates;
+    bool may_be_outdated;
     void *ctx;
     int (*open)(void *ctx, const char *path, struct orl_error *err);
     int (*make)(void *ctx, struct orl_error *err);
     /* Returns true if the data are worth storing. NULL: always. */
-    bool (*is_worth_it)(void *ctx);
+    bool (*is_worth_storing)(void *ctx);
     /* Writes the data, and fills the info's bytes and stored. */
-    int (*keep)(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err);
+    int (*write)(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err);
 };
 
 /* Opens or makes the thing. The state's env must have a store. Returns the codes of open and make,
  * or ORL_ERR_CANCELLED. */
-int orl_run_keep(struct orl_run_state *state, const struct orl_keepable *thing,
-                 struct orl_error *err);
+int orl_file_cache_get(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
+                       struct orl_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include <dirent.h>
 #include <errno.h>
@@ -73,15 +73,15 @@ static void folder_release(void *ctx, const char *kind, const char *key)
     (void)ctx, (void)kind, (void)key;
 }
 
-static bool read_kept(const char *path, struct orl_map_info *info)
+static bool read_cached(const char *path, struct orl_map_info *info)
 {
-    struct orl_kept_about about;
-    if (orl_kept_describe(path, &about, NULL) < 0)
+    struct orl_word_file_info file_info;
+    if (orl_word_file_describe(path, &file_info, NULL) < 0)
         return false;
-    memcpy(info->family, about.family, sizeof info->family);
-    info->target = about.target;
-    info->emitted = about.rays;
-    info->bytes = about.bytes;
+    memcpy(info->family, file_info.family, sizeof info->family);
+    info->target = file_info.target;
+    info->emitted = file_info.rays;
+    info->bytes = file_info.bytes;
     return true;
 }
 
@@ -99,7 +99,7 @@ static bool read_info(const struct orl_folder_store *state, const char *name,
     memcpy(info.key, key, sizeof key);
     if (strcmp(info.kind, "annual") == 0 || strcmp(info.kind, "made") == 0) {
         *ret_info = info;
-        return read_kept(path, ret_info);
+        return read_cached(path, ret_info);
     }
     if (orl_photon_map_open(path, false, &map, NULL) < 0)
         return false;

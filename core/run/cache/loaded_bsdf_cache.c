@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "bsdf/compiled_bsdf.h"
 #include "run/cache/file_cache.h"
@@ -59,7 +59,7 @@ static int write_bsdf(void *ctx, const char *path, struct orl_map_info *info, st
     return orl_bsdf_write(r->bsdf, r->content, path, &info->bytes, err);
 }
 
-static int open_kept(void *ctx, const char *path, struct orl_error *err)
+static int open_cached(void *ctx, const char *path, struct orl_error *err)
 {
     struct request *const r = ctx;
     return orl_bsdf_open(path, r->content, &r->bsdf, err);
@@ -70,24 +70,24 @@ static int load(void *ctx, const struct orl_bsdf_xml *given,
                 struct orl_error *err)
 {
     struct orl_run_state *const state = ctx;
-    struct orl_bsdf_xml heeding = *given;
-    struct request r = {.state = state, .xml = &heeding, .content = content};
+    struct orl_bsdf_xml cancellable = *given;
+    struct request r = {.state = state, .xml = &cancellable, .content = content};
     char key[ORL_DIGEST_HEX + 1];
-    const struct orl_keepable thing = {.kind = "bsdf",
-                                       .key = key,
-                                       .what = "BSDF",
-                                       .name = given->name,
-                                       .ctx = &r,
-                                       .open = open_kept,
-                                       .make = make_bsdf,
-                                       .keep = write_bsdf};
-    heeding.cancel = state->env->cancel;
-    heeding.crew = state->env->crew;
-    orl_run_progress(state, 0);
+    const struct orl_file_cache_entry entry = {.kind = "bsdf",
+                                               .key = key,
+                                               .what = "BSDF",
+                                               .name = given->name,
+                                               .ctx = &r,
+                                               .open = open_cached,
+                                               .make = make_bsdf,
+                                               .write = write_bsdf};
+    cancellable.cancel = state->env->cancel;
+    cancellable.pool = state->env->pool;
+    orl_run_report_progress(state, 0);
     if (!state->env->store || given->size < LEAST_BYTES)
-        return orl_bsdf_load(&heeding, ret_bsdf, err);
+        return orl_bsdf_load(&cancellable, ret_bsdf, err);
     make_key(content, key);
-    const int code = orl_run_keep(state, &thing, err);
+    const int code = orl_file_cache_get(state, &entry, err);
     if (code == 0)
         *ret_bsdf = r.bsdf;
     return code;

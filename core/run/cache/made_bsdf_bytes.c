@@ -1,4 +1,4 @@
-#include <oriel/bsdf_kept.h>
+#include <oriel/bsdf/bsdf_cache.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,19 +11,19 @@
 struct head {
     uint64_t paths, n_directions, xml_size;
     struct orl_bsdf_share diffuse[2][2];
-    double worst, joined, lost, cell[4], depth[2];
+    double worst, merge_error, lost, cell[4], depth[2];
     uint32_t reached, has_errors;
 };
 
 enum { PARTS = 4, WORD = 4 };
 
-static struct head head_of(const struct orl_bsdf_made *m)
+static struct head head_of(const struct orl_bsdf_make_result *m)
 {
     struct head h = {.paths = m->paths,
                      .n_directions = m->n_directions,
                      .xml_size = m->xml_size,
                      .worst = m->worst,
-                     .joined = m->joined,
+                     .merge_error = m->merge_error,
                      .lost = m->lost,
                      .reached = m->reached,
                      .has_errors = m->errors[0][0] != NULL};
@@ -35,7 +35,7 @@ static struct head head_of(const struct orl_bsdf_made *m)
 
 static size_t directions_size(const struct head *h)
 {
-    return h->n_directions * sizeof(struct orl_bsdf_made_direction);
+    return h->n_directions * sizeof(struct orl_bsdf_make_direction);
 }
 
 static size_t errors_size(const struct head *h)
@@ -50,7 +50,7 @@ static size_t size_of(const struct head *h)
            (h->xml_size / WORD + 1) * WORD;
 }
 
-static char *pack_made(const struct orl_bsdf_made *m, size_t *ret_size)
+static char *pack_made(const struct orl_bsdf_make_result *m, size_t *ret_size)
 {
     const struct head h = head_of(m);
     char *data = calloc(1, size_of(&h)), *to = data;
@@ -78,24 +78,24 @@ static void *copy_bytes(const char **from, size_t size)
 }
 
 /* Returns false if the data are malformed or memory is exhausted. */
-static bool unpack_made(const char *data, size_t size, struct orl_bsdf_made *ret_made)
+static bool unpack_made(const char *data, size_t size, struct orl_bsdf_make_result *ret_result)
 {
     enum { MOST_DIRECTIONS = 4096 };
     struct head h;
-    struct orl_bsdf_made m = {0};
+    struct orl_bsdf_make_result m = {0};
     if (size < sizeof h)
         return false;
     memcpy(&h, data, sizeof h);
     if (h.n_directions > MOST_DIRECTIONS || h.xml_size > size || size != size_of(&h))
         return false;
     const char *from = data + sizeof h;
-    m = (struct orl_bsdf_made){.xml_size = h.xml_size,
-                               .n_directions = h.n_directions,
-                               .worst = h.worst,
-                               .joined = h.joined,
-                               .reached = h.reached != 0,
-                               .paths = h.paths,
-                               .lost = h.lost};
+    m = (struct orl_bsdf_make_result){.xml_size = h.xml_size,
+                                      .n_directions = h.n_directions,
+                                      .worst = h.worst,
+                                      .merge_error = h.merge_error,
+                                      .reached = h.reached != 0,
+                                      .paths = h.paths,
+                                      .lost = h.lost};
     memcpy(m.diffuse, h.diffuse, sizeof m.diffuse);
     memcpy(m.cell, h.cell, sizeof m.cell);
     memcpy(m.depth, h.depth, sizeof m.depth);
@@ -107,10 +107,10 @@ static bool unpack_made(const char *data, size_t size, struct orl_bsdf_made *ret
     }
     m.xml = copy_bytes(&from, h.xml_size + 1);
     if (whole && m.xml && m.xml[h.xml_size] == '\0') {
-        *ret_made = m;
+        *ret_result = m;
         return true;
     }
-    orl_bsdf_made_done(&m);
+    orl_bsdf_make_result_done(&m);
     return false;
 }
 
@@ -119,36 +119,36 @@ static bool unpack_made(const char *data, size_t size, struct orl_bsdf_made *ret
 struct panel {
     const struct orl_bsdf_make_request *request;
     const struct orl_bsdf_make_env *env;
-    struct orl_bsdf_made *made;
+    struct orl_bsdf_make_result *result;
 };
 
 static int make_panel(void *ctx, struct orl_error *err)
 {
     const struct panel *p = ctx;
-    return orl_bsdf_make(p->request, p->env, p->made, err);
+    return orl_bsdf_make(p->request, p->env, p->result, err);
 }
 
 static char *pack_panel(const void *ctx, size_t *ret_size, uint64_t *ret_effort)
 {
     const struct panel *p = ctx;
-    *ret_effort = p->made->paths;
-    return pack_made(p->made, ret_size);
+    *ret_effort = p->result->paths;
+    return pack_made(p->result, ret_size);
 }
 
 static bool unpack_panel(void *ctx, const char *data, size_t size)
 {
     const struct panel *p = ctx;
-    return unpack_made(data, size, p->made);
+    return unpack_made(data, size, p->result);
 }
 
-int orl_bsdf_make_kept(const struct orl_bsdf_make_request *request,
-                       const struct orl_bsdf_make_env *env, const struct orl_bsdf_keep *keep,
-                       struct orl_map_info *ret_info, struct orl_bsdf_made *ret_made,
-                       struct orl_error *err)
+int orl_bsdf_make_cached(const struct orl_bsdf_make_request *request,
+                         const struct orl_bsdf_make_env *env,
+                         const struct orl_bsdf_cache_key *cache_key, struct orl_map_info *ret_info,
+                         struct orl_bsdf_make_result *ret_result, struct orl_error *err)
 {
-    struct panel panel = {request, env, ret_made};
-    if (request->tell_errors)
+    struct panel panel = {request, env, ret_result};
+    if (request->want_errors)
         return orl_error_set(err, ORL_ERR_INVALID, "errors as XML are not kept");
-    const struct orl_kept_bsdf bsdf = {&panel, make_panel, pack_panel, unpack_panel};
-    return orl_kept_bsdf_get(&bsdf, env, keep, ret_info, err);
+    const struct orl_made_bsdf_calls bsdf_calls = {&panel, make_panel, pack_panel, unpack_panel};
+    return orl_made_bsdf_get(&bsdf_calls, env, cache_key, ret_info, err);
 }

@@ -1,11 +1,11 @@
-/* Caches a computed BSDF in a store (oriel/bsdf_kept.h). */
+/* Caches a computed BSDF in a store (oriel/bsdf/bsdf_cache.h). */
 #ifndef ORL_RUN_CACHE_MADE_BSDF_CACHE_H
 #define ORL_RUN_CACHE_MADE_BSDF_CACHE_H
 
-#include <oriel/bsdf_kept.h>
+#include <oriel/bsdf/bsdf_cache.h>
 
 /* Operations for one kind of BSDF; ctx receives the result. */
-struct orl_kept_bsdf {
+struct orl_made_bsdf_calls {
     void *ctx;
     int (*make)(void *ctx, struct orl_error *err);
     /* Serialises to whole words, owned by the caller; NULL: out of memory. */
@@ -15,8 +15,9 @@ struct orl_kept_bsdf {
 };
 
 /* Finds the BSDF, or makes and stores it. */
-int orl_kept_bsdf_get(const struct orl_kept_bsdf *bsdf, const struct orl_bsdf_make_env *env,
-                      const struct orl_bsdf_keep *keep, struct orl_map_info *ret_info,
+int orl_made_bsdf_get(const struct orl_made_bsdf_calls *bsdf_calls,
+                      const struct orl_bsdf_make_env *env,
+                      const struct orl_bsdf_cache_key *cache_key, struct orl_map_info *ret_info,
                       struct orl_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* Names of maps: digests of the digests of all that they depend on. */
 #include <sodium.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
 #include "run/cache/map_keys.h"
 
@@ -32,10 +32,10 @@ static void make_key(const char *text, size_t length, const char digest_of_rest[
 
 /* Digests the plan's omissions that affect photons. It uses the world instead of the plan, so that
  * jobs whose plans differ only in what photons do not depend on share maps. */
-static void digest_plan(const struct orl_world *world, enum orl_map_kind kind,
+static void digest_plan(const struct orl_lit_scene *lit_scene, enum orl_map_kind kind,
                         unsigned char ret_digest[ORL_SHA256_BYTES])
 {
-    const struct orl_omissions *omit = &world->omit;
+    const struct orl_omissions *omit = &lit_scene->omit;
     const bool caustic = kind == ORL_MAP_CAUSTIC;
     const uint64_t numbers[] = {omit->exterior,
                                 omit->glossy,
@@ -47,20 +47,20 @@ static void digest_plan(const struct orl_world *world, enum orl_map_kind kind,
                                 caustic && omit->mirror_caustics,
                                 caustic && omit->lobe_caustics,
                                 !caustic && omit->counted_light,
-                                caustic && world->caustics_lit,
-                                world->n_suns,
-                                world->n_domes,
-                                world->n_emitters};
+                                caustic && lit_scene->caustics_lit,
+                                lit_scene->n_suns,
+                                lit_scene->n_domes,
+                                lit_scene->n_emitters};
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, numbers, sizeof numbers);
-    for (size_t i = 0; i < world->n_suns; i++) {
-        const struct orl_vec3 n = world->suns[i].frame.n;
-        const double sun[] = {n.x, n.y, n.z, world->suns[i].cos_half_angle};
+    for (size_t i = 0; i < lit_scene->n_suns; i++) {
+        const struct orl_vec3 n = lit_scene->suns[i].frame.n;
+        const double sun[] = {n.x, n.y, n.z, lit_scene->suns[i].cos_half_angle};
         orl_sha256_add(&hash, sun, sizeof sun);
     }
-    for (size_t i = 0; i < world->n_ports; i++) {
-        const unsigned char silent = world->ports[i].silent;
+    for (size_t i = 0; i < lit_scene->n_ports; i++) {
+        const unsigned char silent = lit_scene->ports[i].silent;
         orl_sha256_add(&hash, &silent, sizeof silent);
     }
     orl_sha256_finish(&hash, ret_digest);
@@ -74,12 +74,12 @@ static void make_family(const struct orl_run_state *state, enum orl_map_kind kin
     unsigned char lights[ORL_SHA256_BYTES], plan[ORL_SHA256_BYTES];
     struct orl_sha256 hash;
     orl_lights_digest(state->lights, lights);
-    digest_plan(state->world, kind, plan);
+    digest_plan(state->lit_scene, kind, plan);
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, recipe, sizeof recipe);
     orl_sha256_add(&hash, numbers, sizeof numbers);
-    orl_sha256_add(&hash, state->scene->description.digest, ORL_SHA256_BYTES);
-    orl_scene_digest_recipe(state->scene, &hash);
+    orl_sha256_add(&hash, state->scene->parsed_scene.digest, ORL_SHA256_BYTES);
+    orl_scene_digest_build(state->scene, &hash);
     orl_sha256_add(&hash, lights, sizeof lights);
     orl_sha256_add(&hash, plan, sizeof plan);
     finish_hex(&hash, ret_family);

@@ -5,16 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/sha256.h>
+#include <oriel/base/sha256.h>
 
-#include "base/shelf.h"
-#include "light/scene.h"
+#include "base/memory/memory_cache.h"
 #include "run/cache/parsed_scene_cache.h"
-#include "scene/geometry/linings.h"
+#include "scene/built/scene.h"
+#include "scene/geometry/antimatter/linings.h"
 
-/* ---- The shelf ------------------------------------------------------------------------------- */
+/* ---- The cache ------------------------------------------------------------------------------- */
 
-static void *hold_scene(void *scene)
+static void *reference_scene(void *scene)
 {
     return orl_scene_hold(scene);
 }
@@ -24,27 +24,27 @@ static void release_scene(void *scene)
     orl_scene_release(scene);
 }
 
-static const struct orl_shelf_sharing sharing = {hold_scene, release_scene};
+static const struct orl_reference_calls sharing = {reference_scene, release_scene};
 
 /* Makes the key from the caller's id of the files and the names of the main ones. Returns false if
- * the shelf is not used. */
-static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_KEY])
+ * the memory cache is not used. */
+static bool cache_key_text(const struct orl_run_state *state, char ret_key[ORL_MEMORY_CACHE_KEY])
 {
     unsigned char digest[ORL_SHA256_BYTES];
     char hex[ORL_DIGEST_HEX + 1];
     struct orl_sha256 hash;
     const struct orl_job *job = state->job;
-    if (!state->env->shelf || !state->env->files_id)
+    if (!state->env->memory_cache || !state->env->files_id)
         return false;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, state->env->files_id, strlen(state->env->files_id) + 1);
     for (size_t i = 0; i < job->n_scene_files; i++)
         orl_sha256_add(&hash, job->scene_files[i], strlen(job->scene_files[i]) + 1);
-    if (state->swaps)
-        orl_swaps_digest(state->swaps, &hash);
+    if (state->material_overrides)
+        orl_material_overrides_digest(state->material_overrides, &hash);
     orl_sha256_finish(&hash, digest);
     sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
-    snprintf(ret_key, ORL_SHELF_KEY, "scene-%s", hex);
+    snprintf(ret_key, ORL_MEMORY_CACHE_KEY, "scene-%s", hex);
     return true;
 }
 
@@ -54,13 +54,13 @@ static bool shelf_key(const struct orl_run_state *state, char ret_key[ORL_SHELF_
 static void warn_of_proxies(struct orl_run_state *state)
 {
     const struct orl_scene *scene = state->scene;
-    const struct orl_pairing *pairings[] = {&scene->paired, &scene->not_paired};
+    const struct orl_proxy_pairing *pairings[] = {&scene->paired, &scene->not_paired};
     if (scene->proxies && scene->n_hidden == 0)
         orl_run_warn(state,
                      "there are BSDFs with a thickness, but no surface lies within it behind "
                      "them: views see nothing in their place");
     for (int i = 0; i < 2; i++) {
-        const struct orl_pairing *p = pairings[i];
+        const struct orl_proxy_pairing *p = pairings[i];
         if (p->count == 0)
             continue;
         orl_run_warn(state,
@@ -106,16 +106,16 @@ static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
     const struct orl_scene *const scene = state->scene;
     uint32_t material, facet;
     orl_lining_of(scene->geometry, antimatter, &material, &facet);
-    const char *const name = scene->description.materials[material].name;
+    const char *const name = scene->parsed_scene.materials[material].name;
     const struct orl_surface_label at = orl_scene_label_of(scene, facet);
-    if (orl_lining_is_left_away(scene->geometry, antimatter))
+    if (orl_lining_is_omitted(scene->geometry, antimatter))
         orl_run_warn(state,
                      "the lining of the antimatter '%.100s' ('%.100s' in %.200s:%d) is left away: "
                      "windows in it look on it, as where rooms' surfaces look out of the rooms, "
                      "which makes matter of them; to be sure, %s",
                      name, at.name, at.file, at.line, mend);
     for (size_t i = 0; i < n; i++) {
-        if (!orl_lining_has_in_matter(scene->geometry, antimatter, places[i]))
+        if (!orl_lining_matter_contains(scene->geometry, antimatter, places[i]))
             continue;
         const struct orl_vec3 p = orl_add(places[i], scene->geometry->center);
         orl_run_warn(state,
@@ -129,7 +129,7 @@ static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
 
 static void warn_of_linings(struct orl_run_state *state)
 {
-    const size_t end = orl_linings_end(state->scene->geometry);
+    const size_t end = orl_linings_count(state->scene->geometry);
     size_t n = 0;
     struct orl_vec3 *const places = end > 0 ? list_places(state, &n) : NULL;
     for (size_t i = 0; i < end; i++)
@@ -139,10 +139,10 @@ static void warn_of_linings(struct orl_run_state *state)
 
 static void warn_of_faults(struct orl_run_state *state)
 {
-    const struct orl_description *d = &state->scene->description;
+    const struct orl_parsed_scene *d = &state->scene->parsed_scene;
     for (size_t i = 0; i < d->n_warnings; i++)
         orl_run_warn(state, "%s", d->warnings[i]);
-    orl_run_count_scene(state, state->scene);
+    orl_run_count_scene_faults(state, state->scene);
     warn_of_proxies(state);
     warn_of_linings(state);
     orl_run_warn_of_covered_panes(state);
@@ -154,22 +154,22 @@ static void warn_of_faults(struct orl_run_state *state)
 /* Returns ORL_ERR_CANCELLED if cancelled; called between steps that cannot be interrupted. */
 static int check_cancel(const struct orl_run_state *state, struct orl_error *err)
 {
-    return orl_crew_cancelled(state->env->crew)
+    return orl_thread_pool_cancelled(state->env->pool)
                ? orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while preparing the scene")
                : 0;
 }
 
-static int read_files(struct orl_run_state *state, struct orl_description *ret_description,
+static int read_files(struct orl_run_state *state, struct orl_parsed_scene *ret_parsed_scene,
                       struct orl_error *err)
 {
-    const int code = orl_run_read_scene(state, ret_description, err);
+    const int code = orl_run_read_scene(state, ret_parsed_scene, err);
     return code < 0 ? code : check_cancel(state, err);
 }
 
-/* Gives ports that belong to no part materials of their own. */
-static int part_ports(struct orl_scene *scene, struct orl_error *err)
+/* Gives ports that belong to no window group materials of their own. */
+static int separate_ports(struct orl_scene *scene, struct orl_error *err)
 {
-    struct orl_description *d = &scene->description;
+    struct orl_parsed_scene *d = &scene->parsed_scene;
     const size_t n = d->n_materials;
     uint32_t *own = malloc((n + 1) * sizeof *own);
     int code = own ? 0 : ORL_ERR_NOMEM;
@@ -178,26 +178,26 @@ static int part_ports(struct orl_scene *scene, struct orl_error *err)
     for (size_t i = 0; i < scene->n_ports && code == 0; i++) {
         const uint32_t facet = scene->ports[i].facet;
         const uint32_t material = orl_facet_material(scene->geometry, facet);
-        if (d->materials[material].part != 0)
+        if (d->materials[material].window_group != 0)
             continue;
         if (own[material] == UINT32_MAX)
-            code = orl_material_part(d, material, ORL_PART_OF_NONE, &own[material]);
+            code = orl_material_add_group_copy(d, material, ORL_WINDOW_GROUP_NONE, &own[material]);
         orl_facet_set_material(scene->geometry, facet, own[material]);
     }
     free(own);
     return code < 0 ? orl_error_set(err, code, "out of memory") : 0;
 }
 
-static int build_scene(struct orl_run_state *state, struct orl_description *description,
+static int build_scene(struct orl_run_state *state, struct orl_parsed_scene *parsed_scene,
                        struct orl_error *err)
 {
-    int code = orl_scene_new(description, &state->scene, err);
+    int code = orl_scene_new(parsed_scene, &state->scene, err);
     if (code == 0)
         code = check_cancel(state, err);
     if (code == 0)
-        code = orl_scene_find_ports(state->scene, state->env->crew, err);
-    if (code == 0 && state->swaps && state->swaps->parted)
-        code = part_ports(state->scene, err);
+        code = orl_scene_find_ports(state->scene, state->env->pool, err);
+    if (code == 0 && state->material_overrides && state->material_overrides->by_window_group)
+        code = separate_ports(state->scene, err);
     if (code < 0) {
         orl_scene_release(state->scene);
         state->scene = NULL;
@@ -205,34 +205,34 @@ static int build_scene(struct orl_run_state *state, struct orl_description *desc
     return code;
 }
 
-int orl_run_load(struct orl_run_state *state, struct orl_error *err)
+int orl_run_load_scene(struct orl_run_state *state, struct orl_error *err)
 {
-    struct orl_shelf *shelf = state->env->shelf;
-    struct orl_description description = {0};
+    struct orl_memory_cache *memory_cache = state->env->memory_cache;
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_daylight daylight = {0};
-    char key[ORL_SHELF_KEY];
-    const bool shelved = shelf_key(state, key);
+    char key[ORL_MEMORY_CACHE_KEY];
+    const bool is_cacheable = cache_key_text(state, key);
     int code = 0;
-    if (!state->scene && shelved)
-        state->scene = orl_shelf_share(shelf, key, &sharing);
+    if (!state->scene && is_cacheable)
+        state->scene = orl_memory_cache_get_shared(memory_cache, key, &sharing);
     const bool found = state->scene != NULL;
     if (!found)
-        code = read_files(state, &description, err);
+        code = read_files(state, &parsed_scene, err);
     if (code == 0)
-        code =
-            orl_run_sky(state, found ? &state->scene->description : &description, &daylight, err);
+        code = orl_run_load_sky(state, found ? &state->scene->parsed_scene : &parsed_scene,
+                                &daylight, err);
     if (code < 0) {
-        orl_description_done(&description);
+        orl_parsed_scene_done(&parsed_scene);
         return code;
     }
-    orl_run_enter(state, ORL_STAGE_BVH);
+    orl_run_begin_stage(state, ORL_STAGE_BVH);
     if (!found)
-        code = build_scene(state, &description, err);
+        code = build_scene(state, &parsed_scene, err);
     if (code < 0)
         return code;
-    if (!found && shelved)
-        state->scene =
-            orl_shelf_put_shared(shelf, key, state->scene, orl_scene_bytes(state->scene), &sharing);
+    if (!found && is_cacheable)
+        state->scene = orl_memory_cache_put_shared(memory_cache, key, state->scene,
+                                                   orl_scene_bytes(state->scene), &sharing);
     warn_of_faults(state);
     if (code == 0)
         code = orl_lights_new(state->scene, state->result->sky_given ? &daylight : NULL,

@@ -1,7 +1,7 @@
 /*
- * The scene of a job: passed in from an earlier run, found on the shelf, or read from its files.
- * Jobs that read one scene at the same time share it afterwards. Threads: only the lead's; the
- * result is immutable.
+ * The scene of a job: passed in from an earlier run, found in the memory cache, or read from its
+ * files. Jobs that read one scene at the same time share it afterwards. Threads: only the lead's;
+ * the result is immutable.
  */
 #ifndef ORL_RUN_CACHE_SCENE_CACHE_H
 #define ORL_RUN_CACHE_SCENE_CACHE_H
@@ -13,18 +13,19 @@
  * the scene's files go into the result's health and warnings, even if the scene was read by an
  * earlier run.
  */
-int orl_run_load(struct orl_run_state *state, struct orl_error *err);
+int orl_run_load_scene(struct orl_run_state *state, struct orl_error *err);
 
 /* Runs a job like orl_run, with a scene that the caller owns. If *scene is NULL it is read and
  * passed to the caller, even if the run fails later. */
-int orl_run_of_scene(const struct orl_job *job, const struct orl_run_env *env,
-                     struct orl_scene **scene, struct orl_result *ret_result,
-                     struct orl_error *err);
+int orl_run_with_scene(const struct orl_job *job, const struct orl_run_env *env,
+                       struct orl_scene **scene, struct orl_result *ret_result,
+                       struct orl_error *err);
 
 /* Measures a scene after shades have changed materials of windows; fills in no file names.
- * Errors are those of reading it and of orl_swaps_apply. */
-int orl_run_measure_swapped(const char *const *main_files, size_t n_files,
-                            const struct orl_files *files, const struct orl_swaps *swaps,
-                            struct orl_scene_summary *ret_summary, struct orl_error *err);
+ * Errors are those of reading it and of orl_material_overrides_apply. */
+int orl_run_measure_overridden(const char *const *main_files, size_t n_files,
+                               const struct orl_files *files,
+                               const struct orl_material_overrides *material_overrides,
+                               struct orl_scene_summary *ret_summary, struct orl_error *err);
 
 #endif

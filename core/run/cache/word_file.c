@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/open.h>
+#include <oriel/base/open.h>
 
-#include "base/checksum.h"
+#include "base/io/checksum.h"
 
 struct header {
     char magic[8]; /* "ORIELKP" and NUL */
@@ -88,7 +88,7 @@ static bool decode(const uint32_t *coded, size_t n_coded, uint32_t *ret_words, s
 static int write_file(const char *path, const struct header *h, const uint32_t *coded,
                       struct orl_error *err)
 {
-    FILE *file = orl_stream_regular(path, 'w');
+    FILE *file = orl_fopen_regular(path, 'w');
     bool fine = file && fwrite(h, sizeof *h, 1, file) == 1 &&
                 fwrite(coded, sizeof *coded, h->coded, file) == h->coded;
     if (file && fclose(file) != 0)
@@ -102,26 +102,26 @@ static int write_file(const char *path, const struct header *h, const uint32_t *
                          orl_open_reason(why));
 }
 
-int orl_kept_write(const char *path, struct orl_kept_about *about, const void *data, size_t size,
-                   struct orl_error *err)
+int orl_word_file_write(const char *path, struct orl_word_file_info *file_info, const void *data,
+                        size_t size, struct orl_error *err)
 {
     const size_t words = size / sizeof(uint32_t), n = encode(data, words, NULL);
     struct header h = {.magic = "ORIELKP",
                        .version = VERSION,
                        .byte_order = BYTE_ORDER_MARK,
-                       .target = about->target,
-                       .rays = about->rays,
+                       .target = file_info->target,
+                       .rays = file_info->rays,
                        .words = words,
                        .coded = n};
     uint32_t *coded = malloc(n * sizeof *coded + 1);
     if (!coded)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     encode(data, words, coded);
-    memcpy(h.key, about->key, sizeof h.key);
-    memcpy(h.family, about->family, sizeof h.family);
+    memcpy(h.key, file_info->key, sizeof h.key);
+    memcpy(h.family, file_info->family, sizeof h.family);
     orl_checksum_of(coded, n * sizeof *coded, h.checksum);
     orl_checksum_of(&h, offsetof(struct header, of_header), h.of_header);
-    about->bytes = sizeof h + n * sizeof *coded;
+    file_info->bytes = sizeof h + n * sizeof *coded;
     const int code = write_file(path, &h, coded, err);
     free(coded);
     return code;
@@ -154,11 +154,11 @@ static int check_header(const char *path, const struct header *h, uint64_t bytes
 }
 
 /* Opens a file and checks its header. The caller closes *ret_file on success. */
-static int open_file(const char *path, struct header *h, struct orl_kept_about *ret_about,
+static int open_file(const char *path, struct header *h, struct orl_word_file_info *ret_file_info,
                      FILE **ret_file, struct orl_error *err)
 {
     struct stat st;
-    FILE *file = orl_stream_regular(path, 'r');
+    FILE *file = orl_fopen_regular(path, 'r');
     if (!file) {
         if (errno == ORL_OPEN_NOT_REGULAR)
             return report_damage(path, err);
@@ -174,19 +174,20 @@ static int open_file(const char *path, struct header *h, struct orl_kept_about *
         fclose(file);
         return code;
     }
-    *ret_about = (struct orl_kept_about){
+    *ret_file_info = (struct orl_word_file_info){
         .target = h->target, .rays = h->rays, .bytes = (uint64_t)st.st_size};
-    memcpy(ret_about->key, h->key, sizeof h->key);
-    memcpy(ret_about->family, h->family, sizeof h->family);
+    memcpy(ret_file_info->key, h->key, sizeof h->key);
+    memcpy(ret_file_info->family, h->family, sizeof h->family);
     *ret_file = file;
     return 0;
 }
 
-int orl_kept_describe(const char *path, struct orl_kept_about *ret_about, struct orl_error *err)
+int orl_word_file_describe(const char *path, struct orl_word_file_info *ret_file_info,
+                           struct orl_error *err)
 {
     struct header h;
     FILE *file;
-    const int code = open_file(path, &h, ret_about, &file, err);
+    const int code = open_file(path, &h, ret_file_info, &file, err);
     if (code == 0)
         fclose(file);
     return code;
@@ -224,15 +225,15 @@ static int read_words(const char *path, FILE *file, const struct header *h, void
     return 0;
 }
 
-int orl_kept_read(const char *path, const char *key, struct orl_kept_about *ret_about,
-                  void **ret_data, size_t *ret_size, struct orl_error *err)
+int orl_word_file_read(const char *path, const char *key, struct orl_word_file_info *ret_file_info,
+                       void **ret_data, size_t *ret_size, struct orl_error *err)
 {
     struct header h;
     FILE *file;
-    int code = open_file(path, &h, ret_about, &file, err);
+    int code = open_file(path, &h, ret_file_info, &file, err);
     if (code < 0)
         return code;
-    code = key && strcmp(key, ret_about->key) != 0
+    code = key && strcmp(key, ret_file_info->key) != 0
                ? report_damage(path, err)
                : read_words(path, file, &h, ret_data, ret_size, err);
     fclose(file);

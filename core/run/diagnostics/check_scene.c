@@ -1,21 +1,21 @@
-#include <oriel/floor_plan.h>
-#include <oriel/run.h>
+#include <oriel/job/floor_plan.h>
+#include <oriel/job/run.h>
 
 #include <math.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/scene.h"
 #include "light/weather.h"
 #include "render/heat_map/section.h"
 #include "run/cache/scene_cache.h"
-#include "scene/geometry/placed.h"
+#include "scene/built/scene.h"
+#include "scene/geometry/instances.h"
 #include "scene/parse/parse.h"
 
 static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
 {
-    const struct orl_description *d = &scene->description;
+    const struct orl_parsed_scene *d = &scene->parsed_scene;
     const size_t n = d->n_files - d->n_main;
     summary->referenced = calloc(n + 1, sizeof *summary->referenced);
     if (!summary->referenced)
@@ -31,13 +31,13 @@ static int copy_references(const struct orl_scene *scene, struct orl_scene_summa
 
 static void summarise(const struct orl_scene *scene, struct orl_scene_summary *summary)
 {
-    const struct orl_description *d = &scene->description;
+    const struct orl_parsed_scene *d = &scene->parsed_scene;
     const struct orl_geometry *g = scene->geometry;
     const struct orl_vec3 low = orl_add(g->low, g->center), high = orl_add(g->high, g->center);
-    summary->placed_surfaces = orl_description_count_surfaces(d);
+    summary->placed_surfaces = orl_parsed_scene_count_surfaces(d);
     summary->surfaces = d->n_surfaces;
     summary->materials = d->n_materials;
-    summary->sources = d->n_distants;
+    summary->sources = d->n_distant_sources;
     summary->triangles = orl_geometry_count_triangles(g);
     for (size_t i = 0; i < g->n_prototypes; i++) {
         summary->surfaces += g->prototypes[i]->n_facets;
@@ -58,11 +58,11 @@ static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
                      const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
                      struct orl_error *err)
 {
-    struct orl_bsdf_xml heeding = *xml;
+    struct orl_bsdf_xml cancellable = *xml;
     const struct orl_bsdf_loader *loader = ctx;
     (void)content;
-    heeding.cancel = loader->cancel;
-    return orl_bsdf_load(&heeding, ret_bsdf, err);
+    cancellable.cancel = loader->cancel;
+    return orl_bsdf_load(&cancellable, ret_bsdf, err);
 }
 
 int orl_prepare_thread(struct orl_error *err)
@@ -72,42 +72,45 @@ int orl_prepare_thread(struct orl_error *err)
 
 /* Reads a scene; the caller owns *ret_scene, which may be NULL. swaps: materials that shades give
  * windows, or NULL. */
-static int read_swapped(const char *const *main_files, size_t n_files,
-                        const struct orl_files *files, const struct orl_swaps *swaps,
-                        const atomic_bool *cancel, struct orl_scene **ret_scene,
-                        struct orl_error *err)
+static int read_overridden(const char *const *main_files, size_t n_files,
+                           const struct orl_files *files,
+                           const struct orl_material_overrides *material_overrides,
+                           const atomic_bool *cancel, struct orl_scene **ret_scene,
+                           struct orl_error *err)
 {
     struct orl_bsdf_loader loader = {.load = load_bsdf, .cancel = cancel};
     loader.ctx = &loader;
-    struct orl_description description = {0};
+    struct orl_parsed_scene parsed_scene = {0};
     struct orl_sources sources;
     *ret_scene = NULL;
     orl_sources_init(&sources, files, &loader, orl_arena_new());
-    int code =
-        orl_scene_parse_begun(main_files, n_files, &sources, swaps != NULL, &description, err);
-    description.cancel = cancel;
-    if (code == 0 && swaps) {
-        code = orl_swaps_apply(swaps, n_files, &description, err);
+    int code = orl_scene_parse_opened(main_files, n_files, &sources, material_overrides != NULL,
+                                      &parsed_scene, err);
+    parsed_scene.cancel = cancel;
+    if (code == 0 && material_overrides) {
+        code = orl_material_overrides_apply(material_overrides, n_files, &parsed_scene, err);
         if (code < 0)
-            orl_description_done(&description);
+            orl_parsed_scene_done(&parsed_scene);
     }
-    return code ? code : orl_scene_new(&description, ret_scene, err);
+    return code ? code : orl_scene_new(&parsed_scene, ret_scene, err);
 }
 
 static int read_scene(const char *const *main_files, size_t n_files, const struct orl_files *files,
                       const atomic_bool *cancel, struct orl_scene **ret_scene,
                       struct orl_error *err)
 {
-    return read_swapped(main_files, n_files, files, NULL, cancel, ret_scene, err);
+    return read_overridden(main_files, n_files, files, NULL, cancel, ret_scene, err);
 }
 
-int orl_run_measure_swapped(const char *const *main_files, size_t n_files,
-                            const struct orl_files *files, const struct orl_swaps *swaps,
-                            struct orl_scene_summary *ret_summary, struct orl_error *err)
+int orl_run_measure_overridden(const char *const *main_files, size_t n_files,
+                               const struct orl_files *files,
+                               const struct orl_material_overrides *material_overrides,
+                               struct orl_scene_summary *ret_summary, struct orl_error *err)
 {
     struct orl_scene_summary summary = {0};
     struct orl_scene *scene = NULL;
-    const int code = read_swapped(main_files, n_files, files, swaps, NULL, &scene, err);
+    const int code =
+        read_overridden(main_files, n_files, files, material_overrides, NULL, &scene, err);
     if (code == 0)
         summarise(scene, &summary);
     orl_scene_release(scene);
@@ -119,7 +122,7 @@ int orl_run_measure_swapped(const char *const *main_files, size_t n_files,
 int orl_views_check(const struct orl_job *job, const struct orl_files *files, struct orl_error *err)
 {
     struct orl_view_request *views;
-    const int code = orl_run_views(job, files, &views, err);
+    const int code = orl_run_resolve_views(job, files, &views, err);
     if (views != job->views)
         orl_run_views_done(job, views);
     return code;
@@ -148,15 +151,15 @@ int orl_scene_check(const char *const *main_files, size_t n_files, const struct 
 
 /* ---- The floor plan -------------------------------------------------------------------------- */
 
-struct pieces {
+struct section_lines {
     double (*lines)[4];
     size_t count, room;
     bool no_memory;
 };
 
-static void add_piece(void *ctx, const double from[2], const double to[2])
+static void add_section_line(void *ctx, const double from[2], const double to[2])
 {
-    struct pieces *p = ctx;
+    struct section_lines *p = ctx;
     if (p->count == p->room) {
         const size_t room = p->room ? 2 * p->room : 256;
         void *lines = reallocarray(p->lines, room, sizeof *p->lines);
@@ -183,17 +186,17 @@ static int cut_scene(const struct orl_geometry *g, struct orl_floor_plan *plan,
 {
     const struct orl_sensor_plane plane = {
         .normal = {0, 0, 1}, .u = {1, 0, 0}, .v = {0, 1, 0}, .offset = plan->height};
-    struct pieces pieces = {0};
-    orl_section_cut(g, &plane, add_piece, &pieces);
-    if (pieces.no_memory) {
-        free(pieces.lines);
+    struct section_lines section_lines = {0};
+    orl_section_cut(g, &plane, add_section_line, &section_lines);
+    if (section_lines.no_memory) {
+        free(section_lines.lines);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    plan->more = pieces.count > ORL_FLOOR_PLAN_LINES;
+    plan->more = section_lines.count > ORL_FLOOR_PLAN_LINES;
     if (plan->more)
-        qsort(pieces.lines, pieces.count, sizeof *pieces.lines, longest_first);
-    plan->lines = pieces.lines;
-    plan->count = plan->more ? ORL_FLOOR_PLAN_LINES : pieces.count;
+        qsort(section_lines.lines, section_lines.count, sizeof *section_lines.lines, longest_first);
+    plan->lines = section_lines.lines;
+    plan->count = plan->more ? ORL_FLOOR_PLAN_LINES : section_lines.count;
     return 0;
 }
 

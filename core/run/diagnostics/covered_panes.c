@@ -2,9 +2,9 @@
  * opening. */
 #include <stdio.h>
 
-#include "base/random.h"
-#include "light/scene.h"
+#include "base/sampling/random.h"
 #include "run/cache/scene_cache.h"
+#include "scene/built/scene.h"
 
 enum { POINTS = 8, MOST_PANES = 20000 };
 /* A surface within this share of the pane's size (the root of its area) lies on it. */
@@ -22,7 +22,7 @@ struct covered {
 static bool is_pane(const struct orl_scene *scene, uint32_t facet)
 {
     struct orl_facet own;
-    const struct orl_facet *f = orl_facet_own(scene->geometry, facet, &own);
+    const struct orl_facet *f = orl_facet_get_own(scene->geometry, facet, &own);
     const struct orl_material *m = orl_scene_material(scene, facet);
     return f->kind == ORL_SURFACE_POLYGON && f->area > 0 && orl_material_is_window(m) &&
            m->kind != ORL_MATERIAL_DIELECTRIC && m->kind != ORL_MATERIAL_PRISM &&
@@ -36,7 +36,7 @@ static bool is_covered_at(const struct orl_scene *scene, uint32_t pane, struct o
     const struct orl_geometry *g = scene->geometry;
     const struct orl_vec3 normal = orl_facet_normal(g, pane);
     const double reach = on_it * sqrt(orl_facet_area(g, pane));
-    const struct orl_vec3 start = orl_facet_leave(g, pane, point, normal, direction);
+    const struct orl_vec3 start = orl_facet_ray_origin(g, pane, point, normal, direction);
     return orl_geometry_intersect(g, start, direction, reach, ret_hit) &&
            !orl_material_is_window(orl_scene_material(scene, ret_hit->facet)) &&
            fabs(orl_dot(ret_hit->normal, normal)) > parallel;

@@ -6,10 +6,10 @@
 #ifndef ORL_RUN_DIAGNOSTICS_CROSS_CHECK_PATH_H
 #define ORL_RUN_DIAGNOSTICS_CROSS_CHECK_PATH_H
 
-#include <oriel/health.h>
-#include <oriel/run.h>
+#include <oriel/base/health.h>
+#include <oriel/job/run.h>
 
-#include "light/world.h"
+#include "light/lit_scene.h"
 #include "render/gather/gather.h"
 
 /* One estimate of the irradiance at a place, lx, by class. */
@@ -19,7 +19,8 @@ struct orl_plain_light {
 
 /* Traces one path, with shadow rays at every surface and at most most_reflections diffuse
  * reflections, and returns its estimate. */
-struct orl_plain_light orl_plain_path(const struct orl_world *world, const struct orl_place *place,
+struct orl_plain_light orl_plain_path(const struct orl_lit_scene *lit_scene,
+                                      const struct orl_shading_point *place,
                                       uint32_t most_reflections, struct orl_random *random,
                                       struct orl_health *health);
 

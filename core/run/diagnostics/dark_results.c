@@ -4,14 +4,14 @@
 #include "run/stages.h"
 
 /* Numbers of black results. */
-struct darkness {
+struct dark_counts {
     size_t sensors, views; /* number of black sensors and views */
     size_t first_sensor, first_view;
 };
 
-static struct darkness count_dark(const struct orl_result *result)
+static struct dark_counts count_dark(const struct orl_result *result)
 {
-    struct darkness dark = {0};
+    struct dark_counts dark = {0};
     for (size_t i = 0; i < result->n_sensors; i++)
         if (result->illuminance_lx[i] == 0 && dark.sensors++ == 0)
             dark.first_sensor = i;
@@ -21,11 +21,11 @@ static struct darkness count_dark(const struct orl_result *result)
     return dark;
 }
 
-static int refuse_dark(const struct orl_run_state *state, struct orl_error *err)
+static int fail_dark(const struct orl_run_state *state, struct orl_error *err)
 {
-    const struct orl_world *world = state->world;
+    const struct orl_lit_scene *lit_scene = state->lit_scene;
     const struct orl_result *result = state->result;
-    const bool lit = world->n_suns + world->n_domes + world->n_emitters > 0;
+    const bool lit = lit_scene->n_suns + lit_scene->n_domes + lit_scene->n_emitters > 0;
     char what[96];
     if (result->n_views == 0 && result->n_sensors == 1)
         snprintf(what, sizeof what, "the only sensor is at 0 lx");
@@ -49,14 +49,14 @@ static int refuse_dark(const struct orl_run_state *state, struct orl_error *err)
     return ORL_ERR_UNLIT;
 }
 
-int orl_run_judge_darkness(struct orl_run_state *state, struct orl_error *err)
+int orl_run_diagnose_dark(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_result *result = state->result;
-    const struct darkness dark = count_dark(result);
+    const struct dark_counts dark = count_dark(result);
     if ((result->sky_given && result->sky_dark) || state->job->dark_expected)
         return 0;
     if (dark.sensors == result->n_sensors && dark.views == result->n_views)
-        return refuse_dark(state, err);
+        return fail_dark(state, err);
     if (dark.sensors > 0)
         orl_run_warn(state,
                      "%zu of %zu sensors %s at 0 lx, the first of them sensors[%zu]: no light was "

@@ -2,11 +2,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "light/reach.h"
+#include "light/reachability.h"
 #include "run/stages.h"
-#include "scene/geometry/stand.h"
+#include "scene/geometry/surface_offset.h"
 
-enum { OUTLOOK_PATHS = 16384, VIEW_PATHS = 2048 };
+enum { QUERY_PATHS = 16384, VIEW_PATHS = 2048 };
 
 /* Distance from a surface at which an eye is clear of it, in units of the geometry's resolution. */
 static const double clear_of_surfaces = 10;
@@ -17,13 +17,13 @@ static const double many_leaks = 1e-6, grave_leaks = 1e-3, much_flux = 1e-4, man
 
 /* Counts the scene's faults. Warns once of each BSDF that would create energy; others are only
  * counted. */
-void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *scene)
+void orl_run_count_scene_faults(struct orl_run_state *state, const struct orl_scene *scene)
 {
-    const struct orl_description *d = &scene->description;
+    const struct orl_parsed_scene *d = &scene->parsed_scene;
     const double tolerance = 1e-3; /* tolerance of the check of BSDFs */
     struct orl_health *h = &state->result->health;
     h->degenerate = d->n_degenerate;
-    h->surfaces = scene->description.n_read;
+    h->surfaces = scene->parsed_scene.n_read;
     h->instances = d->n_placements;
     for (size_t i = 0; i < d->n_materials; i++) {
         const struct orl_material *m = &d->materials[i];
@@ -53,26 +53,28 @@ void orl_run_count_scene(struct orl_run_state *state, const struct orl_scene *sc
 
 /* ---- Places without light -------------------------------------------------------------------- */
 
-static struct orl_vec3 moved(const struct orl_run_state *state, struct orl_vec3 point)
+static struct orl_vec3 to_geometry_frame(const struct orl_run_state *state, struct orl_vec3 point)
 {
-    return orl_sub(point, state->world->geometry->center);
+    return orl_sub(point, state->lit_scene->geometry->center);
 }
 
 /* Lists every sensor and every eye of the job, owned by the caller; NULL if out of memory. */
-static struct orl_outlook *list_outlooks(const struct orl_run_state *state, size_t *ret_count)
+static struct orl_query_point *list_query_points(const struct orl_run_state *state,
+                                                 size_t *ret_count)
 {
     const struct orl_job *job = state->job;
-    struct orl_outlook *list = malloc((state->n_sensors + job->n_views + 1) * sizeof *list);
+    struct orl_query_point *list = malloc((state->n_sensors + job->n_views + 1) * sizeof *list);
     size_t n = 0;
     for (size_t i = 0; list && i < state->n_sensors; i++) {
         const struct orl_vec3 normal = orl_normalize(state->sensors[i].direction);
-        const struct orl_vec3 point = moved(state, state->sensors[i].position);
-        list[n++] = (struct orl_outlook){orl_stand(state->world->geometry, point, normal), normal};
+        const struct orl_vec3 point = to_geometry_frame(state, state->sensors[i].position);
+        list[n++] = (struct orl_query_point){
+            orl_offset_from_surface(state->lit_scene->geometry, point, normal), normal};
     }
     for (size_t i = 0; list && i < job->n_views; i++) {
         struct orl_view view;
         if (orl_view_parse(job->views[i].view, &view, NULL) == 0)
-            list[n++] = (struct orl_outlook){moved(state, view.point), {0, 0, 0}};
+            list[n++] = (struct orl_query_point){to_geometry_frame(state, view.point), {0, 0, 0}};
     }
     *ret_count = n;
     return list;
@@ -80,14 +82,15 @@ static struct orl_outlook *list_outlooks(const struct orl_run_state *state, size
 
 bool orl_run_is_dark(struct orl_run_state *state)
 {
-    const struct orl_world *world = state->world;
+    const struct orl_lit_scene *lit_scene = state->lit_scene;
     size_t count = 0;
     /*
      * The test is skipped if light has a port to enter by, or if there is no light at all (a cheap
      * case). It is also skipped for views that see from everywhere (parallel) or through surfaces
      * (-bv-).
      */
-    if (world->n_ports > 0 || world->n_suns + world->n_domes + world->n_emitters == 0)
+    if (lit_scene->n_ports > 0 ||
+        lit_scene->n_suns + lit_scene->n_domes + lit_scene->n_emitters == 0)
         return false;
     for (size_t i = 0; i < state->job->n_views; i++) {
         struct orl_view view;
@@ -95,11 +98,11 @@ bool orl_run_is_dark(struct orl_run_state *state)
             view.backs_unseen)
             return false;
     }
-    struct orl_outlook *outlooks = list_outlooks(state, &count);
-    const size_t paths = count > OUTLOOK_PATHS ? count : OUTLOOK_PATHS;
-    const bool dark = outlooks && count > 0 &&
-                      !orl_light_reaches(world, outlooks, count, paths, state->env->crew);
-    free(outlooks);
+    struct orl_query_point *query_points = list_query_points(state, &count);
+    const size_t paths = count > QUERY_PATHS ? count : QUERY_PATHS;
+    const bool dark = query_points && count > 0 &&
+                      !orl_light_reaches(lit_scene, query_points, count, paths, state->env->pool);
+    free(query_points);
     if (dark)
         orl_run_warn(state,
                      "no light reaches the sensors and views: none of %zu paths from them "
@@ -108,34 +111,35 @@ bool orl_run_is_dark(struct orl_run_state *state)
     return dark;
 }
 
-static void judge_view(struct orl_run_state *state, const char *name, const struct orl_view *view)
+static void diagnose_view(struct orl_run_state *state, const char *name,
+                          const struct orl_view *view)
 {
-    const struct orl_world *world = state->world;
-    const struct orl_outlook outlook = {moved(state, view->point), {0, 0, 0}};
-    struct orl_touch touch;
+    const struct orl_lit_scene *lit_scene = state->lit_scene;
+    const struct orl_query_point query_point = {to_geometry_frame(state, view->point), {0, 0, 0}};
+    struct orl_surface_contact touch;
     if (view->type == 'l' || view->backs_unseen)
         return;
-    if (orl_touches_surface(world->geometry, outlook.point, &touch)) {
-        const struct orl_surface_label label = orl_scene_label_of(world->scene, touch.facet);
+    if (orl_find_surface_contact(lit_scene->geometry, query_point.point, &touch)) {
+        const struct orl_surface_label label = orl_scene_label_of(lit_scene->scene, touch.facet);
         orl_run_warn_once(state,
                           "view '%s': the eye lies on a surface, '%.100s' (%.100s:%d), %.2g m from "
                           "it: which side it sees is chance; move the eye at least %.1g m away "
                           "from the surface",
                           name, label.name, label.file, label.line, touch.distance,
-                          clear_of_surfaces * orl_geometry_resolution(world->geometry));
-    } else if (!orl_light_reaches(world, &outlook, 1, VIEW_PATHS, state->env->crew)) {
+                          clear_of_surfaces * orl_geometry_resolution(lit_scene->geometry));
+    } else if (!orl_light_reaches(lit_scene, &query_point, 1, VIEW_PATHS, state->env->pool)) {
         orl_run_warn_once(
             state, "view '%s': no light reaches the eye: it may be inside a solid or a wall", name);
     }
 }
 
-void orl_run_judge_views(struct orl_run_state *state)
+void orl_run_diagnose_views(struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
-    for (size_t i = 0; i < job->n_views && !orl_crew_cancelled(state->env->crew); i++) {
+    for (size_t i = 0; i < job->n_views && !orl_thread_pool_cancelled(state->env->pool); i++) {
         struct orl_view view;
         if (orl_view_parse(job->views[i].view, &view, NULL) == 0)
-            judge_view(state, job->views[i].name, &view);
+            diagnose_view(state, job->views[i].name, &view);
     }
 }
 
@@ -146,7 +150,7 @@ static double share_of(uint64_t part, uint64_t whole)
     return whole > 0 ? (double)part / (double)whole : 0;
 }
 
-static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
+static void warn_of_leaks(struct orl_run_state *state, const struct orl_health *h)
 {
     const struct orl_vec3 p = h->leak_from, d = h->leak_towards;
     const unsigned long long leaked = h->rays_leaked, rays = h->rays;
@@ -172,7 +176,7 @@ static void judge_leaks(struct orl_run_state *state, const struct orl_health *h)
 
 /* Warns of estimates from few photons: fewer than 8 scatter by more than 1 / sqrt(8). The effect
  * depends on the technique. */
-static void judge_sparse(struct orl_run_state *state, const struct orl_health *h)
+static void warn_of_sparse(struct orl_run_state *state, const struct orl_health *h)
 {
     const bool shown = state->result->plan.technique == ORL_TECHNIQUE_DIRECT;
     const double sparse = share_of(h->sparse, h->estimates);
@@ -186,12 +190,12 @@ static void judge_sparse(struct orl_run_state *state, const struct orl_health *h
                 "more photons would make it better");
 }
 
-void orl_run_judge_health(struct orl_run_state *state)
+void orl_run_diagnose_health(struct orl_run_state *state)
 {
     struct orl_health *h = &state->result->health;
     if (h->rays_leaked > 0)
-        h->leak_from = orl_add(h->leak_from, state->world->geometry->center);
-    judge_leaks(state, h);
+        h->leak_from = orl_add(h->leak_from, state->lit_scene->geometry->center);
+    warn_of_leaks(state, h);
     if (h->non_finite > 0)
         orl_run_warn(state,
                      "%llu values were no finite numbers and count as black: results near "
@@ -211,5 +215,5 @@ void orl_run_judge_health(struct orl_run_state *state)
     if (share_of(h->bsdf_clamped, h->bsdf_values) > many_values)
         orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",
                      (unsigned long long)h->bsdf_clamped, (unsigned long long)h->bsdf_values);
-    judge_sparse(state, h);
+    warn_of_sparse(state, h);
 }

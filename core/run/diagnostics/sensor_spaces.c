@@ -5,8 +5,8 @@
 
 #include "light/enclosures.h"
 #include "run/stages.h"
-#include "scene/geometry/placed.h"
-#include "scene/geometry/stand.h"
+#include "scene/geometry/instances.h"
+#include "scene/geometry/surface_offset.h"
 
 enum { LEAST_SENSORS = 3, CHUNK = 256 };
 /* Divisors of a range's sensors: up to a tenth in a space without windows, and a twentieth in
@@ -41,7 +41,7 @@ struct check {
     /* The fields below belong to the range that is checked now. */
     const struct orl_sensor_range *range;
     const struct orl_sensor *sensors;
-    struct orl_outlook *places;
+    struct orl_query_point *places;
     struct orl_enclosures *enclosures;
     uint8_t *kinds; /* by sensor: enum misplacement */
 };
@@ -79,8 +79,8 @@ static bool find_surface(const struct check *c, enum misplacement kind, size_t i
     const struct orl_vec3 point = c->places[index].point;
     if (kind == BELOW_FLOOR)
         return orl_geometry_intersect(g, point, orl_v3(0, 0, 1), INFINITY, ret_hit);
-    return orl_enclosures_between(c->scene, c->places[e->at[e->largest].first].point, point,
-                                  ret_hit);
+    return orl_enclosures_separator(c->scene, c->places[e->at[e->largest].first].point, point,
+                                    ret_hit);
 }
 
 static void describe_surface(const struct check *c, enum misplacement kind, size_t index,
@@ -189,14 +189,15 @@ static void classify_spaces(const struct check *c)
 
 static size_t count_facets(const struct orl_geometry *g)
 {
-    const struct orl_placed *const last = g->n_placed > 0 ? &g->placed[g->n_placed - 1] : NULL;
+    const struct orl_instance *const last =
+        g->n_instances > 0 ? &g->instance[g->n_instances - 1] : NULL;
     return last ? last->first_facet + last->prototype->n_facets : g->n_facets;
 }
 
 /* Sets *ret_floor if the facet, met from above, is the floor of a closed room with windows. The
  * space above a facet is explored once. */
 static int look_up_floor(struct check *c, const struct orl_hit *hit,
-                         const struct orl_outlook *above, bool *ret_floor)
+                         const struct orl_query_point *above, bool *ret_floor)
 {
     if (!c->floors)
         c->floors = calloc(count_facets(c->scene->geometry) + 1, sizeof *c->floors);
@@ -215,7 +216,7 @@ static int look_up_floor(struct check *c, const struct orl_hit *hit,
 }
 
 /* Sets *ret_below if the surface overhead is a floor, and much nearer than the ceiling above it. */
-static int is_below_floor(struct check *c, const struct orl_outlook *place, bool *ret_below)
+static int is_below_floor(struct check *c, const struct orl_query_point *place, bool *ret_below)
 {
     const struct orl_geometry *g = c->scene->geometry;
     const struct orl_vec3 up = orl_v3(0, 0, 1);
@@ -224,7 +225,7 @@ static int is_below_floor(struct check *c, const struct orl_outlook *place, bool
     if (!orl_geometry_intersect(g, place->point, up, INFINITY, &hit) ||
         orl_material_is_window(orl_scene_material(c->scene, hit.facet)))
         return 0;
-    const struct orl_outlook above = {orl_hit_leave(g, &hit, up), up};
+    const struct orl_query_point above = {orl_hit_ray_origin(g, &hit, up), up};
     if (!orl_geometry_intersect(g, above.point, up, INFINITY, &ceiling) ||
         !(much_nearer * hit.distance < ceiling.distance))
         return 0;
@@ -239,7 +240,7 @@ static int classify_below(struct check *c)
         return 0;
     for (size_t i = 0; i < c->range->count; i++) {
         bool below;
-        if (i % CHUNK == 0 && orl_crew_cancelled(c->job->crew))
+        if (i % CHUNK == 0 && orl_thread_pool_cancelled(c->job->pool))
             return ORL_ERR_CANCELLED;
         if (c->kinds[i] != IN_PLACE || e->of[i] == ORL_ENCLOSURE_UNKNOWN ||
             e->at[e->of[i]].escaped == 0)
@@ -266,7 +267,7 @@ static void list_places(void *arg, size_t chunk, uint32_t member)
     for (size_t i = first; i < first + (left < CHUNK ? left : CHUNK); i++) {
         const struct orl_vec3 normal = orl_normalize(c->sensors[i].direction);
         const struct orl_vec3 point = orl_sub(c->sensors[i].position, g->center);
-        c->places[i] = (struct orl_outlook){orl_stand(g, point, normal), normal};
+        c->places[i] = (struct orl_query_point){orl_offset_from_surface(g, point, normal), normal};
         if (orl_run_lies_in_plane(c->scene, &c->sensors[i]))
             c->places[i].normal = orl_v3(0, 0, 0);
     }
@@ -275,7 +276,7 @@ static void list_places(void *arg, size_t chunk, uint32_t member)
 static int classify_range(struct check *c)
 {
     const size_t n = c->range->count;
-    int code = orl_crew_try(c->job->crew, (n + CHUNK - 1) / CHUNK, list_places, c);
+    int code = orl_parallel_try(c->job->pool, (n + CHUNK - 1) / CHUNK, list_places, c);
     if (code == 0)
         code = orl_enclosures_new(c->scene, c->places, n, &c->budget, &c->enclosures);
     if (code < 0)
@@ -311,7 +312,7 @@ int orl_run_check_sensor_spaces(struct orl_sensor_check *check)
 {
     struct check c = {.job = check,
                       .scene = check->scene,
-                      .budget = {.crew = check->crew,
+                      .budget = {.pool = check->pool,
                                  .left = check->most_rays > 0 ? check->most_rays : RAYS_OF_A_JOB},
                       .unchecked = calloc(check->n_ranges + 1, sizeof *c.unchecked)};
     int code = c.unchecked ? 0 : ORL_ERR_NOMEM;

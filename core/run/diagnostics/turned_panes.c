@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include <oriel/bsdf.h>
+#include <oriel/bsdf/bsdf.h>
 
-#include "light/scene.h"
 #include "run/cache/scene_cache.h"
+#include "scene/built/scene.h"
 #include "scene/material/hemisphere.h"
 
 enum { DIRECTIONS = 16 }; /* number of azimuths, and of steps in the square of the sine */

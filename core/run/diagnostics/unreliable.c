@@ -9,7 +9,7 @@ const char *orl_doubt_name(enum orl_doubt doubt)
     return doubt == ORL_DOUBT_CROSS_CHECK ? "cross-check" : "missed-light";
 }
 
-void orl_run_doubt(struct orl_run_state *state, size_t sensor, enum orl_doubt doubt)
+void orl_run_mark_unreliable(struct orl_run_state *state, size_t sensor, enum orl_doubt doubt)
 {
     struct orl_result *r = state->result;
     if (!r->doubts)
@@ -18,7 +18,7 @@ void orl_run_doubt(struct orl_run_state *state, size_t sensor, enum orl_doubt do
         r->doubts[sensor] |= (unsigned char)doubt;
 }
 
-void orl_run_heed_doubts(struct orl_run_state *state)
+void orl_run_apply_unreliable(struct orl_run_state *state)
 {
     struct orl_result *r = state->result;
     struct orl_outcome *outcome = &r->outcome;

@@ -1,4 +1,4 @@
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include <errno.h>
 #include <stdio.h>
@@ -7,13 +7,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/grow.h"
+#include "base/memory/array.h"
 
 static int name_file(const struct orl_shared_store *state, const char *kind, const char *key,
                      bool mine, char ret_path[4096], struct orl_error *err)
 {
     const int length = snprintf(ret_path, 4096, "%s/%s-%s.opm%s%s", state->folder, kind, key,
-                                mine ? "." : "", mine ? state->mark : "");
+                                mine ? "." : "", mine ? state->owner : "");
     if (length < 0 || length >= 4096)
         return orl_error_set(err, ORL_ERR_LIMIT, "the shared folder's path is too long");
     return 0;
@@ -21,24 +21,25 @@ static int name_file(const struct orl_shared_store *state, const char *kind, con
 
 /* ---- Owed files ------------------------------------------------------------------------------ */
 
-static int add_owed(struct orl_shared_store *state, const char *kind, const char *key,
-                    struct orl_error *err)
+static int add_pending(struct orl_shared_store *state, const char *kind, const char *key,
+                       struct orl_error *err)
 {
-    struct orl_piece piece = {.work = 1};
-    snprintf(piece.kind, sizeof piece.kind, "%s", kind);
-    snprintf(piece.key, sizeof piece.key, "%s", key);
-    if (!orl_grow(&state->owed, &state->room, state->n_owed + 1, sizeof *state->owed))
+    struct orl_job_task job_task = {.work = 1};
+    snprintf(job_task.kind, sizeof job_task.kind, "%s", kind);
+    snprintf(job_task.key, sizeof job_task.key, "%s", key);
+    if (!orl_array_reserve(&state->pending, &state->capacity, state->n_pending + 1,
+                           sizeof *state->pending))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    state->owed[state->n_owed++] = piece;
+    state->pending[state->n_pending++] = job_task;
     return 0;
 }
 
 /* Removes an entry from the list of owed files. Returns true if it was owed. */
-static bool remove_owed(struct orl_shared_store *state, const char *kind, const char *key)
+static bool remove_pending(struct orl_shared_store *state, const char *kind, const char *key)
 {
-    for (size_t i = state->n_owed; i-- > 0;)
-        if (strcmp(state->owed[i].key, key) == 0 && strcmp(state->owed[i].kind, kind) == 0) {
-            state->owed[i] = state->owed[--state->n_owed];
+    for (size_t i = state->n_pending; i-- > 0;)
+        if (strcmp(state->pending[i].key, key) == 0 && strcmp(state->pending[i].kind, kind) == 0) {
+            state->pending[i] = state->pending[--state->n_pending];
             return true;
         }
     return false;
@@ -59,7 +60,7 @@ static int shared_acquire(void *ctx, const char *kind, const char *key, atomic_b
     *ret_hit = stat(ret_path, &st) == 0;
     if (!*ret_hit) {
         code = name_file(state, kind, key, true, ret_path, err);
-        return code < 0 ? code : add_owed(state, kind, key, err);
+        return code < 0 ? code : add_pending(state, kind, key, err);
     }
     memset(ret_info, 0, sizeof *ret_info);
     snprintf(ret_info->kind, sizeof ret_info->kind, "%s", kind);
@@ -80,7 +81,7 @@ static int shared_commit(void *ctx, const struct orl_map_info *info, struct orl_
         code = orl_error_set(err, orl_err_of_errno(errno), "cannot keep '%s': %s", to,
                              strerror(errno));
     if (code == 0)
-        remove_owed(state, info->kind, info->key);
+        remove_pending(state, info->kind, info->key);
     return code;
 }
 
@@ -89,7 +90,7 @@ static void shared_abandon(void *ctx, const char *kind, const char *key)
 {
     struct orl_shared_store *state = ctx;
     char path[4096];
-    if (name_file(state, kind, key, remove_owed(state, kind, key), path, NULL) == 0)
+    if (name_file(state, kind, key, remove_pending(state, kind, key), path, NULL) == 0)
         unlink(path);
 }
 
@@ -102,9 +103,9 @@ void orl_shared_store_init(struct orl_shared_store *state, struct orl_map_store 
 {
     char host[64] = "here";
     gethostname(host, sizeof host - 1);
-    snprintf(state->mark, sizeof state->mark, "%s.%ld", host, (long)getpid());
-    state->owed = NULL;
-    state->n_owed = state->room = 0;
+    snprintf(state->owner, sizeof state->owner, "%s.%ld", host, (long)getpid());
+    state->pending = NULL;
+    state->n_pending = state->capacity = 0;
     *ret_store = (struct orl_map_store){.ctx = state,
                                         .acquire = shared_acquire,
                                         .commit = shared_commit,
@@ -114,7 +115,7 @@ void orl_shared_store_init(struct orl_shared_store *state, struct orl_map_store 
 
 void orl_shared_store_done(struct orl_shared_store *state)
 {
-    free(state->owed);
-    state->owed = NULL;
-    state->n_owed = state->room = 0;
+    free(state->pending);
+    state->pending = NULL;
+    state->n_pending = state->capacity = 0;
 }

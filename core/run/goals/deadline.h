@@ -11,7 +11,7 @@
 #ifndef ORL_RUN_GOALS_DEADLINE_H
 #define ORL_RUN_GOALS_DEADLINE_H
 
-#include "run/goals/round_cost.h"
+#include "run/estimate/round_cost.h"
 
 enum orl_deadline_step {
     ORL_DEADLINE_ROUND,    /* another round of `samples` */
@@ -35,8 +35,9 @@ struct orl_deadline_next {
 double orl_deadline_first(const struct orl_work *work, double photons_s, double render_s,
                           double left_s);
 
-struct orl_deadline_next orl_deadline_next(const struct orl_pace *pace, const struct orl_work *work,
-                                           double deadline_s, double left_s);
+struct orl_deadline_next orl_deadline_next(const struct orl_throughput *throughput,
+                                           const struct orl_work *work, double deadline_s,
+                                           double left_s);
 
 /* Returns the remaining seconds of the job during a round: round_s until its end, until_s until the
  * deadline. That is until_s, unless the time after the round is too short for another one. */

@@ -6,45 +6,47 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "run/estimate/goal_samples.h"
 #include "run/goals/deadline.h"
-#include "run/progress/goal_cost.h"
 
 /* A job ends early if it would need this multiple of the allowed work. */
-static const double hopeless = 2;
+static const double abandon_factor = 2;
 /* For a goal of a DGP error. */
 enum { LEAST_ROUNDS = 4 };
 
-double orl_rounds_guess_wanted(const struct orl_rounds *r)
+double orl_rounds_estimate_samples(const struct orl_rounds *r)
 {
     const bool backward = r->work.technique == ORL_TECHNIQUE_BACKWARD;
     return r->planned > 0 ? r->planned * r->samples
-                          : orl_goal_guess_samples(&r->state->job->goal, backward, r->samples);
+                          : orl_goal_estimate_samples(&r->state->job->goal, backward, r->samples);
 }
 
-void orl_rounds_foresee(struct orl_rounds *r)
+void orl_rounds_estimate(struct orl_rounds *r)
 {
     struct orl_run_state *state = r->state;
-    double *foreseen = state->cost_s;
-    const double samples = r->samples, done = r->pace.samples + samples;
+    double *estimated = state->cost_s;
+    const double samples = r->samples, done = r->throughput.samples + samples;
     state->after_s = 0;
-    if (r->pace.rounds > 0) {
+    if (r->throughput.rounds > 0) {
         /* After its last progress report. */
-        const double beside = r->pace.beside_s / r->pace.rounds;
-        orl_pace_foresee(&r->pace, &r->work, samples, foreseen);
-        foreseen[ORL_STAGE_RENDER] -= beside;
-        state->after_s = beside;
+        const double other_s_a_round = r->throughput.other_s / r->throughput.rounds;
+        orl_throughput_stage_s(&r->throughput, &r->work, samples, estimated);
+        estimated[ORL_STAGE_RENDER] -= other_s_a_round;
+        state->after_s = other_s_a_round;
         if (done < r->wanted)
-            state->after_s += r->planned > 0 ? (r->wanted - done) / samples *
-                                                   orl_pace_round_s(&r->pace, &r->work, samples)
-                                             : orl_pace_rest_s(&r->pace, &r->work, done, r->wanted);
+            state->after_s +=
+                r->planned > 0
+                    ? (r->wanted - done) / samples *
+                          orl_throughput_round_s(&r->throughput, &r->work, samples)
+                    : orl_throughput_remaining_s(&r->throughput, &r->work, done, r->wanted);
         return;
     }
     const double share = r->planned > 0 ? 1.0 / r->planned : samples / ORL_DEFAULT_GATHER_SAMPLES;
     const bool alike = r->work.of_views && r->work.technique != ORL_TECHNIQUE_BACKWARD;
     for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++) {
-        foreseen[i] = r->guessed_s[i] * (alike && i == ORL_STAGE_RENDER ? 1 : share);
+        estimated[i] = r->estimated_s[i] * (alike && i == ORL_STAGE_RENDER ? 1 : share);
         if (done < r->wanted)
-            state->after_s += foreseen[i] * (r->wanted - done) / samples;
+            state->after_s += estimated[i] * (r->wanted - done) / samples;
     }
 }
 
@@ -62,9 +64,9 @@ static void end_rounds(struct orl_rounds *r, bool met, const char *format, ...)
 }
 
 /* Handles the end of a round of a job for an accuracy. */
-static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
+static void plan_for_error(struct orl_rounds *r, const struct orl_output_estimates *outputs)
 {
-    const double target = r->state->job->goal.relative_error, done = r->pace.samples;
+    const double target = r->state->job->goal.relative_error, done = r->throughput.samples;
     const double limit = orl_work_limit();
     if (isnan(r->error)) {
         r->samples = r->work.least; /* two rounds have a spread */
@@ -75,14 +77,14 @@ static void go_on_for_error(struct orl_rounds *r, const struct orl_parts *parts)
                    r->count == 1 ? "" : "s");
         return;
     }
-    const double wanted = done * orl_parts_work(parts, target);
+    const double wanted = done * orl_output_estimates_work(outputs, target);
     if (done >= limit)
         end_rounds(
             r, false,
             "the limit of %.0f samples' worth of work is reached at %.3g %%; %.3g %% may be had "
             "by several jobs of other seeds, averaged",
             limit, 100 * r->error, 100 * target);
-    else if (wanted > hopeless * limit && r->count > 1)
+    else if (wanted > abandon_factor * limit && r->count > 1)
         end_rounds(
             r, false,
             "it would take %.2g samples' worth of work, %.0f are allowed: ask for %.2g %% or more",
@@ -111,15 +113,15 @@ static double dgp_error(const struct orl_run_state *state)
 
 /* Handles the end of a round of a job for a DGP error. Rounds are equal until there are as many as
  * batches are kept. Pairs of batches are then merged, and rounds grow to that size. */
-static void go_on_for_dgp(struct orl_rounds *r)
+static void plan_for_dgp(struct orl_rounds *r)
 {
     const double target = r->state->job->goal.dgp_error, limit = orl_work_limit();
-    const double found = dgp_error(r->state), done = r->pace.samples;
+    const double found = dgp_error(r->state), done = r->throughput.samples;
     r->state->result->outcome.achieved = found;
     const double wanted = done * (found / target) * (found / target);
     if (r->count >= LEAST_ROUNDS && found <= target)
         end_rounds(r, true, "%.2g is reached after %u rounds", found, r->count);
-    else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > hopeless * limit))
+    else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > abandon_factor * limit))
         end_rounds(r, false,
                    "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
                    "%.0f are allowed",
@@ -132,11 +134,12 @@ static void go_on_for_dgp(struct orl_rounds *r)
 }
 
 /* Handles the end of a round of a job for a deadline. */
-static void go_on_for_time(struct orl_rounds *r)
+static void plan_for_deadline(struct orl_rounds *r)
 {
     const double deadline = r->state->job->goal.deadline_s;
     const double left = r->state->started_s + deadline - orl_rounds_now(r);
-    const struct orl_deadline_next next = orl_deadline_next(&r->pace, &r->work, deadline, left);
+    const struct orl_deadline_next next =
+        orl_deadline_next(&r->throughput, &r->work, deadline, left);
     const char *plural = r->count == 1 ? "" : "s";
     if (r->error <= 0) {
         end_rounds(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
@@ -147,7 +150,7 @@ static void go_on_for_time(struct orl_rounds *r)
     case ORL_DEADLINE_ROUND:
         r->samples = next.samples;
         if (next.last)
-            r->state->ends_s = 0;
+            r->state->deadline_at_s = 0;
         break;
     case ORL_DEADLINE_USED_UP:
         end_rounds(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count,
@@ -173,13 +176,13 @@ static void go_on_for_time(struct orl_rounds *r)
     }
 }
 
-void orl_rounds_go_on(struct orl_rounds *r, const struct orl_parts *parts)
+void orl_rounds_plan_next(struct orl_rounds *r, const struct orl_output_estimates *outputs)
 {
     const struct orl_goal *goal = &r->state->job->goal;
     if (goal->deadline_s > 0)
-        go_on_for_time(r);
+        plan_for_deadline(r);
     else if (goal->dgp_error > 0)
-        go_on_for_dgp(r);
+        plan_for_dgp(r);
     else
-        go_on_for_error(r, parts);
+        plan_for_error(r, outputs);
 }

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#include "base/sum.h"
+#include "base/statistics/sum.h"
 
-enum { MOST_LOOKED_AT = 4096, MOST_OF_FEW = 16, HALVINGS = 48 };
+enum { MOST_SELECTED = 4096, MOST_OF_FEW = 16, HALVINGS = 48 };
 /* Normal quantile of the probability. */
 static const double probability = 0.975, quantile = 1.9599639845400545;
 
@@ -12,10 +12,10 @@ const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 
 /* Returns the probability that a normal value exceeds x of its estimated standard errors
  * (percentile.h). */
-static double above(double x, double degrees)
+static double above(double x, double degrees_of_freedom)
 {
-    if (degrees > 2) {
-        const double m = degrees - 1, part = x * x / degrees;
+    if (degrees_of_freedom > 2) {
+        const double m = degrees_of_freedom - 1, part = x * x / degrees_of_freedom;
         const double z = part < 1 ? (8 * m + 1) / (8 * m + 3) * sqrt(-m * log1p(-part)) : INFINITY;
         x = copysign(z, x);
     }
@@ -24,15 +24,16 @@ static double above(double x, double degrees)
 
 /* Returns the probability that a normal error with that bias and deviation is beyond x, on either
  * side. */
-static double beyond(double x, double bias, double error, double degrees)
+static double beyond(double x, double bias, double error, double degrees_of_freedom)
 {
     if (!(error > 0))
         return fabs(bias) > x ? 1 : 0;
-    return above((x - bias) / error, degrees) + above((x + bias) / error, degrees);
+    return above((x - bias) / error, degrees_of_freedom) +
+           above((x + bias) / error, degrees_of_freedom);
 }
 
 /* The estimates used: every step-th, with the least divisor. */
-struct look {
+struct selection {
     const struct orl_estimates *estimates;
     size_t step, count;
     double least;
@@ -40,37 +41,37 @@ struct look {
 };
 
 /* Returns the probability that the k-th estimate used is beyond x. */
-static double beyond_at(const struct look *look, size_t k, double x)
+static double beyond_at(const struct selection *selection, size_t k, double x)
 {
-    const struct orl_estimates *e = look->estimates;
-    const size_t i = k * look->step;
-    const double by = fmax(fabs(e->value[i]), look->least);
-    return beyond(x * by, e->bias ? look->bias_scale * e->bias[i] : 0, look->scale * e->error[i],
-                  e->degrees);
+    const struct orl_estimates *e = selection->estimates;
+    const size_t i = k * selection->step;
+    const double by = fmax(fabs(e->value[i]), selection->least);
+    return beyond(x * by, e->bias ? selection->bias_scale * e->bias[i] : 0,
+                  selection->scale * e->error[i], e->degrees_of_freedom);
 }
 
 /* Tests the bound for a small number by computing the distribution of the number beyond x, adding
  * estimates one by one. */
-static int is_bound_of_few(const struct look *look, double x, size_t allowed)
+static int is_bound_of_few(const struct selection *selection, double x, size_t allowed)
 {
-    double chance[MOST_OF_FEW + 1] = {1}, sum = 0;
-    for (size_t k = 0; k < look->count; k++) {
-        const double p = beyond_at(look, k, x);
+    double distribution[MOST_OF_FEW + 1] = {1}, sum = 0;
+    for (size_t k = 0; k < selection->count; k++) {
+        const double p = beyond_at(selection, k, x);
         for (size_t n = allowed; n > 0; n--)
-            chance[n] += p * (chance[n - 1] - chance[n]);
-        chance[0] -= p * chance[0];
+            distribution[n] += p * (distribution[n - 1] - distribution[n]);
+        distribution[0] -= p * distribution[0];
     }
     for (size_t n = 0; n <= allowed; n++)
-        sum += chance[n];
+        sum += distribution[n];
     return sum >= probability;
 }
 
 /* Tests the bound for a large number by mean, variance and skewness. */
-static int is_bound_of_many(const struct look *look, double x, size_t allowed)
+static int is_bound_of_many(const struct selection *selection, double x, size_t allowed)
 {
     double mean = 0, variance = 0, third = 0;
-    for (size_t k = 0; k < look->count; k++) {
-        const double p = beyond_at(look, k, x);
+    for (size_t k = 0; k < selection->count; k++) {
+        const double p = beyond_at(selection, k, x);
         mean += p;
         variance += p * (1 - p);
         third += p * (1 - p) * (1 - 2 * p);
@@ -81,10 +82,10 @@ static int is_bound_of_many(const struct look *look, double x, size_t allowed)
 }
 
 /* Returns 1 if the number beyond x is within the allowed one with the required probability. */
-static int is_bound(const struct look *look, double x, size_t allowed)
+static int is_bound(const struct selection *selection, double x, size_t allowed)
 {
-    return allowed <= MOST_OF_FEW ? is_bound_of_few(look, x, allowed)
-                                  : is_bound_of_many(look, x, allowed);
+    return allowed <= MOST_OF_FEW ? is_bound_of_few(selection, x, allowed)
+                                  : is_bound_of_many(selection, x, allowed);
 }
 
 static int has_bias(const struct orl_estimates *e)
@@ -109,21 +110,21 @@ static int compute_mean(const struct orl_estimates *e, double *ret_mean)
 }
 
 /* Returns how many of the estimates used may be beyond the bound. */
-static size_t allowed_of(const struct look *look, double at)
+static size_t allowed_of(const struct selection *selection, double at)
 {
-    const size_t kept = (size_t)ceil(at * (double)look->count - 1e-9);
-    return look->count - (kept < look->count ? kept : look->count);
+    const size_t kept = (size_t)ceil(at * (double)selection->count - 1e-9);
+    return selection->count - (kept < selection->count ? kept : selection->count);
 }
 
-static double find_bound(const struct look *look, double at)
+static double find_bound(const struct selection *selection, double at)
 {
-    const size_t allowed = allowed_of(look, at);
+    const size_t allowed = allowed_of(selection, at);
     double low = 1e-9, high = 1e3;
-    if (is_bound(look, low, allowed))
+    if (is_bound(selection, low, allowed))
         return 0;
     for (int i = 0; i < HALVINGS && high > low * (1 + 1e-6); i++) {
         const double middle = sqrt(low * high);
-        if (is_bound(look, middle, allowed))
+        if (is_bound(selection, middle, allowed))
             high = middle;
         else
             low = middle;
@@ -132,52 +133,52 @@ static double find_bound(const struct look *look, double at)
 }
 
 /* Selects the estimates to use. Returns 0 if an error is unknown. */
-static int select_estimates(const struct orl_estimates *estimates, struct look *ret_look)
+static int select_estimates(const struct orl_estimates *estimates, struct selection *ret_selection)
 {
-    const size_t step = (estimates->count + MOST_LOOKED_AT - 1) / MOST_LOOKED_AT;
+    const size_t step = (estimates->count + MOST_SELECTED - 1) / MOST_SELECTED;
     double mean;
     if (estimates->count == 0 || !compute_mean(estimates, &mean))
         return 0;
-    *ret_look = (struct look){.estimates = estimates,
-                              .step = step,
-                              .count = (estimates->count + step - 1) / step,
-                              .least = estimates->floor * mean,
-                              .scale = 1,
-                              .bias_scale = 1};
+    *ret_selection = (struct selection){.estimates = estimates,
+                                        .step = step,
+                                        .count = (estimates->count + step - 1) / step,
+                                        .least = estimates->floor * mean,
+                                        .scale = 1,
+                                        .bias_scale = 1};
     return 1;
 }
 
 double orl_percentile_error(const struct orl_estimates *estimates, double at)
 {
-    struct look look;
-    if (!select_estimates(estimates, &look))
+    struct selection selection;
+    if (!select_estimates(estimates, &selection))
         return NAN;
-    return look.least > 0 ? find_bound(&look, at) : 0;
+    return selection.least > 0 ? find_bound(&selection, at) : 0;
 }
 
-bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, double target)
+bool orl_percentile_is_met(const struct orl_estimates *estimates, double at, double target)
 {
-    struct look look;
-    if (!select_estimates(estimates, &look))
+    struct selection selection;
+    if (!select_estimates(estimates, &selection))
         return false;
-    return !(look.least > 0) || is_bound(&look, target, allowed_of(&look, at));
+    return !(selection.least > 0) || is_bound(&selection, target, allowed_of(&selection, at));
 }
 
 double orl_percentile_work(const struct orl_estimates *estimates, double at, double target)
 {
     const double now = orl_percentile_error(estimates, at);
     double low = 1e-9, high = 1; /* range of 1 / work */
-    struct look look;
-    if (!(now > target) || !select_estimates(estimates, &look))
+    struct selection selection;
+    if (!(now > target) || !select_estimates(estimates, &selection))
         return 1;
     if (!has_bias(estimates))
         return now / target *
                (now / target); /* all errors, and so their bound, scale by one factor */
     for (int i = 0; i < HALVINGS; i++) {
         const double middle = sqrt(low * high);
-        look.scale = sqrt(middle);
-        look.bias_scale = cbrt(middle);
-        if (is_bound(&look, target, allowed_of(&look, at)))
+        selection.scale = sqrt(middle);
+        selection.bias_scale = cbrt(middle);
+        if (is_bound(&selection, target, allowed_of(&selection, at)))
             low = middle;
         else
             high = middle;

@@ -33,8 +33,9 @@ struct orl_estimates {
     const double *noise;
     double samples; /* mean number so far, if noise is known */
     size_t count;
-    double floor;   /* least divisor, as a share of the mean value */
-    double degrees; /* degrees of freedom of the errors, more than 2; 0: errors are exact */
+    double floor; /* least divisor, as a share of the mean value */
+    double
+        degrees_of_freedom; /* degrees of freedom of the errors, more than 2; 0: errors are exact */
 };
 
 /* Floors, as in study.h. */
@@ -44,7 +45,7 @@ extern const double orl_floor_of_sensors, orl_floor_of_pixels;
 double orl_percentile_error(const struct orl_estimates *estimates, double at);
 
 /* Returns true if the bound is at most `target`. */
-bool orl_percentile_is_kept(const struct orl_estimates *estimates, double at, double target);
+bool orl_percentile_is_met(const struct orl_estimates *estimates, double at, double target);
 
 /*
  * Returns the total work, relative to that done so far, that brings the bound down to target, if

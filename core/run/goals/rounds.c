@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/random.h"
-#include "run/distributed/pieces.h"
-#include "run/goals/accuracy_curve.h"
+#include "base/sampling/random.h"
+#include "run/distributed/task_work.h"
+#include "run/estimate/accuracy_curve.h"
 #include "run/goals/deadline.h"
 #include "run/goals/next_round.h"
 #include "run/goals/sample_allocation.h"
@@ -28,53 +28,54 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
     if (state->pilot && state->pilot->samples > 0)
         r->work.least = state->pilot->samples;
     r->samples = r->work.least;
-    state->told->open = state->job->goal.relative_error > 0 || state->job->goal.dgp_error > 0;
+    state->progress->rounds_unknown =
+        state->job->goal.relative_error > 0 || state->job->goal.dgp_error > 0;
     if (!orl_goal_is_set(&state->job->goal)) {
-        r->planned = orl_run_batches(state);
+        r->planned = orl_run_count_batches(state);
         r->samples = ceil((double)ORL_DEFAULT_GATHER_SAMPLES / r->planned);
     }
-    memcpy(r->guessed_s, state->cost_s, sizeof r->guessed_s);
+    memcpy(r->estimated_s, state->cost_s, sizeof r->estimated_s);
     if (state->job->goal.deadline_s > 0)
         r->samples = orl_deadline_first(
-            &r->work, r->guessed_s[ORL_STAGE_PHOTONS] + r->guessed_s[ORL_STAGE_MAPS],
-            r->guessed_s[ORL_STAGE_RENDER],
+            &r->work, r->estimated_s[ORL_STAGE_PHOTONS] + r->estimated_s[ORL_STAGE_MAPS],
+            r->estimated_s[ORL_STAGE_RENDER],
             state->job->goal.deadline_s - (orl_rounds_now(r) - state->started_s));
-    r->wanted = orl_rounds_guess_wanted(r);
-    orl_rounds_foresee(r);
-    orl_run_enter(state, ORL_STAGE_PHOTONS);
+    r->wanted = orl_rounds_estimate_samples(r);
+    orl_rounds_estimate(r);
+    orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
     if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not in every round */
-        int code = orl_run_need_emission(state, err);
+        int code = orl_run_ensure_emission(state, err);
         if (code == 0)
-            code = orl_run_need_backward(state, err);
+            code = orl_run_ensure_backward(state, err);
         if (code < 0)
             return code;
     }
-    r->pace.before_s = orl_rounds_now(r) - state->started_s;
+    r->throughput.setup_s = orl_rounds_now(r) - state->started_s;
     if (r->work.shares) {
         const size_t n = state->n_sensors;
-        double *groups = calloc(n * ORL_MAP_BATCHES + 1, sizeof *groups);
+        double *batches = calloc(n * ORL_MAP_BATCHES + 1, sizeof *batches);
         r->shares = malloc((n + 1) * sizeof *r->shares);
-        r->spans = calloc(2 * n + 1, sizeof *r->spans);
-        r->sensor_round =
-            (struct orl_sensor_round){state->job->seed, r->spans, r->spans + n, groups};
-        if (!r->shares || !r->spans || !groups)
+        r->sample_counts = calloc(2 * n + 1, sizeof *r->sample_counts);
+        r->sensor_round = (struct orl_sensor_round){state->job->seed, r->sample_counts,
+                                                    r->sample_counts + n, batches};
+        if (!r->shares || !r->sample_counts || !batches)
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     }
-    return orl_findings_init(&r->findings, state, r->work.shares, err);
+    return orl_pooled_results_init(&r->results, state, r->work.shares, err);
 }
 
 static void rounds_done(struct orl_rounds *r)
 {
-    orl_findings_done(&r->findings);
+    orl_pooled_results_done(&r->results);
     free(r->shares);
-    free(r->spans);
-    free(r->sensor_round.groups);
+    free(r->sample_counts);
+    free(r->sensor_round.batches);
 }
 
-static int take_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
+static int receive_film(void *ctx, size_t index, const struct orl_film *film, struct orl_error *err)
 {
     struct orl_rounds *r = ctx;
-    return orl_findings_add_film(&r->findings, index, film, r->samples, err);
+    return orl_pooled_results_add_film(&r->results, index, film, r->samples, err);
 }
 
 /* ---- A round --------------------------------------------------------------------------------- */
@@ -88,7 +89,7 @@ static bool is_known(const struct orl_result *result, const char *warning)
 }
 
 /* Adds a round's warnings, view times and, in the first round, maps to the result. */
-static void take_records(struct orl_rounds *r, struct orl_result *found_by)
+static void add_records(struct orl_rounds *r, struct orl_result *found_by)
 {
     struct orl_result *result = r->state->result;
     for (size_t i = 0; i < found_by->n_warnings; i++)
@@ -103,7 +104,7 @@ static void take_records(struct orl_rounds *r, struct orl_result *found_by)
 }
 
 /* Adds a round's time and counters to the result, even if the round failed. */
-static void take_spent(struct orl_rounds *r, const struct orl_result *spent)
+static void add_spent(struct orl_rounds *r, const struct orl_result *spent)
 {
     struct orl_result *result = r->state->result;
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
@@ -111,41 +112,41 @@ static void take_spent(struct orl_rounds *r, const struct orl_result *spent)
     orl_health_add(&result->health, &spent->health);
 }
 
-static void take_times(struct orl_rounds *r, const struct orl_result *found_by, double all_s)
+static void add_times(struct orl_rounds *r, const struct orl_result *found_by, double all_s)
 {
     const double photon_s =
         found_by->timings_s[ORL_STAGE_PHOTONS] + found_by->timings_s[ORL_STAGE_MAPS];
     const double render_s = found_by->timings_s[ORL_STAGE_RENDER];
     const struct orl_plan *plan = &found_by->plan;
-    r->pace.photons += (double)(plan->photons_global + plan->photons_caustic);
-    r->pace.photon_s += photon_s;
+    r->throughput.photons += (double)(plan->photons_global + plan->photons_caustic);
+    r->throughput.photon_s += photon_s;
     for (size_t i = 0; i < found_by->n_maps; i++) /* other rounds will have to make such maps */
-        r->pace.photon_s += found_by->maps[i].earlier_s;
-    r->pace.samples += r->samples;
-    r->state->samples = r->pace.samples;
-    r->pace.render_s += render_s;
+        r->throughput.photon_s += found_by->maps[i].earlier_s;
+    r->throughput.samples += r->samples;
+    r->state->samples = r->throughput.samples;
+    r->throughput.render_s += render_s;
     for (size_t i = 0; i < found_by->n_views; i++)
-        r->pace.views_s += found_by->views[i].seconds;
-    r->pace.beside_s += fmax(all_s - photon_s - render_s, 0);
-    r->pace.rounds++;
+        r->throughput.views_s += found_by->views[i].seconds;
+    r->throughput.other_s += fmax(all_s - photon_s - render_s, 0);
+    r->throughput.rounds++;
 }
 
 /* Allocates samples to the sensors by their noise; equal numbers in the first round. */
 static void allocate_samples(struct orl_rounds *r)
 {
-    const double least = ORL_MAP_BATCHES; /* one sample in every group */
+    const double least = ORL_MAP_BATCHES; /* one sample in every batch */
     const size_t n = r->state->n_sensors;
     double sum = 0;
     if (!r->shares)
         return;
     if (r->count > 0)
-        orl_allocate_samples(&r->findings.estimates[0], r->samples, r->shares);
+        orl_allocate_samples(&r->results.estimates[0], r->samples, r->shares);
     for (size_t i = 0; i < n; i++) {
         const double wanted = r->count > 0 ? r->shares[i] : r->samples;
         const double samples = least * fmax(round(wanted / least), 1);
-        r->spans[n + i] += r->count > 0 ? r->spans[i] : 0;
-        r->spans[i] = (uint32_t)fmin(samples, most_of_a_sensor);
-        r->shares[i] = r->spans[i];
+        r->sample_counts[n + i] += r->count > 0 ? r->sample_counts[i] : 0;
+        r->sample_counts[i] = (uint32_t)fmin(samples, most_of_a_sensor);
+        r->shares[i] = r->sample_counts[i];
         sum += r->shares[i];
     }
     r->samples = sum / (double)n;
@@ -163,7 +164,7 @@ static uint32_t share_of(uint32_t samples, uint32_t index, uint32_t shares)
  * is measured. The offsets are the additive sequence of the plastic number (Roberts 2018), whose
  * first point is no offset.
  */
-static void move_rays(const struct orl_rounds *r, double ret_shift[2])
+static void offset_rays(const struct orl_rounds *r, double ret_shift[2])
 {
     static const double step[2] = {0.7548776662466927, 0.5698402909980532};
     const bool moved =
@@ -197,22 +198,22 @@ static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run
     ret_round->job = job;
     ret_round->env = env;
     ret_round->result = result;
-    orl_work_bandwidths(r->samples, r->pace.samples, r->bandwidths);
+    orl_work_bandwidths(r->samples, r->throughput.samples, r->bandwidths);
     ret_round->bandwidths = r->bandwidths;
     ret_round->view_rays = orl_work_view_rays(&r->work, r->samples);
-    move_rays(r, ret_round->shift);
+    offset_rays(r, ret_round->shift);
     ret_round->sensor_round = r->shares ? &r->sensor_round : NULL;
-    ret_round->take_film = take_film;
-    ret_round->take_ctx = r;
+    ret_round->receive_film = receive_film;
+    ret_round->receive_ctx = r;
     ret_round->stage_started = state->env->now_s(state->env->ctx);
-    for (uint32_t i = 0; i < orl_crew_size(env->crew); i++)
+    for (uint32_t i = 0; i < orl_thread_pool_size(env->pool); i++)
         memset(&state->searches[i].health, 0, sizeof state->searches[i].health);
 }
 
 /* Uses a private folder store: maps of rounds after the first are of no use to other jobs and are
  * deleted after the round. */
-static void keep_maps_apart(struct orl_run_env *env, struct orl_folder_store *folder,
-                            struct orl_map_store *store)
+static void use_private_store(struct orl_run_env *env, struct orl_folder_store *folder,
+                              struct orl_map_store *store)
 {
     snprintf(folder->folder, sizeof folder->folder, "%s", env->output_folder);
     *store = orl_map_store_in_folder(folder);
@@ -231,19 +232,19 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
     const double started = orl_rounds_now(r);
     allocate_samples(r);
     make_round(r, &job, &env, &result, &round);
-    if (r->count > 0 && env.store && !state->pilot && !orl_run_is_shared(state))
-        keep_maps_apart(&env, &folder, &store);
+    if (r->count > 0 && env.store && !state->pilot && !orl_run_is_distributed(state))
+        use_private_store(&env, &folder, &store);
     int code = orl_run_technique(&round, err);
     if (code == 0)
-        orl_run_leave(&round);
+        orl_run_end_stage(&round);
     orl_run_release_maps(&round);
     state->emission = round.emission;
-    take_spent(r, &result);
+    add_spent(r, &result);
     if (code == 0) {
-        orl_findings_add_sensors(&r->findings, &round, r->samples, r->shares,
-                                 r->sensor_round.groups);
-        take_records(r, &result);
-        take_times(r, &result, orl_rounds_now(r) - started);
+        orl_pooled_results_add_sensors(&r->results, &round, r->samples, r->shares,
+                                       r->sensor_round.batches);
+        add_records(r, &result);
+        add_times(r, &result, orl_rounds_now(r) - started);
         r->count++;
     }
     state->stage = ORL_STAGE_RENDER;
@@ -265,42 +266,42 @@ static int report_views(struct orl_run_state *state)
 }
 
 /* Appends a point to the history of the error. */
-static void note_course(struct orl_outcome *outcome, double seconds)
+static void append_error_history(struct orl_outcome *outcome, double seconds)
 {
     if (!isfinite(outcome->achieved))
         return;
-    if (outcome->n_course == ORL_COURSE) {
-        outcome->n_course = ORL_COURSE / 2;
-        for (size_t i = 1; i < outcome->n_course; i++)
-            outcome->course[i] = outcome->course[2 * i];
+    if (outcome->n_error_history == ORL_ERROR_HISTORY) {
+        outcome->n_error_history = ORL_ERROR_HISTORY / 2;
+        for (size_t i = 1; i < outcome->n_error_history; i++)
+            outcome->error_history[i] = outcome->error_history[2 * i];
     }
-    outcome->course[outcome->n_course].seconds = seconds;
-    outcome->course[outcome->n_course++].error = outcome->achieved;
+    outcome->error_history[outcome->n_error_history].seconds = seconds;
+    outcome->error_history[outcome->n_error_history++].error = outcome->achieved;
 }
 
 /* Handles a round of a pilot: keeps the size of the first round, and predicts the whole job from
  * it. */
 static void resolve_pilot(struct orl_rounds *r, const struct orl_work *usual,
-                          const struct orl_parts *parts)
+                          const struct orl_output_estimates *outputs)
 {
     const struct orl_pilot *pilot = r->state->pilot;
-    struct orl_pace pace = r->pace;
+    struct orl_throughput throughput = r->throughput;
     double views_s = 0;
     for (size_t i = 0; i < r->state->result->n_views; i++)
         views_s += r->state->result->views[i].seconds;
     /* If rendering costs the same in each round, its sensors have as many samples as the job's
      * rounds. */
-    const bool alike = orl_work_renders_alike(usual);
+    const bool alike = orl_work_view_time_is_fixed(usual);
     const double times = alike ? usual->least / r->work.least : 1;
-    pace.render_s = fmax(pace.render_s - views_s, 0) * pilot->sensor_times * times +
-                    views_s * pilot->view_times;
+    throughput.render_s = fmax(throughput.render_s - views_s, 0) * pilot->sensor_factor * times +
+                          views_s * pilot->view_factor;
     r->ended = r->count >= ORL_PILOT_ROUNDS;
     r->samples = r->work.least;
     if (alike) /* then sensors' own noise is that of a round, for any number of photons */
-        pace.samples = r->count * usual->least;
-    orl_run_predict(r->state, &pace, usual, parts);
-    orl_run_draw_curve(r->state, &pace, usual, parts, pilot->curve);
-    orl_rounds_foresee(r);
+        throughput.samples = r->count * usual->least;
+    orl_run_predict_cost(r->state, &throughput, usual, outputs);
+    orl_run_compute_curve(r->state, &throughput, usual, outputs, pilot->curve);
+    orl_rounds_estimate(r);
 }
 
 /* Updates the outcome and decides what follows. */
@@ -308,47 +309,46 @@ static int resolve_round(struct orl_rounds *r, struct orl_error *err)
 {
     struct orl_run_state *state = r->state;
     struct orl_result *result = state->result;
-    const struct orl_parts parts = {r->findings.estimates, r->findings.n_parts,
-                                    state->job->goal.at};
+    const struct orl_output_estimates outputs = {r->results.estimates, r->results.n_outputs,
+                                                 state->job->goal.at};
     const struct orl_work usual = orl_work_of(state);
     const double started = orl_rounds_now(r);
     r->ended = r->planned > 0 && r->count >= r->planned;
     if (r->planned > 0 && !r->ended) {
-        orl_rounds_foresee(r);
+        orl_rounds_estimate(r);
         return 0;
     }
-    orl_findings_judge(&r->findings);
-    r->error = orl_parts_error(&parts);
+    orl_pooled_results_evaluate(&r->results);
+    r->error = orl_output_estimates_error(&outputs);
     if (r->planned == 0) {
         result->outcome.rounds = r->count;
         result->outcome.achieved = r->error;
     }
     if (state->pilot) {
-        resolve_pilot(r, &usual, &parts);
+        resolve_pilot(r, &usual, &outputs);
         return 0;
     }
-    orl_run_predict(state, &r->pace, &usual, &parts);
-    const int code = orl_findings_show(&r->findings, state, err);
-    r->pace.beside_s += orl_rounds_now(r) - started;
+    orl_run_predict_cost(state, &r->throughput, &usual, &outputs);
+    const int code = orl_pooled_results_write(&r->results, state, err);
+    r->throughput.other_s += orl_rounds_now(r) - started;
     if (r->planned > 0)
         return code == 0 ? report_views(state) : code;
-    orl_rounds_go_on(r, &parts);
-    orl_rounds_foresee(r);
-    state->told->open = false;
+    orl_rounds_plan_next(r, &outputs);
+    orl_rounds_estimate(r);
+    state->progress->rounds_unknown = false;
     result->total_s = orl_rounds_now(r) - state->started_s;
-    note_course(&result->outcome, result->total_s);
+    append_error_history(&result->outcome, result->total_s);
     if (code == 0 && state->env->round_ready)
         state->env->round_ready(state->env->ctx, result);
     return code;
 }
 
-static void show_views_at_last(struct orl_rounds *r)
+static void report_final_views(struct orl_rounds *r)
 {
     const struct orl_run_env *env = r->state->env;
     for (size_t i = 0; i < r->state->job->n_views && env->view_ready; i++) {
-        const struct orl_film *film = &r->findings.parts[r->findings.first_view + i].film;
-        env->view_ready(env->ctx, i, film->pixels,
-                        orl_film_knows_errors(film) ? film->errors : NULL,
+        const struct orl_film *film = &r->results.outputs[r->results.first_view + i].film;
+        env->view_ready(env->ctx, i, film->pixels, orl_film_has_errors(film) ? film->errors : NULL,
                         (size_t)film->width * film->height);
     }
 }
@@ -360,13 +360,13 @@ int orl_run_rounds(struct orl_run_state *state, struct orl_error *err)
     state->result->outcome =
         (struct orl_outcome){.asked = r.planned == 0, .goal = state->job->goal, .achieved = NAN};
     while (code == 0 && !r.ended) {
-        orl_run_enter(state, ORL_STAGE_PHOTONS);
+        orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
         code = run_round(&r, err);
         if (code == 0)
             code = resolve_round(&r, err);
     }
     if (code == 0)
-        show_views_at_last(&r);
+        report_final_views(&r);
     rounds_done(&r);
     return code;
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/sum.h"
+#include "base/statistics/sum.h"
 
 enum { HALVINGS = 40 };
 
@@ -27,7 +27,7 @@ static double noise_of(const struct noise *noise, size_t i)
     return sqrt(noise->estimates->noise[i]) / divisor(noise, i);
 }
 
-static struct noise look_at_noise(const struct orl_estimates *estimates)
+static struct noise measure_noise(const struct orl_estimates *estimates)
 {
     struct noise noise = {estimates, 0, 0};
     struct orl_sum values = {0, 0}, sum = {0, 0};
@@ -62,15 +62,15 @@ static bool reaches_target(const struct noise *noise, double more, double at, do
         errors[i] = sqrt(left * left + added);
     }
     then.error = errors;
-    return orl_percentile_is_kept(&then, at, target);
+    return orl_percentile_is_met(&then, at, target);
 }
 
 double orl_allocation_work(const struct orl_estimates *estimates, double at, double target)
 {
     const double most = 1e9; /* relative to the samples so far */
-    const struct noise noise = look_at_noise(estimates);
+    const struct noise noise = measure_noise(estimates);
     double low = 1e-3 * estimates->samples, high = most * estimates->samples;
-    if (!(noise.mean > 0) || orl_percentile_is_kept(estimates, at, target))
+    if (!(noise.mean > 0) || orl_percentile_is_met(estimates, at, target))
         return 1;
     double *errors = malloc(estimates->count * sizeof *errors);
     if (!errors)
@@ -88,7 +88,7 @@ double orl_allocation_work(const struct orl_estimates *estimates, double at, dou
 
 void orl_allocate_samples(const struct orl_estimates *estimates, double mean, double *ret_samples)
 {
-    const struct noise noise = look_at_noise(estimates);
+    const struct noise noise = measure_noise(estimates);
     for (size_t i = 0; i < estimates->count; i++)
         ret_samples[i] = mean * share_of(&noise, i);
 }

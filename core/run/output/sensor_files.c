@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 #include "render/heat_map/heat_map.h"
 #include "run/stages.h"
 
@@ -48,7 +48,7 @@ static int write_csv(const struct orl_run_state *state, const char *path, struct
     fputs("x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,bias_estimate_lx,low_95_lx,high_95_lx,"
           "unreliable\n",
           file.stream);
-    for (size_t i = 0; i < r->n_sensors && orl_out_goes_on(&file); i++) {
+    for (size_t i = 0; i < r->n_sensors && orl_out_continues(&file); i++) {
         const struct orl_vec3 p = state->sensors[i].position, d = state->sensors[i].direction;
         fprintf(file.stream, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6g,%.4g,%.4g,%.6g,%.6g,", p.x, p.y,
                 p.z, d.x, d.y, d.z, r->illuminance_lx[i], r->standard_error_lx[i],
@@ -66,7 +66,7 @@ static int write_res(const struct orl_run_state *state, const char *path, struct
     if (code < 0)
         return code;
     file.cancel = state->env->cancel;
-    for (size_t i = 0; i < state->result->n_sensors && orl_out_goes_on(&file); i++)
+    for (size_t i = 0; i < state->result->n_sensors && orl_out_continues(&file); i++)
         fprintf(file.stream, "%.6g\n", state->result->illuminance_lx[i]);
     return orl_out_close(&file, 0, err);
 }
@@ -147,7 +147,7 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
 {
     struct orl_sensor_files *files = &state->result->sensor_files;
     const size_t at = files->n_maps++;
-    const struct orl_heat_map map = {state->world->geometry,
+    const struct orl_heat_map map = {state->lit_scene->geometry,
                                      plane,
                                      "Illuminance",
                                      "lx",

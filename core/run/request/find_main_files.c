@@ -1,6 +1,6 @@
 /* Distinguishes the main scene files of a folder from those that only other files name. */
-#include <oriel/run.h>
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
+#include <oriel/job/run.h>
 
 #include <stdint.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 enum { MOST_NAMES = 100000 };
 
 /* The folder's files and their state. */
-struct reading {
+struct main_file_finder {
     const char *const *names;
     size_t count;
     bool *main;
@@ -24,7 +24,7 @@ static bool is_radiance(const char *name, size_t length)
 }
 
 /* Unmarks a file named by a command, unless it contains the command itself. */
-static void unmark_file(struct reading *r, const char *folder, size_t folder_length,
+static void unmark_file(struct main_file_finder *r, const char *folder, size_t folder_length,
                         const char *word, size_t length)
 {
     for (size_t i = 0; i < r->count; i++) {
@@ -44,7 +44,7 @@ static size_t folder_length(const char *name)
 
 /* Handles a name in a command: it is relative to the file that contains it, or to the top
  * folder. */
-static void read_word(struct reading *r, const char *word, size_t length)
+static void read_word(struct main_file_finder *r, const char *word, size_t length)
 {
     const char *holder = r->names[r->holder];
     size_t folder = folder_length(holder);
@@ -66,7 +66,7 @@ static void read_word(struct reading *r, const char *word, size_t length)
 
 /* Reads the commands of a file: lines that begin with '!', with their continuations after a
  * backslash. Binary files have none. */
-static void read_commands(struct reading *r, const struct orl_file *text)
+static void read_commands(struct main_file_finder *r, const struct orl_file *text)
 {
     struct orl_scanner scanner;
     struct orl_slice word;
@@ -109,7 +109,7 @@ static void mark_top(const char *const *names, size_t count, bool *ret_main)
 int orl_scene_guess_main(const char *const *names, size_t count, const struct orl_files *files,
                          bool *ret_main, struct orl_error *err)
 {
-    struct reading r = {.names = names, .count = count, .main = ret_main};
+    struct main_file_finder r = {.names = names, .count = count, .main = ret_main};
     int code = 0;
     mark_top(names, count, ret_main);
     for (r.holder = 0; r.holder < count && code == 0; r.holder++) {

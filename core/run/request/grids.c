@@ -7,10 +7,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include <oriel/limits.h>
-#include <oriel/npy.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/npy.h>
 
-#include "base/file.h"
+#include "base/io/out_file.h"
 
 enum { NAME_MAX_BYTES = 200, PATH_SIZE = 4096 };
 
@@ -79,12 +79,12 @@ int orl_grids_validate(const struct orl_job *job, struct orl_error *err)
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-struct gathering {
+struct sensor_array {
     struct orl_sensor *list; /* owned */
     size_t count;
 };
 
-static int add_sensors(struct gathering *all, const struct orl_sensor *more, size_t count,
+static int add_sensors(struct sensor_array *all, const struct orl_sensor *more, size_t count,
                        struct orl_error *err)
 {
     if (all->count + count > ORL_LIMIT_SENSORS)
@@ -95,29 +95,30 @@ static int add_sensors(struct gathering *all, const struct orl_sensor *more, siz
 }
 
 /* Ensures capacity, doubled each time, so that many small grids cost no more than a large one. */
-static int make_room(struct gathering *all, size_t *room, size_t count, struct orl_error *err)
+static int reserve_sensors(struct sensor_array *all, size_t *capacity, size_t count,
+                           struct orl_error *err)
 {
-    if (all->list && all->count + count <= *room)
+    if (all->list && all->count + count <= *capacity)
         return 0;
-    *room = 2 * (all->count + count);
-    struct orl_sensor *grown = realloc(all->list, *room * sizeof *grown);
+    *capacity = 2 * (all->count + count);
+    struct orl_sensor *grown = realloc(all->list, *capacity * sizeof *grown);
     if (!grown) {
-        orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", *room);
+        orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", *capacity);
         return ORL_ERR_NOMEM;
     }
     all->list = grown;
     return 0;
 }
 
-static int take_grid(const struct orl_job *job, const struct orl_files *files,
-                     const atomic_bool *cancel, struct orl_grid_request *grid,
-                     struct gathering *all, size_t *room, struct orl_error *err)
+static int read_grid_sensors(const struct orl_job *job, const struct orl_files *files,
+                             const atomic_bool *cancel, struct orl_grid_request *grid,
+                             struct sensor_array *all, size_t *capacity, struct orl_error *err)
 {
     struct orl_sensor *read = NULL;
     size_t count = grid->count;
     int code = grid->file ? orl_sensors_load(files, grid->file, cancel, &read, &count, err) : 0;
     if (code == 0)
-        code = make_room(all, room, count, err);
+        code = reserve_sensors(all, capacity, count, err);
     const size_t first = all->count;
     if (code == 0)
         code = add_sensors(all, read ? read : job->sensors + grid->first, count, err);
@@ -131,14 +132,14 @@ int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
                    struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err)
 {
     struct orl_grid_request *grids = malloc(job->n_grids * sizeof *grids);
-    struct gathering all = {NULL, 0};
-    size_t room = 0;
+    struct sensor_array all = {NULL, 0};
+    size_t capacity = 0;
     int code = grids ? 0 : ORL_ERR_NOMEM;
     if (code < 0)
         orl_error_set(err, code, "out of memory");
     for (size_t i = 0; i < job->n_grids && code == 0; i++) {
         grids[i] = job->grids[i];
-        code = take_grid(job, files, cancel, &grids[i], &all, &room, err);
+        code = read_grid_sensors(job, files, cancel, &grids[i], &all, &capacity, err);
     }
     if (code < 0) {
         free(grids);
@@ -220,7 +221,7 @@ static int write_res(const struct orl_run_state *state, const struct orl_grid_re
     if (code < 0)
         return code;
     file.cancel = state->env->cancel;
-    for (size_t i = 0; i < grid->count && orl_out_goes_on(&file); i++)
+    for (size_t i = 0; i < grid->count && orl_out_continues(&file); i++)
         fprintf(file.stream, "%.6g\n", state->result->illuminance_lx[grid->first + i]);
     return orl_out_close(&file, 0, err);
 }

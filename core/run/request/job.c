@@ -1,12 +1,12 @@
-#include <oriel/run.h>
+#include <oriel/job/run.h>
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/coordinates.h>
-#include <oriel/limits.h>
+#include <oriel/base/coordinates.h>
+#include <oriel/base/limits.h>
 
 #include "light/daylight.h"
 #include "metrics/glare.h"

@@ -6,21 +6,21 @@
 #include "run/request/requested_sky.h"
 #include "run/stages.h"
 
-void orl_run_weather_done(struct orl_run_weather *weather)
+void orl_weather_cache_done(struct orl_weather_cache *weather)
 {
     orl_weather_done(&weather->rows);
-    *weather = (struct orl_run_weather){0};
+    *weather = (struct orl_weather_cache){0};
 }
 
 /* Reads the weather file unless it was read last. */
-static int need_weather(const struct orl_files *files, const struct orl_sky_request *request,
-                        struct orl_run_weather *weather, struct orl_error *err)
+static int ensure_weather(const struct orl_files *files, const struct orl_sky_request *request,
+                          struct orl_weather_cache *weather, struct orl_error *err)
 {
     const char *name = request->weather_file;
     struct orl_file file;
     if (weather->file && strcmp(weather->file, name) == 0 && weather->year == request->weather_year)
         return 0;
-    orl_run_weather_done(weather);
+    orl_weather_cache_done(weather);
     int code = files->open(files->ctx, name, &file, err);
     if (code < 0) {
         orl_error_at(err, NULL, 0, "sky");
@@ -35,15 +35,15 @@ static int need_weather(const struct orl_files *files, const struct orl_sky_requ
 }
 
 int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request *request,
-                     struct orl_run_weather *weather, struct orl_daylight *ret_daylight,
+                     struct orl_weather_cache *weather, struct orl_daylight *ret_daylight,
                      struct orl_error *err)
 {
     if (request->model != ORL_SKY_BY_WEATHER)
-        return orl_daylight_find(request, NULL, ret_daylight, err);
-    int code = need_weather(files, request, weather, err);
+        return orl_daylight_from_request(request, NULL, ret_daylight, err);
+    int code = ensure_weather(files, request, weather, err);
     if (code < 0)
         return code;
-    code = orl_daylight_find(request, &weather->rows, ret_daylight, err);
+    code = orl_daylight_from_request(request, &weather->rows, ret_daylight, err);
     if (code < 0)
         orl_error_at(err, request->weather_file, err ? err->line : 0, NULL);
     return code;
@@ -57,19 +57,19 @@ static void warn_of_times(struct orl_run_state *state, const struct orl_weather 
         orl_run_warn(state, "sky: %s", text);
 }
 
-int orl_run_sky(struct orl_run_state *state, const struct orl_description *description,
-                struct orl_daylight *ret_daylight, struct orl_error *err)
+int orl_run_load_sky(struct orl_run_state *state, const struct orl_parsed_scene *parsed_scene,
+                     struct orl_daylight *ret_daylight, struct orl_error *err)
 {
     const struct orl_sky_request *request = &state->job->sky;
-    struct orl_run_weather weather = {0};
+    struct orl_weather_cache weather = {0};
     if (request->model == ORL_SKY_OF_SCENE)
         return 0;
     int code = orl_run_find_sky(state->env->files, request, &weather, ret_daylight, err);
     if (code == 0 && weather.file)
         warn_of_times(state, &weather.rows);
-    orl_run_weather_done(&weather);
+    orl_weather_cache_done(&weather);
     if (code == 0)
-        code = orl_lights_admit(description, err);
+        code = orl_lights_check_sky(parsed_scene, err);
     if (code < 0)
         return code;
     state->result->sky_given = true;

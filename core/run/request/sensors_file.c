@@ -1,8 +1,8 @@
 #include <stdlib.h>
 
-#include <oriel/coordinates.h>
-#include <oriel/limits.h>
-#include <oriel/scanner.h>
+#include <oriel/base/coordinates.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/scanner.h>
 
 #include "run/stages.h"
 

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
-#include <oriel/scanner.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/scanner.h>
 
 #include "run/stages.h"
 
@@ -216,8 +216,8 @@ static int resolve_view(const struct orl_files *files, struct orl_view_request *
 }
 
 /* Invalid jobs are left as they are; later validation reports the error. */
-int orl_run_views(const struct orl_job *job, const struct orl_files *files,
-                  struct orl_view_request **ret_views, struct orl_error *err)
+int orl_run_resolve_views(const struct orl_job *job, const struct orl_files *files,
+                          struct orl_view_request **ret_views, struct orl_error *err)
 {
     const bool sound = orl_job_validate(job, NULL) == 0;
     struct orl_view_request *views;

@@ -7,20 +7,21 @@
 
 static void photon_progress(void *ctx, double fraction)
 {
-    orl_run_progress(ctx, 0.5 * fraction); /* the other half is for making lights of them */
+    orl_run_report_progress(ctx, 0.5 * fraction); /* the other half is for making lights of them */
 }
 
-int orl_run_need_backward(struct orl_run_state *state, struct orl_error *err)
+int orl_run_ensure_backward(struct orl_run_state *state, struct orl_error *err)
 {
     if (state->backward)
         return 0;
     state->backward = calloc(1, sizeof *state->backward);
-    if (!state->backward || orl_backward_init(state->backward, state->world, state->env->crew) < 0)
+    if (!state->backward ||
+        orl_backward_init(state->backward, state->lit_scene, state->env->pool) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for aims at the light");
     return 0;
 }
 
-void orl_run_forget_backward(struct orl_run_state *state)
+void orl_run_free_backward(struct orl_run_state *state)
 {
     if (state->backward)
         orl_backward_done(state->backward);
@@ -32,14 +33,14 @@ static int put_lamps(struct orl_run_state *state, struct orl_error *err)
 {
     const uint64_t lamps = state->result->plan.photons_global;
     struct orl_shot shots[ORL_SHOT_KINDS] = {{0}, {0}};
-    int code = orl_run_need_emission(state, err);
+    int code = orl_run_ensure_emission(state, err);
     if (code == 0)
-        code = orl_run_need_backward(state, err);
+        code = orl_run_ensure_backward(state, err);
     if (code == 0) {
         orl_run_begin_work(state);
         const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
-                                          .crew = state->env->crew,
+                                          .pool = state->env->pool,
                                           .cancel = state->env->cancel,
                                           .progress = photon_progress,
                                           .ctx = state};
@@ -49,8 +50,8 @@ static int put_lamps(struct orl_run_state *state, struct orl_error *err)
     orl_health_add(&state->result->health, &shots[ORL_MAP_GLOBAL].health);
     if (code == 0) {
         const struct orl_shot *shot = &shots[ORL_MAP_GLOBAL];
-        code = orl_backward_put_lamps(state->backward, state->env->crew, state->job->seed,
-                                      shot->photons, shot->count, shot->emitted);
+        code = orl_backward_set_vpls(state->backward, state->env->pool, state->job->seed,
+                                     shot->photons, shot->count, shot->emitted);
         if (code < 0)
             orl_error_set(err, code,
                           code == ORL_ERR_CANCELLED ? "cancelled"
@@ -62,29 +63,29 @@ static int put_lamps(struct orl_run_state *state, struct orl_error *err)
 }
 
 static void compute_sensor(void *ctx, size_t index, uint32_t member,
-                           struct orl_sensor_found *ret_found)
+                           struct orl_sensor_estimate *ret_found)
 {
     struct orl_run_state *state = ctx;
     const struct orl_sensor *sensor = &state->sensors[index];
     const struct orl_sensor_round *round = state->sensor_round;
-    const struct orl_span span = {.seed = round ? round->seed : state->job->seed,
-                                  .index = index,
-                                  .first = round ? round->before[index] : 0,
-                                  .samples = orl_run_sensor_samples(state, index)};
-    struct orl_rgb groups[ORL_MAP_BATCHES];
+    const struct orl_sample_range range = {.seed = round ? round->seed : state->job->seed,
+                                           .index = index,
+                                           .first = round ? round->before[index] : 0,
+                                           .samples = orl_run_sensor_samples(state, index)};
+    struct orl_rgb batches[ORL_MAP_BATCHES];
     const struct orl_estimate e = orl_backward_irradiance(
-        state->backward, orl_sub(sensor->position, state->world->geometry->center),
-        orl_normalize(sensor->direction), &span, &state->searches[member].health, groups);
-    orl_run_book_sensor(state, index, &e);
-    for (uint32_t group = 0; round && group < ORL_MAP_BATCHES; group++)
-        round->groups[index * ORL_MAP_BATCHES + group] =
-            ORL_EFFICACY_LM_PER_W * orl_luma(groups[group]);
-    *ret_found = (struct orl_sensor_found){e, 0};
+        state->backward, orl_sub(sensor->position, state->lit_scene->geometry->center),
+        orl_normalize(sensor->direction), &range, &state->searches[member].health, batches);
+    orl_run_store_sensor(state, index, &e);
+    for (uint32_t batch = 0; round && batch < ORL_MAP_BATCHES; batch++)
+        round->batches[index * ORL_MAP_BATCHES + batch] =
+            ORL_EFFICACY_LM_PER_W * orl_luma(batches[batch]);
+    *ret_found = (struct orl_sensor_estimate){e, 0};
 }
 
-static void take_sensor(void *ctx, size_t index, const struct orl_sensor_found *found)
+static void load_sensor(void *ctx, size_t index, const struct orl_sensor_estimate *found)
 {
-    orl_run_book_sensor(ctx, index, &found->estimate);
+    orl_run_store_sensor(ctx, index, &found->estimate);
 }
 
 static int render_view(void *ctx, const struct orl_painting *painting, struct orl_error *err)
@@ -97,8 +98,8 @@ static int render_view(void *ctx, const struct orl_painting *painting, struct or
 int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_renderer renderer = {
-        .ctx = state, .sensor = compute_sensor, .sensor_found = take_sensor, .view = render_view};
-    orl_run_enter(state, ORL_STAGE_PHOTONS);
+        .ctx = state, .sensor = compute_sensor, .sensor_loaded = load_sensor, .view = render_view};
+    orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
     int code = put_lamps(state, err);
     if (code == 0) {
         state->backward->cancel = state->env->cancel;

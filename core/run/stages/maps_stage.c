@@ -2,9 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/density/records.h"
+#include "photon/density/precomputed_irradiance.h"
 #include "run/cache/map_keys.h"
-#include "run/distributed/pieces.h"
+#include "run/distributed/task_work.h"
 
 /* Warn if fewer than one photon per FEW_PHOTONS emissions is stored and there were more than
  * MANY_EMISSIONS. */
@@ -42,7 +42,7 @@ static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, stru
                                   work->path, &work->hit, &work->info, err);
         if (code < 0)
             return code;
-        state->held[kind] = true;
+        state->pinned[kind] = true;
         if (!work->hit)
             return 0;
         code = orl_photon_map_read(work->path, state->env->cancel, &state->maps[kind], err);
@@ -62,7 +62,7 @@ static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, stru
             return code;
         orl_run_warn(state, "a cached %s photon map was damaged and is built again", name);
         store->abandon(store->ctx, name, state->keys[kind]);
-        state->held[kind] = false;
+        state->pinned[kind] = false;
     }
     return orl_error_set(err, ORL_ERR_CORRUPT, "the cached %s photon map is damaged twice over",
                          name);
@@ -111,24 +111,24 @@ static void drop_earlier(struct orl_run_state *state, enum orl_map_kind kind, st
 
 static void stage_progress(void *ctx, double fraction)
 {
-    orl_run_progress(ctx, fraction);
+    orl_run_report_progress(ctx, fraction);
 }
 
 /* Reports progress of the second half of the maps stage. */
 static void records_progress(void *ctx, double fraction)
 {
-    orl_run_progress(ctx, 0.5 + 0.5 * fraction);
+    orl_run_report_progress(ctx, 0.5 + 0.5 * fraction);
 }
 
 static int shoot_photons(struct orl_run_state *state, struct orl_shot shots[ORL_SHOT_KINDS],
                          struct orl_error *err)
 {
-    int code = orl_run_need_emission(state, err);
+    int code = orl_run_ensure_emission(state, err);
     if (code == 0) {
         orl_run_begin_work(state);
         const struct orl_shoot_env env = {.emission = state->emission,
                                           .seed = state->job->seed,
-                                          .crew = state->env->crew,
+                                          .pool = state->env->pool,
                                           .cancel = state->env->cancel,
                                           .progress = stage_progress,
                                           .ctx = state};
@@ -138,52 +138,52 @@ static int shoot_photons(struct orl_run_state *state, struct orl_shot shots[ORL_
 }
 
 /* Photons or records to be written, and their cost. */
-struct harvest {
+struct map_input {
     const struct orl_photon *photons; /* not used any more after writing */
     size_t count;
     uint64_t emitted;
     double seconds;
-    const struct orl_record_note *notes; /* additional data of records */
+    const struct orl_precomputed_note *notes; /* additional data of records */
 };
 
 /* Writes one map and opens it; without a store the map stays in memory. */
 static int make_map(struct orl_run_state *state, enum orl_map_kind kind,
-                    const struct map_work *work, const struct harvest *harvest,
+                    const struct map_work *work, const struct map_input *map_input,
                     const struct orl_map_build *build, struct orl_error *err)
 {
-    struct orl_crew *crew = state->env->crew;
+    struct orl_thread_pool *pool = state->env->pool;
     if (!store_of(state))
-        return orl_photon_map_make(harvest->photons, harvest->count, build, crew,
-                                   &state->maps[kind], err);
+        return orl_photon_map_build(map_input->photons, map_input->count, build, pool,
+                                    &state->maps[kind], err);
     const int code =
-        orl_photon_map_write(work->path, harvest->photons, harvest->count, build, crew, err);
+        orl_photon_map_write(work->path, map_input->photons, map_input->count, build, pool, err);
     return code < 0 ? code : orl_photon_map_open(work->path, false, &state->maps[kind], err);
 }
 
 /* Makes one map and commits it to the store. */
-static int keep_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                    const struct harvest *harvest, struct orl_error *err)
+static int store_map(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                     const struct map_input *map_input, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
-    const struct orl_map_build build = {.kind = orl_map_kind_name(kind),
-                                        .family = work->name.family,
-                                        .target = work->target,
-                                        .emitted = harvest->emitted,
-                                        .seed = state->job->seed,
-                                        .extent = state->world->geometry->radius,
-                                        .earlier = work->earlier,
-                                        .notes = harvest->notes,
-                                        .note_bytes =
-                                            harvest->notes ? (uint32_t)sizeof *harvest->notes : 0,
-                                        .spend = true};
+    const struct orl_map_build build = {
+        .kind = orl_map_kind_name(kind),
+        .family = work->name.family,
+        .target = work->target,
+        .emitted = map_input->emitted,
+        .seed = state->job->seed,
+        .extent = state->lit_scene->geometry->radius,
+        .earlier = work->earlier,
+        .notes = map_input->notes,
+        .note_bytes = map_input->notes ? (uint32_t)sizeof *map_input->notes : 0,
+        .free_photons = true};
     const double started = env->now_s(env->ctx);
-    const int code = make_map(state, kind, work, harvest, &build, err);
+    const int code = make_map(state, kind, work, map_input, &build, err);
     if (code < 0)
         return code;
     const struct orl_map_header *h = orl_photon_map_header(state->maps[kind]);
     work->info = (struct orl_map_info){
         .target = work->target, .emitted = h->emitted, .stored = h->count, .bytes = h->size};
-    work->info.seconds = harvest->seconds + env->now_s(env->ctx) - started;
+    work->info.seconds = map_input->seconds + env->now_s(env->ctx) - started;
     if (work->earlier) {
         work->info.reused = orl_photon_map_header(work->earlier)->count;
         work->info.earlier_s = work->earlier_info.seconds;
@@ -220,7 +220,7 @@ static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind,
 static int warn_of_light(struct orl_run_state *state, const struct map_work *work,
                          struct orl_error *err)
 {
-    const size_t left_out = state->world->images.n_left_out;
+    const size_t left_out = state->lit_scene->images.n_left_out;
     bool any = false, black = false;
     for (int k = 0; k < ORL_MAP_KINDS; k++) {
         const bool wanted = work[k].target > 0;
@@ -230,50 +230,50 @@ static int warn_of_light(struct orl_run_state *state, const struct map_work *wor
             warn_of_photons(state, (enum orl_map_kind)k, work[k].target, work[k].info.stored,
                             work[k].info.emitted);
     }
-    if (any && left_out > 0 && state->world->n_suns > 0)
+    if (any && left_out > 0 && state->lit_scene->n_suns > 0)
         orl_run_warn(state,
                      "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
                      "of them are not simulated outside",
                      ORL_MOST_MIRRORS, left_out);
     if (!black)
         return 0;
-    const int code = orl_run_need_emission(state, err);
+    const int code = orl_run_ensure_emission(state, err);
     if (code == 0 && state->emission->n_strata == 0)
         orl_run_warn(state, "no light reaches the scene: everything is black");
     orl_run_warn(state, "no photons: no light reaches a diffuse surface");
     return code;
 }
 
-static int keep_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
-                     const struct orl_shot *shot, double seconds, struct orl_error *err)
+static int store_shot(struct orl_run_state *state, enum orl_map_kind kind, struct map_work *work,
+                      const struct orl_shot *shot, double seconds, struct orl_error *err)
 {
-    const struct harvest harvest = {shot->photons, shot->count, shot->emitted, seconds, NULL};
-    warn_of_photons(state, kind, shot->target, shot->had + shot->count, shot->emitted);
-    return keep_map(state, kind, work, &harvest, err);
+    const struct map_input map_input = {shot->photons, shot->count, shot->emitted, seconds, NULL};
+    warn_of_photons(state, kind, shot->target, shot->earlier_count + shot->count, shot->emitted);
+    return store_map(state, kind, work, &map_input, err);
 }
 
 /* Precomputes irradiance from the global map, which is in state->maps already. */
 static int precompute(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
-    const struct orl_records_making making = {.global = state->maps[ORL_MAP_GLOBAL],
-                                              .world = state->world,
-                                              .crew = env->crew,
-                                              .searches = state->searches,
-                                              .cancel = env->cancel,
-                                              .progress = records_progress,
-                                              .ctx = state};
+    const struct orl_precomputed_build_args making = {.global = state->maps[ORL_MAP_GLOBAL],
+                                                      .lit_scene = state->lit_scene,
+                                                      .pool = env->pool,
+                                                      .searches = state->searches,
+                                                      .cancel = env->cancel,
+                                                      .progress = records_progress,
+                                                      .ctx = state};
     const double started = env->now_s(env->ctx);
-    struct harvest harvest = {.emitted = orl_photon_map_header(making.global)->emitted};
-    struct orl_records records = {0};
-    int code = orl_records_make(&making, &records, err);
-    harvest.photons = records.photons;
-    harvest.notes = records.notes;
-    harvest.count = records.count;
-    harvest.seconds = env->now_s(env->ctx) - started;
+    struct map_input map_input = {.emitted = orl_photon_map_header(making.global)->emitted};
+    struct orl_precomputed records = {0};
+    int code = orl_precomputed_build(&making, &records, err);
+    map_input.photons = records.photons;
+    map_input.notes = records.notes;
+    map_input.count = records.count;
+    map_input.seconds = env->now_s(env->ctx) - started;
     if (code == 0)
-        code = keep_map(state, ORL_MAP_PRECOMPUTED, work, &harvest, err);
-    orl_records_done(&records);
+        code = store_map(state, ORL_MAP_PRECOMPUTED, work, &map_input, err);
+    orl_precomputed_done(&records);
     return code;
 }
 
@@ -300,8 +300,8 @@ static int plan_shot(struct orl_run_state *state, enum orl_map_kind kind, struct
     const int code = find_earlier(state, kind, work, err);
     shot->target = work->target;
     if (work->earlier) {
-        shot->had = orl_photon_map_header(work->earlier)->count;
-        shot->had_emitted = orl_photon_map_header(work->earlier)->emitted;
+        shot->earlier_count = orl_photon_map_header(work->earlier)->count;
+        shot->earlier_emitted = orl_photon_map_header(work->earlier)->emitted;
     }
     return code;
 }
@@ -326,11 +326,11 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
     if (!missing && !is_missing(&work[ORL_MAP_PRECOMPUTED]))
         state->cost_s[ORL_STAGE_MAPS] = 0;
     const double seconds = env->now_s(env->ctx) - started;
-    orl_run_enter(state, ORL_STAGE_MAPS);
+    orl_run_begin_stage(state, ORL_STAGE_MAPS);
     for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
         if (shots[k].target > 0)
-            code = keep_shot(state, (enum orl_map_kind)k, &work[k], &shots[k],
-                             share_of_rays(shots, k, seconds), err);
+            code = store_shot(state, (enum orl_map_kind)k, &work[k], &shots[k],
+                              share_of_rays(shots, k, seconds), err);
     for (int k = 0; k < ORL_SHOT_KINDS; k++)
         free(shots[k].photons);
     if (code == 0 && is_missing(&work[ORL_MAP_PRECOMPUTED]))
@@ -361,100 +361,103 @@ static int acquire_all(struct orl_run_state *state, struct map_work *work, struc
 
 static void report_share(void *ctx, double share)
 {
-    orl_run_progress(ctx, share);
+    orl_run_report_progress(ctx, share);
 }
 
 /* Distributed runs: asks other processes to build the missing maps. */
-static int share_missing(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+static int distribute_missing(struct orl_run_state *state, struct map_work *work,
+                              struct orl_error *err)
 {
     const struct orl_map_store *store = store_of(state);
-    const struct orl_pieces *shared = state->env->pieces;
-    struct orl_piece pieces[ORL_MAP_KINDS];
-    const struct orl_pieces_watch watch = {report_share, state};
+    const struct orl_job_tasks *shared = state->env->tasks;
+    struct orl_job_task tasks[ORL_MAP_KINDS];
+    const struct orl_job_tasks_watch watch = {report_share, state};
     bool here[ORL_MAP_KINDS] = {false};
     /* Each map costs the tracing of all photons, because both kinds come from the same paths. */
     const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *
-                          orl_crew_size(state->env->crew);
+                          orl_thread_pool_size(state->env->pool);
     size_t n = 0;
     for (int k = 0; k < ORL_MAP_KINDS; k++) {
         if (!is_missing(&work[k]))
             continue;
-        struct orl_piece *piece = &pieces[n++];
-        *piece = (struct orl_piece){.work = (double)work[k].target,
-                                    .core_s = core_s,
-                                    .bytes = ORL_PHOTON_BYTES * work[k].target};
-        snprintf(piece->kind, sizeof piece->kind, "%s", orl_map_kind_name((enum orl_map_kind)k));
-        memcpy(piece->key, state->keys[k], sizeof piece->key);
-        store->abandon(store->ctx, piece->kind, piece->key);
-        state->held[k] = false;
+        struct orl_job_task *job_task = &tasks[n++];
+        *job_task = (struct orl_job_task){.work = (double)work[k].target,
+                                          .core_s = core_s,
+                                          .bytes = ORL_PHOTON_BYTES * work[k].target};
+        snprintf(job_task->kind, sizeof job_task->kind, "%s",
+                 orl_map_kind_name((enum orl_map_kind)k));
+        memcpy(job_task->key, state->keys[k], sizeof job_task->key);
+        store->abandon(store->ctx, job_task->kind, job_task->key);
+        state->pinned[k] = false;
     }
     if (n == 0)
         return 0;
     orl_run_release_maps(state);
     memset(work, 0, ORL_MAP_KINDS * sizeof *work);
-    const int code = shared->divide(shared->ctx, pieces, n, here, &watch, err);
+    const int code = shared->claim(shared->ctx, tasks, n, here, &watch, err);
     return code < 0 ? code : acquire_all(state, work, err);
 }
 
 /* Stores the counters and warnings of a build under each map's key, so that a run which reuses a
  * map reports the same ones. first_warning: index of the first warning about maps in the result. */
-static void keep_notes(const struct orl_run_state *state, const struct map_work *work,
-                       const struct orl_health *health, size_t first_warning)
+static void store_counters(const struct orl_run_state *state, const struct map_work *work,
+                           const struct orl_health *health, size_t first_warning)
 {
     for (int k = 0; k < ORL_MAP_KINDS; k++)
         if (is_missing(&work[k])) {
-            orl_run_keep_counts(state, state->keys[k], health);
-            orl_run_keep_warnings(state, state->keys[k], first_warning);
+            orl_run_store_counts(state, state->keys[k], health);
+            orl_run_store_warnings(state, state->keys[k], first_warning);
         }
 }
 
-static void add_notes(struct orl_run_state *state, const struct map_work *work)
+static void load_counters(struct orl_run_state *state, const struct map_work *work)
 {
     bool counted = false;
     for (int k = 0; k < ORL_MAP_KINDS; k++)
         if (work[k].target > 0) {
-            counted = counted || orl_run_add_counts(state, state->keys[k]);
-            orl_run_add_warnings(state, state->keys[k]);
+            counted = counted || orl_run_load_counts(state, state->keys[k]);
+            orl_run_load_warnings(state, state->keys[k]);
         }
 }
 
 /* Distributed runs: finds the maps or makes them here. */
-static int build_shared(struct orl_run_state *state, struct map_work *work, struct orl_error *err)
+static int build_distributed(struct orl_run_state *state, struct map_work *work,
+                             struct orl_error *err)
 {
     struct orl_health before, of_searches, health = state->result->health;
     const size_t first_warning = state->result->n_warnings;
     bool any = false;
-    int code = share_missing(state, work, err);
+    int code = distribute_missing(state, work, err);
     for (int k = 0; k < ORL_MAP_KINDS; k++)
         any = any || is_missing(&work[k]);
     if (code < 0)
         return code;
-    orl_run_take_health(state, &before);
+    orl_run_move_health(state, &before);
     state->result->health = (struct orl_health){.rays = 0};
     code = build_missing(state, work, err);
-    orl_run_take_health(state, &of_searches);
+    orl_run_move_health(state, &of_searches);
     orl_health_add(&state->result->health, &of_searches);
     if (code == 0 && any)
-        keep_notes(state, work, &state->result->health, first_warning);
+        store_counters(state, work, &state->result->health, first_warning);
     else if (code == 0)
-        add_notes(state, work);
+        load_counters(state, work);
     orl_health_add(&health, &state->result->health);
     state->result->health = health;
     state->searches[0].health = before;
     return code;
 }
 
-int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
+int orl_run_prepare_maps(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_run_env *env = state->env;
     struct map_work *work = calloc(ORL_MAP_KINDS, sizeof *work);
     if (!work)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    orl_run_enter(state, ORL_STAGE_PHOTONS);
+    orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
     int code = acquire_all(state, work, err);
     if (code == 0)
-        code = orl_run_is_shared(state) ? build_shared(state, work, err)
-                                        : build_missing(state, work, err);
+        code = orl_run_is_distributed(state) ? build_distributed(state, work, err)
+                                             : build_missing(state, work, err);
     for (int k = 0; k < ORL_MAP_KINDS && code == 0; k++) {
         if (work[k].target == 0)
             continue;
@@ -466,10 +469,10 @@ int orl_run_maps(struct orl_run_state *state, struct orl_error *err)
         code = warn_of_light(state, work, err);
     /* A failed build leaves nothing behind. */
     for (int k = 0; k < ORL_MAP_KINDS && code < 0; k++) {
-        if (state->held[k] && !work[k].hit && !work[k].info.kind[0]) {
+        if (state->pinned[k] && !work[k].hit && !work[k].info.kind[0]) {
             env->store->abandon(env->store->ctx, orl_map_kind_name((enum orl_map_kind)k),
                                 state->keys[k]);
-            state->held[k] = false;
+            state->pinned[k] = false;
         }
         drop_earlier(state, (enum orl_map_kind)k, &work[k]);
     }
@@ -483,8 +486,8 @@ void orl_run_release_maps(struct orl_run_state *state)
     for (int k = 0; k < ORL_MAP_KINDS; k++) {
         orl_photon_map_free(state->maps[k]);
         state->maps[k] = NULL;
-        if (state->held[k])
+        if (state->pinned[k])
             store->release(store->ctx, orl_map_kind_name((enum orl_map_kind)k), state->keys[k]);
-        state->held[k] = false;
+        state->pinned[k] = false;
     }
 }

@@ -11,7 +11,7 @@ uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
 
 /* Returns the number of rounds. By photon maps each costs the full time of the views, however few
  * the photons: use the fewest whose spread has some degrees of freedom. */
-uint32_t orl_run_batches(const struct orl_run_state *state)
+uint32_t orl_run_count_batches(const struct orl_run_state *state)
 {
     enum { OF_PATHS = 8, OF_MAPS = 4 };
     const uint32_t most = orl_run_pixel_samples(state);

@@ -10,7 +10,8 @@
 /* Largest effect of an omission that causes no warning. */
 static const double tolerable_lx = 0.01, tolerable_share = 1e-3;
 
-static void judge_skip(struct orl_run_state *state, const char *name, const struct orl_decision *d)
+static void warn_of_skip(struct orl_run_state *state, const char *name,
+                         const struct orl_decision *d)
 {
     if (d->simulated)
         orl_run_warn(state, "%s cannot be skipped: %s", name, d->why);
@@ -22,10 +23,10 @@ static void judge_skip(struct orl_run_state *state, const char *name, const stru
 }
 
 /* Warns if the scene has no light left. */
-static void judge_light(struct orl_run_state *state)
+static void warn_of_no_light(struct orl_run_state *state)
 {
-    const struct orl_world *world = state->world;
-    if (world->n_suns + world->n_domes + world->n_emitters == 0)
+    const struct orl_lit_scene *lit_scene = state->lit_scene;
+    if (lit_scene->n_suns + lit_scene->n_domes + lit_scene->n_emitters == 0)
         orl_run_warn(state,
                      "no light: suns, skies and lamps, those left in, give less than %g lx: "
                      "everything is black",
@@ -34,10 +35,10 @@ static void judge_light(struct orl_run_state *state)
 
 /* Warns if caustic photons are so rare that the requested number would take very long, or was
  * reduced. */
-static void judge_budget(struct orl_run_state *state, const struct orl_plan *plan)
+static void warn_of_budget(struct orl_run_state *state, const struct orl_plan *plan)
 {
     const double many_times = 4;
-    const struct orl_foresight *f = &plan->foresight;
+    const struct orl_photon_forecast *f = &plan->forecast;
     const uint64_t asked = state->job->photons_caustic;
     if (asked != ORL_PHOTONS_BY_PLAN && asked > plan->photons_caustic && plan->photons_caustic > 0)
         orl_run_warn(state,
@@ -65,21 +66,21 @@ static int run_photon_pilot(struct orl_run_state *state, struct orl_plan *plan,
     const bool decides =
         plan->photons_caustic > 0 && (state->job->photons_caustic == ORL_PHOTONS_BY_PLAN ||
                                       orl_plan_bounds_caustics(state->job));
-    struct orl_worth worth;
+    struct orl_photon_pilot pilot;
     if (!decides && !state->only_plan)
         return 0;
-    int code = orl_run_need_emission(state, err);
+    int code = orl_run_ensure_emission(state, err);
     if (code == 0) {
         const struct orl_shoot_env shooting = {.emission = state->emission,
                                                .seed = state->job->seed,
-                                               .crew = env->crew,
+                                               .pool = env->pool,
                                                .cancel = env->cancel};
-        code = orl_worth_measure(&shooting, env->now_s, env->ctx, &worth, err);
+        code = orl_photon_pilot_run(&shooting, env->now_s, env->ctx, &pilot, err);
     }
     if (code < 0)
         return code;
-    orl_plan_budget(state->job, &worth, plan);
-    judge_budget(state, plan);
+    orl_plan_budget(state->job, &pilot, plan);
+    warn_of_budget(state, plan);
     return 0;
 }
 
@@ -89,7 +90,7 @@ static void warn_once(void *ctx, const char *text)
 }
 
 /* Checks the sensors of each grid, or all sensors of a job without grids. */
-static int judge_spaces(struct orl_run_state *state)
+static int check_spaces(struct orl_run_state *state)
 {
     const struct orl_result *result = state->result;
     const size_t n = result->n_grids > 0 ? result->n_grids : 1;
@@ -100,11 +101,11 @@ static int judge_spaces(struct orl_run_state *state)
     for (size_t i = 0; i < result->n_grids; i++)
         ranges[i] = (struct orl_sensor_range){result->grids[i].name, result->grids[i].first,
                                               result->grids[i].count};
-    struct orl_sensor_check check = {.scene = state->world->scene,
+    struct orl_sensor_check check = {.scene = state->lit_scene->scene,
                                      .sensors = state->sensors,
                                      .ranges = ranges,
                                      .n_ranges = n,
-                                     .crew = state->env->crew,
+                                     .pool = state->env->pool,
                                      .warn = warn_once,
                                      .ctx = state};
     const int code = orl_run_check_sensor_spaces(&check);
@@ -112,13 +113,13 @@ static int judge_spaces(struct orl_run_state *state)
     return code;
 }
 
-static int judge_sensors(struct orl_run_state *state, struct orl_error *err)
+static int check_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     char text[480];
-    if (orl_run_describe_sensors_in_planes(state->world->scene, state->sensors, state->n_sensors,
-                                           state->env->crew, text, sizeof text))
+    if (orl_run_describe_sensors_in_planes(state->lit_scene->scene, state->sensors,
+                                           state->n_sensors, state->env->pool, text, sizeof text))
         orl_run_warn_once(state, "%s", text);
-    const int code = judge_spaces(state);
+    const int code = check_spaces(state);
     if (code < 0)
         orl_error_set(err, code, "%s while checking the sensors",
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
@@ -130,25 +131,25 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     const struct orl_plan_request request = {.job = state->job,
                                              .sensors = state->sensors,
                                              .n_sensors = state->n_sensors,
-                                             .crew = state->env->crew,
+                                             .pool = state->env->pool,
                                              .now_s = state->env->now_s,
                                              .ctx = state->env->ctx};
     struct orl_plan *plan = &state->result->plan;
-    int code = orl_plan_make(&request, state->lights, plan, &state->world, err);
+    int code = orl_plan_make(&request, state->lights, plan, &state->lit_scene, err);
     if (code == 0)
         code = run_photon_pilot(state, plan, err);
     for (int i = 0; i < ORL_EFFECT_COUNT && code == 0; i++)
-        if (plan->effects[i].wish == ORL_WISH_SKIP)
-            judge_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);
+        if (plan->effects[i].override == ORL_OVERRIDE_SKIP)
+            warn_of_skip(state, orl_effect_name((enum orl_effect)i), &plan->effects[i]);
     if (code == 0) {
-        judge_light(state);
-        orl_run_judge_views(state);
+        warn_of_no_light(state);
+        orl_run_diagnose_views(state);
         if (!state->only_sensors) /* the whole job checks their places */
-            code = judge_sensors(state, err);
+            code = check_sensors(state, err);
     }
-    orl_run_guess_costs(state);
-    if (code == 0 && plan->foresight.made)
-        orl_run_foresee(state);
+    orl_run_estimate_stages(state);
+    if (code == 0 && plan->forecast.made)
+        orl_run_estimate_from_pilot(state);
     if (code == 0 && state->env->plan_ready)
         state->env->plan_ready(state->env->ctx, plan);
     return code;

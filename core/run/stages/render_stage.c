@@ -5,20 +5,23 @@
 #include <string.h>
 
 #include "render/picture/error_map.h"
-#include "run/goals/round_cost.h"
+#include "run/estimate/round_cost.h"
 #include "run/stages/rendering.h"
 
-void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor *sensors,
-                             const struct orl_rays *rays)
+void orl_run_add_sparse_errors(struct orl_result *result, const struct orl_sensor *sensors,
+                               const struct orl_ray_moments *rays)
 {
-    struct orl_rare rare[ORL_RARE_SIDES];
-    orl_rare_of(&(struct orl_rare_sensors){sensors, rays, result->illuminance_lx,
-                                           result->standard_error_lx, result->n_sensors},
-                rare);
+    struct orl_sparse_events sparse[ORL_SENSOR_ORIENTATIONS];
+    orl_sparse_events_of(&(struct orl_sparse_event_sensors){sensors, rays, result->illuminance_lx,
+                                                            result->standard_error_lx,
+                                                            result->n_sensors},
+                         sparse);
     for (size_t i = 0; i < result->n_sensors; i++) {
         const double value = result->illuminance_lx[i];
-        const struct orl_rare *of_side = &rare[orl_rare_side(sensors[i].direction)];
-        const struct orl_rare_bounds least = orl_rare_bounds(of_side, &rays[i], value);
+        const struct orl_sparse_events *of_side =
+            &sparse[orl_sensor_orientation(sensors[i].direction)];
+        const struct orl_sparse_event_bounds least =
+            orl_sparse_event_bounds(of_side, &rays[i], value);
         double *error = &result->standard_error_lx[i], *interval = result->interval_95_lx[i];
         *error = fmax(*error, least.standard_error);
         interval[0] = fmax(fmin(interval[0], value - least.below), 0);
@@ -26,14 +29,14 @@ void orl_run_mind_rare_light(struct orl_result *result, const struct orl_sensor 
     }
 }
 
-static int compute_stretches(struct orl_rendering *rendering, struct orl_error *err)
+static int compute_chunks(struct orl_rendering *rendering, struct orl_error *err)
 {
     int code = 0;
-    if (orl_run_is_shared(rendering->state))
-        return orl_share_sensors(rendering, err);
+    if (orl_run_is_distributed(rendering->state))
+        return orl_rendering_share_sensors(rendering, err);
     for (size_t first = 0; first < rendering->state->n_sensors && code == 0;
-         first += rendering->stretch)
-        code = orl_compute_stretch(rendering, first, err);
+         first += rendering->chunk)
+        code = orl_rendering_compute_chunk(rendering, first, err);
     return code;
 }
 
@@ -55,20 +58,20 @@ static int render_sensors(struct orl_rendering *rendering, struct orl_error *err
     result->n_sensors = n;
     for (size_t i = 0; i < n; i++)
         rendering->samples += orl_run_sensor_samples(state, i);
-    if (!state->take_film && state->env->sensors_kept &&
+    if (!state->receive_film && state->env->sensors_kept &&
         state->env->sensors_kept(state->env->ctx, result)) {
-        orl_run_progress(state, rendering->share);
+        orl_run_report_progress(state, rendering->share);
         return 0;
     }
-    rendering->stride = orl_scatter_stride(n);
-    orl_run_phase(state, 0, rendering->share);
+    rendering->stride = orl_golden_stride(n);
+    orl_run_begin_phase(state, 0, rendering->share);
     const struct orl_renderer *renderer = rendering->renderer;
-    int code = compute_stretches(rendering, err);
+    int code = compute_chunks(rendering, err);
     if (code == 0 && renderer->sensors)
         code = renderer->sensors(renderer->ctx, err);
-    if (code == 0 && !state->take_film)
-        orl_run_mind_rare_light(result, state->sensors, state->rays);
-    if (code == 0 && !state->take_film && state->env->sensors_done)
+    if (code == 0 && !state->receive_film)
+        orl_run_add_sparse_errors(result, state->sensors, state->rays);
+    if (code == 0 && !state->receive_film && state->env->sensors_done)
         state->env->sensors_done(state->env->ctx, result);
     return code;
 }
@@ -78,18 +81,18 @@ static int render_view(struct orl_rendering *rendering, size_t index, struct orl
     const struct orl_run_env *env = rendering->state->env;
     const double started = env->now_s(env->ctx);
     struct orl_film film = {0};
-    int code = orl_paint_view(rendering, index, &film, err);
+    int code = orl_rendering_paint_view(rendering, index, &film, err);
     if (code == 0)
-        code = orl_finish_view(rendering, index, &film, started, err);
+        code = orl_rendering_finish_view(rendering, index, &film, started, err);
     orl_film_done(&film);
     return code;
 }
 
 /* Returns true if an earlier run has left the view. */
-static bool is_kept(const struct orl_run_state *state, size_t index)
+static bool is_restored(const struct orl_run_state *state, size_t index)
 {
     const struct orl_run_env *env = state->env;
-    if (state->take_film || !env->view_kept ||
+    if (state->receive_film || !env->view_kept ||
         !env->view_kept(env->ctx, index, &state->result->views[index]))
         return false;
     state->result->n_views = index + 1;
@@ -102,7 +105,7 @@ static double pixels_of(const struct orl_view_request *view)
 }
 
 /* Sets the progress of the stage before each view, and each view's share of it. */
-static void foresee_views(struct orl_rendering *rendering, double before)
+static void set_view_shares(struct orl_rendering *rendering, double before)
 {
     const struct orl_run_state *state = rendering->state;
     const struct orl_job *job = state->job;
@@ -119,17 +122,17 @@ static void foresee_views(struct orl_rendering *rendering, double before)
 }
 
 /* Renders the views that are not kept; views: scratch for all indices. */
-static int render_left(struct orl_rendering *rendering, size_t *views, struct orl_error *err)
+static int render_remaining(struct orl_rendering *rendering, size_t *views, struct orl_error *err)
 {
     const struct orl_run_state *state = rendering->state;
     size_t left = 0;
     int code = 0;
-    foresee_views(rendering, rendering->share);
+    set_view_shares(rendering, rendering->share);
     for (size_t i = 0; i < state->job->n_views; i++)
-        if (!is_kept(state, i))
+        if (!is_restored(state, i))
             views[left++] = i;
-    if (orl_run_is_shared(state))
-        return orl_share_views(rendering, views, left, err);
+    if (orl_run_is_distributed(state))
+        return orl_rendering_share_views(rendering, views, left, err);
     for (size_t i = 0; i < left && code == 0; i++)
         code = render_view(rendering, views[i], err);
     return code;
@@ -145,7 +148,7 @@ static int render_views(struct orl_rendering *rendering, struct orl_error *err)
     result->views = calloc(n, sizeof *result->views);
     rendering->views = calloc(n, sizeof *rendering->views);
     const int code = result->views && rendering->views && views
-                         ? render_left(rendering, views, err)
+                         ? render_remaining(rendering, views, err)
                          : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(rendering->views);
     free(views);
@@ -158,12 +161,12 @@ int orl_run_render(struct orl_run_state *state, const struct orl_renderer *rende
     struct orl_rendering rendering = {.state = state,
                                       .renderer = renderer,
                                       .share = orl_run_sensors_share(state),
-                                      .stretch = ORL_STRETCH};
-    orl_run_enter(state, ORL_STAGE_RENDER);
+                                      .chunk = ORL_SENSOR_CHUNK};
+    orl_run_begin_stage(state, ORL_STAGE_RENDER);
     int code = render_sensors(&rendering, err);
     if (code == 0)
         code = render_views(&rendering, err);
-    for (uint32_t i = 0; i < orl_crew_size(state->env->crew); i++)
+    for (uint32_t i = 0; i < orl_thread_pool_size(state->env->pool); i++)
         orl_health_add(&state->result->health, &state->searches[i].health);
     return code;
 }

@@ -2,30 +2,31 @@
 
 #include <math.h>
 
-#include "run/goals/round_cost.h"
+#include "run/estimate/round_cost.h"
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 
-static void report_taken(const struct orl_rendering *rendering, double taken)
+static void report_samples(const struct orl_rendering *rendering, double samples_done)
 {
-    const double share = fmin(taken / fmax((double)rendering->samples, 1), 1);
-    orl_run_progress(rendering->state,
-                     rendering->share * orl_run_sensors_time(rendering->state, share));
+    const double share = fmin(samples_done / fmax((double)rendering->samples, 1), 1);
+    orl_run_report_progress(rendering->state,
+                            rendering->share * orl_run_sensors_time_share(rendering->state, share));
 }
 
-void orl_tell_sensors(const struct orl_rendering *rendering)
+void orl_rendering_report_sensors(const struct orl_rendering *rendering)
 {
-    report_taken(rendering, fmax((double)atomic_load(&rendering->taken), rendering->elsewhere));
+    report_samples(rendering,
+                   fmax((double)atomic_load(&rendering->samples_done), rendering->total_done));
 }
 
 /* Reports progress when the lead has finished a sensor. Other members have had the same time. They
  * have therefore done about as much, and are within one sensor of it. */
-static void report_under_way(const struct orl_rendering *rendering, double samples)
+static void report_in_progress(const struct orl_rendering *rendering, double samples)
 {
-    const double members = orl_crew_size(rendering->state->env->crew);
-    const double booked = (double)atomic_load(&rendering->taken);
-    const double alike = members * rendering->by_lead;
-    report_taken(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
+    const double members = orl_thread_pool_size(rendering->state->env->pool);
+    const double booked = (double)atomic_load(&rendering->samples_done);
+    const double alike = members * rendering->done_by_main;
+    report_samples(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
 }
 
 static void compute_sensor(void *arg, size_t index, uint32_t member)
@@ -34,13 +35,13 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
     const struct orl_run_state *state = rendering->state;
     if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
         return;
-    const size_t sensor = orl_sensor_at(rendering, rendering->first + index);
+    const size_t sensor = orl_rendering_sensor_at(rendering, rendering->first + index);
     rendering->renderer->sensor(rendering->renderer->ctx, sensor, member, &rendering->found[index]);
     const double samples = orl_run_sensor_samples(state, sensor);
-    atomic_fetch_add(&rendering->taken, (uint64_t)samples);
+    atomic_fetch_add(&rendering->samples_done, (uint64_t)samples);
     if (member == 0) { /* only the lead reports progress */
-        rendering->by_lead += samples;
-        report_under_way(rendering, samples);
+        rendering->done_by_main += samples;
+        report_in_progress(rendering, samples);
     }
 }
 
@@ -52,8 +53,8 @@ uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
     return all ? all : ORL_DEFAULT_GATHER_SAMPLES;
 }
 
-void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
-                         const struct orl_estimate *estimate)
+void orl_run_store_sensor(const struct orl_run_state *state, size_t index,
+                          const struct orl_estimate *estimate)
 {
     static const double lux = ORL_EFFICACY_LM_PER_W;
     struct orl_result *result = state->result;
@@ -64,17 +65,19 @@ void orl_run_book_sensor(const struct orl_run_state *state, size_t index,
     result->bias_estimate_lx[index] = lux * estimate->bias;
     result->interval_95_lx[index][0] = fmax(value - lux * margins.below, 0);
     result->interval_95_lx[index][1] = value + lux * margins.above;
-    state->rays[index] = orl_rays_mix(estimate->rays, lux, (struct orl_rays){0, 0}, 0);
+    state->rays[index] =
+        orl_ray_moments_mix(estimate->rays, lux, (struct orl_ray_moments){0, 0}, 0);
 }
 
-int orl_compute_stretch(struct orl_rendering *rendering, size_t first, struct orl_error *err)
+int orl_rendering_compute_chunk(struct orl_rendering *rendering, size_t first,
+                                struct orl_error *err)
 {
     const struct orl_run_env *env = rendering->state->env;
     rendering->first = first;
-    orl_crew_for(env->crew, orl_stretch_size(rendering, first), compute_sensor, rendering);
+    orl_parallel_for(env->pool, orl_sensor_chunk_size(rendering, first), compute_sensor, rendering);
     if (atomic_load(env->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while computing sensors");
-    orl_tell_sensors(rendering);
+    orl_rendering_report_sensors(rendering);
     return 0;
 }
 
@@ -83,26 +86,26 @@ int orl_compute_stretch(struct orl_rendering *rendering, size_t first, struct or
 static void view_progress(void *ctx, double fraction)
 {
     const struct orl_view_progress *progress = ctx;
-    orl_run_progress(progress->state, progress->before + progress->share * fraction);
+    orl_run_report_progress(progress->state, progress->before + progress->share * fraction);
 }
 
 static void view_phase(void *ctx, double from, double to)
 {
     const struct orl_view_progress *progress = ctx;
-    orl_run_phase(progress->state, progress->before + progress->share * from,
-                  progress->before + progress->share * to);
+    orl_run_begin_phase(progress->state, progress->before + progress->share * from,
+                        progress->before + progress->share * to);
 }
 
 /* Hands a finished picture to take_film, or writes it and reports it. */
-static int keep_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
-                     struct orl_error *err)
+static int store_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                      struct orl_error *err)
 {
-    if (state->take_film)
-        return state->take_film(state->take_ctx, index, film, err);
-    orl_run_note_pixels(state, index, film);
+    if (state->receive_film)
+        return state->receive_film(state->receive_ctx, index, film, err);
+    orl_run_store_pixels(state, index, film);
     if (state->env->view_ready)
         state->env->view_ready(state->env->ctx, index, film->pixels,
-                               orl_film_knows_errors(film) ? film->errors : NULL,
+                               orl_film_has_errors(film) ? film->errors : NULL,
                                (size_t)film->width * film->height);
     const int code = orl_run_write_view(state, index, film, err);
     if (code == 0 && state->env->view_written)
@@ -110,8 +113,8 @@ static int keep_film(struct orl_run_state *state, size_t index, const struct orl
     return code;
 }
 
-int orl_open_view(struct orl_run_state *state, size_t index, struct orl_view *ret_view,
-                  struct orl_film *ret_film, struct orl_error *err)
+int orl_rendering_open_view(struct orl_run_state *state, size_t index, struct orl_view *ret_view,
+                            struct orl_film *ret_film, struct orl_error *err)
 {
     const struct orl_view_request *request = &state->job->views[index];
     if (state->result->n_views <= index)
@@ -120,11 +123,11 @@ int orl_open_view(struct orl_run_state *state, size_t index, struct orl_view *re
     return code == 0 ? orl_film_init(ret_film, request->width, request->height, err) : code;
 }
 
-int orl_paint_view(struct orl_rendering *rendering, size_t index, struct orl_film *ret_film,
-                   struct orl_error *err)
+int orl_rendering_paint_view(struct orl_rendering *rendering, size_t index,
+                             struct orl_film *ret_film, struct orl_error *err)
 {
     struct orl_run_state *state = rendering->state;
-    const struct orl_paint_env env = {.crew = state->env->crew,
+    const struct orl_paint_env env = {.pool = state->env->pool,
                                       .searches = state->searches,
                                       .cancel = state->env->cancel,
                                       .index = index,
@@ -133,21 +136,21 @@ int orl_paint_view(struct orl_rendering *rendering, size_t index, struct orl_fil
                                       .ctx = &rendering->views[index]};
     struct orl_view view;
     const struct orl_painting painting = {.env = &env,
-                                          .geometry = state->world->geometry,
+                                          .geometry = state->lit_scene->geometry,
                                           .view = &view,
                                           .film = ret_film,
                                           .irradiance = state->job->views[index].irradiance,
                                           .shift = {state->shift[0], state->shift[1]},
                                           .rays = state->view_rays};
-    const int code = orl_open_view(state, index, &view, ret_film, err);
+    const int code = orl_rendering_open_view(state, index, &view, ret_film, err);
     return code == 0 ? rendering->renderer->view(rendering->renderer->ctx, &painting, err) : code;
 }
 
-int orl_finish_view(struct orl_rendering *rendering, size_t index, const struct orl_film *film,
-                    double started_s, struct orl_error *err)
+int orl_rendering_finish_view(struct orl_rendering *rendering, size_t index,
+                              const struct orl_film *film, double started_s, struct orl_error *err)
 {
     struct orl_run_state *state = rendering->state;
-    const int code = keep_film(state, index, film, err);
+    const int code = store_film(state, index, film, err);
     state->result->views[index].seconds = state->env->now_s(state->env->ctx) - started_s;
     return code;
 }

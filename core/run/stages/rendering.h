@@ -1,16 +1,16 @@
-/* State of the render stage: sensors in stretches, views one by one. render_stage.c renders all of
+/* State of the render stage: sensors in chunks, views one by one. render_stage.c renders all of
  * them; shared_sensors.c and shared_views.c distribute them as pieces. */
 #ifndef ORL_RUN_STAGES_RENDERING_H
 #define ORL_RUN_STAGES_RENDERING_H
 
 #include <stdatomic.h>
 
-#include "base/scatter.h"
+#include "base/sampling/golden_order.h"
 #include "render/film/film.h"
-#include "run/distributed/pieces.h"
+#include "run/distributed/task_work.h"
 
-/* Maximum sensors of a stretch; cancelling is polled between stretches. */
-enum { ORL_STRETCH = 128 };
+/* Maximum sensors of a chunk; cancelling is polled between chunks. */
+enum { ORL_SENSOR_CHUNK = 128 };
 
 /* Position of one view in the progress of the stage. */
 struct orl_view_progress {
@@ -22,57 +22,58 @@ struct orl_view_progress {
 struct orl_rendering {
     struct orl_run_state *state;
     const struct orl_renderer *renderer;
-    size_t stretch; /* sensors of each stretch but the last */
-    size_t first;   /* first sensor of this stretch, in permuted order */
-    double share;   /* the sensors' share of the stage */
-    size_t stride;  /* stride of the permutation */
+    size_t chunk;  /* sensors of each chunk but the last */
+    size_t first;  /* first sensor of this chunk, in permuted order */
+    double share;  /* the sensors' share of the stage */
+    size_t stride; /* stride of the permutation */
     uint64_t samples;
-    atomic_uint_fast64_t taken; /* samples of sensors done so far */
-    double by_lead;             /* part of taken that the crew's lead did */
-    double elsewhere;           /* samples done, including those of other processes */
+    atomic_uint_fast64_t samples_done; /* samples of sensors done so far */
+    double done_by_main;               /* part of samples_done that the crew's lead did */
+    double total_done;                 /* samples done, including those of other processes */
     struct orl_view_progress *views;
-    struct orl_sensor_found found[ORL_STRETCH];
+    struct orl_sensor_estimate found[ORL_SENSOR_CHUNK];
 };
 
 /* Returns the sensor at a place of the permuted order. */
-static inline size_t orl_sensor_at(const struct orl_rendering *rendering, size_t place)
+static inline size_t orl_rendering_sensor_at(const struct orl_rendering *rendering, size_t place)
 {
-    return orl_scatter(place, rendering->stride, rendering->state->n_sensors);
+    return orl_golden_order(place, rendering->stride, rendering->state->n_sensors);
 }
 
-static inline size_t orl_stretch_size(const struct orl_rendering *rendering, size_t first)
+static inline size_t orl_sensor_chunk_size(const struct orl_rendering *rendering, size_t first)
 {
     const size_t left = rendering->state->n_sensors - first;
-    return left < rendering->stretch ? left : rendering->stretch;
+    return left < rendering->chunk ? left : rendering->chunk;
 }
 
 /* Returns the number of sensors in a piece of a distributed job: few enough for a thousand
  * processes. Results do not depend on it. */
-static inline size_t orl_shared_stretch(size_t n_sensors)
+static inline size_t orl_task_chunk_size(size_t n_sensors)
 {
-    enum { STRETCHES = 2000, LEAST = 8 };
-    const size_t size = n_sensors / STRETCHES;
-    return size < LEAST ? LEAST : size < ORL_STRETCH ? size : ORL_STRETCH;
+    enum { CHUNKS = 2000, LEAST = 8 };
+    const size_t size = n_sensors / CHUNKS;
+    return size < LEAST ? LEAST : size < ORL_SENSOR_CHUNK ? size : ORL_SENSOR_CHUNK;
 }
 
 /* Reports progress. */
-void orl_tell_sensors(const struct orl_rendering *rendering);
-/* Computes and books a stretch; rendering->found has its results. */
-int orl_compute_stretch(struct orl_rendering *rendering, size_t first, struct orl_error *err);
+void orl_rendering_report_sensors(const struct orl_rendering *rendering);
+/* Computes and records a chunk; rendering->found has its results. */
+int orl_rendering_compute_chunk(struct orl_rendering *rendering, size_t first,
+                                struct orl_error *err);
 /* Distributes all sensors as pieces of a distributed run. */
-int orl_share_sensors(struct orl_rendering *rendering, struct orl_error *err);
+int orl_rendering_share_sensors(struct orl_rendering *rendering, struct orl_error *err);
 
 /* Prepares a view's empty picture and issues its warnings. The caller owns *ret_film. */
-int orl_open_view(struct orl_run_state *state, size_t index, struct orl_view *ret_view,
-                  struct orl_film *ret_film, struct orl_error *err);
+int orl_rendering_open_view(struct orl_run_state *state, size_t index, struct orl_view *ret_view,
+                            struct orl_film *ret_film, struct orl_error *err);
 /* Prepares and paints a view. The caller owns *ret_film. */
-int orl_paint_view(struct orl_rendering *rendering, size_t index, struct orl_film *ret_film,
-                   struct orl_error *err);
+int orl_rendering_paint_view(struct orl_rendering *rendering, size_t index,
+                             struct orl_film *ret_film, struct orl_error *err);
 /* Stores or writes a finished picture. started_s: time at which it was begun. */
-int orl_finish_view(struct orl_rendering *rendering, size_t index, const struct orl_film *film,
-                    double started_s, struct orl_error *err);
+int orl_rendering_finish_view(struct orl_rendering *rendering, size_t index,
+                              const struct orl_film *film, double started_s, struct orl_error *err);
 /* Distributes views as pieces of a distributed run. */
-int orl_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
-                    struct orl_error *err);
+int orl_rendering_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
+                              struct orl_error *err);
 
 #endif

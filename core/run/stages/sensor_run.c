@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* Returns the estimated seconds of the stages from photons on. */
-static double foreseen_s(const struct orl_run_state *state)
+static double estimated_s(const struct orl_run_state *state)
 {
     return state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS] +
            state->cost_s[ORL_STAGE_RENDER];
@@ -33,16 +33,16 @@ static struct orl_job without_sensors(const struct orl_job *job)
 }
 
 /* Makes the state continue with the views. */
-static void go_on_with_views(struct orl_run_state *state, struct orl_sensor_run *run)
+static void switch_to_views(struct orl_run_state *state, struct orl_sensor_run *run)
 {
-    run->made = true;
+    run->is_separate = true;
     run->job = state->job;
     run->all = state->env;
     run->n_sensors = state->n_sensors;
     run->views = without_sensors(state->job);
     state->job = &run->views;
     state->n_sensors = 0;
-    orl_run_guess_costs(state);
+    orl_run_estimate_stages(state);
 }
 
 /* Divides the run's progress between sensors and views. */
@@ -50,8 +50,8 @@ static struct orl_run_env divide_progress(struct orl_run_state *state, struct or
                                           double sensors_s)
 {
     const struct orl_run_env *whole = state->env;
-    const double part = whole->part > 0 ? whole->part : 1, done = state->told->share;
-    const double views_s = foreseen_s(state);
+    const double part = whole->part > 0 ? whole->part : 1, done = state->progress->share;
+    const double views_s = estimated_s(state);
     const double share = sensors_s > 0 ? sensors_s / (sensors_s + views_s) : 0.5;
     struct orl_run_env sensors = *whole;
     sensors.part_from = whole->part_from + part * done;
@@ -67,7 +67,7 @@ static struct orl_run_env divide_progress(struct orl_run_state *state, struct or
     return sensors;
 }
 
-static void take_values(struct orl_result *to, struct orl_result *from)
+static void move_values(struct orl_result *to, struct orl_result *from)
 {
     to->illuminance_lx = from->illuminance_lx;
     to->standard_error_lx = from->standard_error_lx;
@@ -82,31 +82,31 @@ static void take_values(struct orl_result *to, struct orl_result *from)
     from->n_sensors = 0;
 }
 
-int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_run,
-                        struct orl_error *err)
+int orl_sensor_run_start(struct orl_run_state *state, struct orl_sensor_run *ret_run,
+                         struct orl_error *err)
 {
     const struct orl_plan *plan = &state->result->plan;
     const struct orl_run_env *env = state->env;
     struct orl_sensor_run *run = ret_run;
     if (plan->sensor_technique == plan->technique || state->pilot)
         return 0;
-    orl_run_enter(state, ORL_STAGE_PHOTONS);
-    const double started = env->now_s(env->ctx), all_s = foreseen_s(state);
-    go_on_with_views(state, run);
-    const struct orl_run_env sensors_env = divide_progress(state, run, all_s - foreseen_s(state));
+    orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
+    const double started = env->now_s(env->ctx), all_s = estimated_s(state);
+    switch_to_views(state, run);
+    const struct orl_run_env sensors_env = divide_progress(state, run, all_s - estimated_s(state));
     const struct orl_job sensors = without_views(run->job);
     const int code = state->run_sensors(&sensors, &sensors_env, state->scene, &run->result, err);
-    orl_crew_heed(env->crew, env->cancel);
+    orl_thread_pool_set_cancel(env->pool, env->cancel);
     if (code < 0)
         return code;
-    take_values(state->result, &run->result);
+    move_values(state->result, &run->result);
     state->result->plan.sensor_technique = run->result.plan.sensor_technique;
     memcpy(state->result->plan.sensor_why, run->result.plan.sensor_why, ORL_WHY_MAX);
     state->env = &run->env;
     run->seconds = env->now_s(env->ctx) - started;
     state->stage_started += run->seconds;
     state->started_s += run->seconds;
-    state->told->at_s += run->seconds;
+    state->progress->at_s += run->seconds;
     return 0;
 }
 
@@ -126,8 +126,8 @@ static void join_health(struct orl_health *sum, const struct orl_health *sensors
 static void join_outcomes(const struct orl_sensor_run *run, struct orl_outcome *outcome)
 {
     const struct orl_outcome *sensors = &run->result.outcome;
-    for (uint32_t i = 0; i < outcome->n_course; i++)
-        outcome->course[i].seconds += run->seconds;
+    for (uint32_t i = 0; i < outcome->n_error_history; i++)
+        outcome->error_history[i].seconds += run->seconds;
     if (!sensors->asked)
         return;
     if (!sensors->met) {
@@ -163,7 +163,7 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
 {
     struct orl_result *result = state->result;
     const struct orl_result *sensors = &run->result;
-    if (!run->made)
+    if (!run->is_separate)
         return;
     state->job = run->job;
     state->env = run->all;
@@ -196,15 +196,15 @@ static bool may_run_again(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
     return job->technique == ORL_TECHNIQUE_AUTO &&
-           job->wishes[ORL_EFFECT_FINAL_GATHER] == ORL_WISH_AUTO && !state->pilot &&
+           job->overrides[ORL_EFFECT_FINAL_GATHER] == ORL_OVERRIDE_AUTO && !state->pilot &&
            state->result->cross_check.sensors_off > 0 && !(job->goal.deadline_s > 0) &&
-           !(job->n_views > 0 && orl_goal_is_set(&job->goal)) && !state->world->scene->mist;
+           !(job->n_views > 0 && orl_goal_is_set(&job->goal)) && !state->lit_scene->scene->mist;
 }
 
 static struct orl_run_env env_of_second(const struct orl_run_state *state)
 {
     struct orl_run_env env = *state->env;
-    const double part = env.part > 0 ? env.part : 1, done = state->told->share;
+    const double part = env.part > 0 ? env.part : 1, done = state->progress->share;
     env.part_from += part * done;
     env.part = part * (1 - done);
     env.part_stages_s = NULL;
@@ -240,7 +240,7 @@ static void adopt_second_run(struct orl_run_state *state, struct orl_result *sec
     const enum orl_technique before = result->plan.sensor_technique;
     free_values(result);
     drop_warnings(result, first_warning);
-    take_values(result, second);
+    move_values(result, second);
     for (size_t i = 0; i < second->n_warnings; i++)
         orl_run_warn_once(state, "%s", second->warnings[i]);
     if (state->job->n_views == 0)
@@ -252,7 +252,7 @@ static void adopt_second_run(struct orl_run_state *state, struct orl_result *sec
              result->cross_check.sensors_off);
 }
 
-int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, struct orl_error *err)
+int orl_sensor_run_retry(struct orl_run_state *state, size_t first_warning, struct orl_error *err)
 {
     struct orl_result *result = state->result, second = {0};
     if (!may_run_again(state))
@@ -262,12 +262,12 @@ int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, stru
                         ? ORL_TECHNIQUE_GATHER
                         : ORL_TECHNIQUE_BACKWARD;
     const struct orl_run_env *own = state->env, env = env_of_second(state);
-    orl_run_leave(state);
+    orl_run_end_stage(state);
     const int code = state->run_sensors(&job, &env, state->scene, &second, err);
-    orl_crew_heed(own->crew, own->cancel);
+    orl_thread_pool_set_cancel(own->pool, own->cancel);
     if (code < 0)
         return code;
-    state->stage_started = state->told->at_s = own->now_s(own->ctx);
+    state->stage_started = state->progress->at_s = own->now_s(own->ctx);
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         result->timings_s[i] += second.timings_s[i];
     join_health(&result->health, &second.health);

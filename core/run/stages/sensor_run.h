@@ -9,7 +9,7 @@
 #include "run/stages.h"
 
 struct orl_sensor_run {
-    bool made;                     /* false: sensors and views have the same technique */
+    bool is_separate;              /* false: sensors and views have the same technique */
     const struct orl_job *job;     /* the whole job */
     const struct orl_run_env *all; /* environment of the whole job */
     size_t n_sensors;              /* sensors of the whole job, while the state has none */
@@ -22,8 +22,8 @@ struct orl_sensor_run {
 
 /* Runs the sensors if they have a technique of their own. The state's result then has their values,
  * and its job is that of the views until orl_sensor_run_join. */
-int orl_sensor_run_make(struct orl_run_state *state, struct orl_sensor_run *ret_run,
-                        struct orl_error *err);
+int orl_sensor_run_start(struct orl_run_state *state, struct orl_sensor_run *ret_run,
+                         struct orl_error *err);
 /* Restores the whole job after the views are rendered, or after an error. Adds the time, health,
  * warnings and outcome of the sensors' run to the result. Frees the contents of *run. */
 void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run);
@@ -35,7 +35,7 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
  * of the result's warnings before its checks, which are dropped with the values that they are
  * about.
  */
-int orl_sensor_run_again(struct orl_run_state *state, size_t first_warning, struct orl_error *err);
+int orl_sensor_run_retry(struct orl_run_state *state, size_t first_warning, struct orl_error *err);
 
 /* Plans and renders a job's sensors with a given scene, without writing files. Defined in run.c,
  * for orl_run_state.run_sensors. */

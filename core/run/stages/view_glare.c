@@ -39,9 +39,9 @@ int orl_run_read_mask(const struct orl_files *files, const struct orl_view_reque
     return code;
 }
 
-static int rate_glare(const struct orl_run_env *env, const struct orl_view_request *request,
-                      const struct orl_film *film, struct orl_glare *ret_glare,
-                      struct orl_error *err)
+static int compute_glare(const struct orl_run_env *env, const struct orl_view_request *request,
+                         const struct orl_film *film, struct orl_glare *ret_glare,
+                         struct orl_error *err)
 {
     struct orl_view view;
     float *cd_m2 = orl_film_luminances(film), *mask = NULL;
@@ -49,17 +49,17 @@ static int rate_glare(const struct orl_run_env *env, const struct orl_view_reque
                      : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
     if (code == 0)
         code = orl_run_read_mask(env->files, request, &mask, err);
-    const struct orl_panorama panorama = {&view, film->width, film->height,
-                                          cd_m2, mask,        env->cancel};
+    const struct orl_glare_picture glare_picture = {&view, film->width, film->height,
+                                                    cd_m2, mask,        env->cancel};
     if (code == 0)
-        code = orl_glare_around(&panorama, &request->glare, ret_glare, err);
+        code = orl_glare_worst_direction(&glare_picture, &request->glare, ret_glare, err);
     free(cd_m2);
     free(mask);
     return code;
 }
 
-int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct orl_film *film,
-                      struct orl_error *err)
+int orl_run_evaluate_glare(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                           struct orl_error *err)
 {
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view_result *result = &state->result->views[index];
@@ -68,7 +68,7 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     struct orl_glare *glare = calloc(1, sizeof *glare);
     if (!glare)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare");
-    const int code = rate_glare(state->env, request, film, glare, err);
+    const int code = compute_glare(state->env, request, film, glare, err);
     if (code < 0) {
         free(glare);
         return code;
@@ -79,15 +79,16 @@ int orl_run_rate_view(struct orl_run_state *state, size_t index, const struct or
     return 0;
 }
 
-int orl_run_rate_errors(struct orl_run_state *state, size_t index, const struct orl_film *film,
-                        const struct orl_view_batches *batches, struct orl_error *err)
+int orl_run_evaluate_glare_errors(struct orl_run_state *state, size_t index,
+                                  const struct orl_film *film,
+                                  const struct orl_view_batches *batches, struct orl_error *err)
 {
     const struct orl_view_request *request = &state->job->views[index];
     struct orl_view view;
-    const struct orl_panorama panorama = {
+    const struct orl_glare_picture glare_picture = {
         .view = &view, .width = film->width, .height = film->height, .cancel = state->env->cancel};
     const int code = orl_view_parse(request->view, &view, err);
     return code < 0 ? code
-                    : orl_glare_errors(batches, &panorama, &request->glare,
+                    : orl_glare_errors(batches, &glare_picture, &request->glare,
                                        state->result->views[index].glare, err);
 }

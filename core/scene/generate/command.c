@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 void orl_command_done(struct orl_command *command)
 {

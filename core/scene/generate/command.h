@@ -9,7 +9,7 @@
 
 #include <stddef.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 enum { ORL_COMMAND_STAGES = 6 };
 

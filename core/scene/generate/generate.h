@@ -12,11 +12,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/crew.h>
-#include <oriel/error.h>
+#include <oriel/base/error.h>
+#include <oriel/base/thread_pool.h>
 
-#include "scene/description.h"
-#include "scene/generate/sun.h"
+#include "scene/generate/sky/sun.h"
+#include "scene/parsed_scene.h"
 
 /* Scene text being written, with its warnings. */
 struct orl_text {
@@ -68,10 +68,10 @@ struct orl_sky_numbers {
     struct orl_location site;
 };
 int orl_gendaylit_numbers(const char *const *words, size_t count,
-                          const struct orl_sun_position *placed, struct orl_text *text,
+                          const struct orl_sun_position *sun_override, struct orl_text *text,
                           struct orl_sky_numbers *ret_numbers, struct orl_error *err);
 int orl_gensky_numbers(const char *const *words, size_t count,
-                       const struct orl_sun_position *placed, struct orl_text *text,
+                       const struct orl_sun_position *sun_override, struct orl_text *text,
                        struct orl_sky_numbers *ret_numbers, struct orl_error *err);
 
 /* ---- Shared by the generators

@@ -2,9 +2,9 @@
 
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 
 const struct orl_xform orl_xform_identity = {.row = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                                              .scale = 1.0};

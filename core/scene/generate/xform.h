@@ -12,8 +12,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/error.h>
-#include <oriel/vec.h>
+#include <oriel/base/error.h>
+#include <oriel/base/vec.h>
 
 struct orl_xform {
     struct orl_vec3 row[3]; /* rows of the linear part */

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 #include "scene/generate/command.h"
 #include "scene/generate/xform_fold.h"
 

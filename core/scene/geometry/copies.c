@@ -1,5 +1,5 @@
 /* Subsets of geometries, and freeing of geometries. */
-#include "scene/geometry/antimatter.h"
+#include "scene/geometry/antimatter/antimatter.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -7,23 +7,23 @@
 #include "scene/geometry/embree.h"
 #include "scene/geometry/packed.h"
 
-/* Returns a couple whose first triangle is the second of the given one. */
-static struct orl_couple second_alone(const struct orl_couple *couple)
+/* Returns a quad whose first triangle is the second of the given one. */
+static struct orl_mesh_quad second_alone(const struct orl_mesh_quad *quad)
 {
-    return (struct orl_couple){
-        .corners = {couple->corners[2], couple->corners[3], couple->corners[1], couple->corners[1]},
-        .facet = orl_couple_facet(couple, true) & 0x7ffffffU,
-        .turn = couple->turn_of_second,
+    return (struct orl_mesh_quad){
+        .corners = {quad->corners[2], quad->corners[3], quad->corners[1], quad->corners[1]},
+        .facet = orl_mesh_quad_facet(quad, true) & 0x7ffffffU,
+        .rotation = quad->second_rotation,
     };
 }
 
-/* Copies the couples of which a half is kept; facets get their triangles' new indices. */
-static void keep_couples(struct orl_geometry *g, const struct orl_geometry *whole, const bool *keep)
+/* Copies the quads of which a half is kept; facets get their triangles' new indices. */
+static void keep_quads(struct orl_geometry *g, const struct orl_geometry *whole, const bool *keep)
 {
-    for (size_t i = 0; i < whole->n_couples; i++) {
-        const struct orl_couple *const from = &whole->couples[i];
-        struct orl_couple *const to = &g->couples[g->n_couples];
-        const uint32_t facets[2] = {from->facet, orl_couple_facet(from, true)};
+    for (size_t i = 0; i < whole->n_quads; i++) {
+        const struct orl_mesh_quad *const from = &whole->quads[i];
+        struct orl_mesh_quad *const to = &g->quads[g->n_quads];
+        const uint32_t facets[2] = {from->facet, orl_mesh_quad_facet(from, true)};
         const bool first = keep[facets[0]], second = keep[facets[1]];
         if (!first && !second)
             continue;
@@ -38,8 +38,8 @@ static void keep_couples(struct orl_geometry *g, const struct orl_geometry *whol
             if (keep[facets[half]] &&
                 g->facets[facets[half]].first_triangle == 2 * i + (size_t)half)
                 g->facets[facets[half]].first_triangle =
-                    (uint32_t)(2 * g->n_couples) + (half == 1 && first);
-        g->n_couples++;
+                    (uint32_t)(2 * g->n_quads) + (half == 1 && first);
+        g->n_quads++;
     }
 }
 
@@ -51,49 +51,50 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     if (!g)
         return orl_error_set(err, code, "out of memory for the scene's geometry");
     *g = *whole;
-    orl_holes_hold(g->holes);
+    orl_holes_ref(g->holes);
     g->scene = NULL;
     g->prototypes = NULL;
-    g->placed = NULL;
-    g->n_prototypes = g->n_placed = 0;
-    g->n_couples = 0;
-    g->met = NULL;
+    g->instance = NULL;
+    g->n_prototypes = g->n_instances = 0;
+    g->n_quads = 0;
+    g->triangle_of_primitive = NULL;
     g->areas = NULL;
-    g->listed = NULL;
+    g->triangle_index = NULL;
     g->packed = NULL;
-    g->n_plain = g->n_facets;
-    g->rivals = malloc((g->n_rivals + 1) * sizeof *g->rivals);
-    g->more = malloc((g->n_more + 1) * sizeof *g->more);
+    g->n_unpacked_facets = g->n_facets;
+    g->opposite_facets = malloc((g->n_opposite_facets + 1) * sizeof *g->opposite_facets);
+    g->extra = malloc((g->n_extra + 1) * sizeof *g->extra);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
-    g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
-    g->couples = malloc((whole->n_couples + 1) * sizeof *g->couples);
+    g->quadrics = malloc((g->n_quadrics + 1) * sizeof *g->quadrics);
+    g->quads = malloc((whole->n_quads + 1) * sizeof *g->quads);
     g->corners = malloc((g->n_corners + 1) * sizeof *g->corners);
     g->outlines = malloc((g->n_outlines + 1) * sizeof *g->outlines);
     g->outline_corners = malloc((g->n_outline_corners + 1) * sizeof *g->outline_corners);
-    if (!g->outlines || !g->outline_corners || !g->facets || !g->rounds || !g->couples ||
-        !g->corners || !g->rivals || !g->more)
+    if (!g->outlines || !g->outline_corners || !g->facets || !g->quadrics || !g->quads ||
+        !g->corners || !g->opposite_facets || !g->extra)
         goto done;
     if (g->n_outlines > 0) {
         memcpy(g->outlines, whole->outlines, g->n_outlines * sizeof *g->outlines);
         memcpy(g->outline_corners, whole->outline_corners,
                g->n_outline_corners * sizeof *g->outline_corners);
     }
-    if (g->n_more > 0)
-        memcpy(g->more, whole->more, g->n_more * sizeof *g->more);
-    if (g->n_rivals > 0)
-        memcpy(g->rivals, whole->rivals, g->n_rivals * sizeof *g->rivals);
-    memcpy(g->rounds, whole->rounds, g->n_rounds * sizeof *g->rounds);
+    if (g->n_extra > 0)
+        memcpy(g->extra, whole->extra, g->n_extra * sizeof *g->extra);
+    if (g->n_opposite_facets > 0)
+        memcpy(g->opposite_facets, whole->opposite_facets,
+               g->n_opposite_facets * sizeof *g->opposite_facets);
+    memcpy(g->quadrics, whole->quadrics, g->n_quadrics * sizeof *g->quadrics);
     orl_geometry_unpack(whole, g->facets, g->corners);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet *f = &g->facets[i];
         if (f->kind != ORL_SURFACE_POLYGON)
-            f->round = &g->rounds[g->n_facets - 1 - i];
+            f->quadric = &g->quadrics[g->n_facets - 1 - i];
         f->area = keep[i] ? f->area : 0;
         f->n_triangles = keep[i] ? f->n_triangles : 0;
     }
-    keep_couples(g, whole, keep);
-    code = orl_geometry_list_triangles(g) && orl_geometry_pack(g) ? orl_embree_build(g, NULL, err)
-                                                                  : ORL_ERR_NOMEM;
+    keep_quads(g, whole, keep);
+    code = orl_geometry_index_triangles(g) && orl_geometry_pack(g) ? orl_embree_build(g, NULL, err)
+                                                                   : ORL_ERR_NOMEM;
 done:
     if (code == 0)
         *ret_geometry = g;
@@ -112,33 +113,33 @@ void orl_geometry_free(struct orl_geometry *geometry)
     for (size_t i = 0; i < geometry->n_prototypes; i++)
         orl_geometry_free(geometry->prototypes[i]);
     free(geometry->prototypes);
-    free(geometry->placed);
-    orl_holes_release(geometry->holes);
+    free(geometry->instance);
+    orl_holes_unref(geometry->holes);
     free(geometry->facets);
-    free(geometry->rounds);
-    free(geometry->couples);
-    free(geometry->met);
+    free(geometry->quadrics);
+    free(geometry->quads);
+    free(geometry->triangle_of_primitive);
     free(geometry->areas);
-    free(geometry->listed);
+    free(geometry->triangle_index);
     free(geometry->corners);
     orl_packed_free(geometry->packed);
     free(geometry->outlines);
     free(geometry->outline_corners);
-    free(geometry->rivals);
-    free(geometry->more);
+    free(geometry->opposite_facets);
+    free(geometry->extra);
     free(geometry);
 }
 
-struct orl_holes *orl_holes_hold(struct orl_holes *holes)
+struct orl_holes *orl_holes_ref(struct orl_holes *holes)
 {
     if (holes)
-        atomic_fetch_add_explicit(&holes->holders, 1, memory_order_relaxed);
+        atomic_fetch_add_explicit(&holes->references, 1, memory_order_relaxed);
     return holes;
 }
 
-void orl_holes_release(struct orl_holes *holes)
+void orl_holes_unref(struct orl_holes *holes)
 {
-    if (!holes || atomic_fetch_sub_explicit(&holes->holders, 1, memory_order_acq_rel) > 1)
+    if (!holes || atomic_fetch_sub_explicit(&holes->references, 1, memory_order_acq_rel) > 1)
         return;
     for (size_t i = 0; i < holes->n; i++) {
         orl_geometry_free(holes->items[i].shell);

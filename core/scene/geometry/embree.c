@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
+#include <oriel/base/thread_pool.h>
 
 #include "scene/geometry/embree_device.h"
+#include "scene/geometry/instances.h"
 #include "scene/geometry/packed.h"
-#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
 
-enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1, GEOMETRY_PLACED = 2 };
+enum { GEOMETRY_TRIANGLES = 0, GEOMETRY_CURVED = 1, GEOMETRY_INSTANCE = 2 };
 
 /* Callbacks for user geometry. Only single rays are traced, so N is 1. */
 static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
@@ -19,8 +19,8 @@ static void curved_bounds(const struct RTCBoundsFunctionArguments *args)
     const struct orl_geometry *geometry = args->geometryUserPtr;
     struct orl_vec3 low, high;
     struct orl_facet own;
-    orl_quadric_bounds(orl_facet_own(geometry, geometry->n_facets - 1 - args->primID, &own), &low,
-                       &high);
+    orl_quadric_bounds(orl_facet_get_own(geometry, geometry->n_facets - 1 - args->primID, &own),
+                       &low, &high);
     /* Pads by more than an ulp of the scene's size, because conversion to float may round either
      * way. */
     const double pad = geometry->radius * 1e-6;
@@ -37,10 +37,10 @@ static bool curved_test(const struct orl_geometry *geometry, uint32_t primitive,
 {
     struct orl_facet own;
     const struct orl_facet *facet =
-        orl_facet_own(geometry, geometry->n_facets - 1 - primitive, &own);
+        orl_facet_get_own(geometry, geometry->n_facets - 1 - primitive, &own);
     const struct orl_vec3 direction = orl_v3(ray->dir_x, ray->dir_y, ray->dir_z);
     /* In a prototype the direction is not unit: it is scaled by the instance's transform. */
-    const double length = geometry->n_places > 0 ? orl_length(direction) : 1;
+    const double length = geometry->n_uses > 0 ? orl_length(direction) : 1;
     /* Facets without area are not part of this geometry. */
     if (!(facet->area > 0) ||
         !orl_quadric_intersect(facet, orl_v3(ray->org_x, ray->org_y, ray->org_z),
@@ -81,15 +81,15 @@ static bool list_triangles(struct orl_geometry *geometry, RTCGeometry mesh)
     uint32_t *const corners = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0,
                                                       RTC_FORMAT_UINT3, 3 * sizeof *corners, n);
     size_t at = 0;
-    geometry->met = malloc((n + 1) * sizeof *geometry->met);
-    if (!corners || !geometry->met)
+    geometry->triangle_of_primitive = malloc((n + 1) * sizeof *geometry->triangle_of_primitive);
+    if (!corners || !geometry->triangle_of_primitive)
         return false;
     for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++) {
-        if (orl_triangle_is_none(geometry, i))
+        if (orl_triangle_is_unused(geometry, i))
             continue;
         for (unsigned k = 0; k < 3; k++)
             corners[3 * at + k] = orl_triangle_corner(geometry, i, k);
-        geometry->met[at++] = (uint32_t)i;
+        geometry->triangle_of_primitive[at++] = (uint32_t)i;
     }
     return true;
 }
@@ -113,7 +113,7 @@ static bool set_corners(const struct orl_geometry *geometry, RTCGeometry mesh)
 }
 
 /*
- * Large geometries pass couples to Embree as quads: half the memory of triangles, and faster. In
+ * Large geometries pass quads to Embree as quads: half the memory of triangles, and faster. In
  * small ones triangles are faster.
  */
 static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
@@ -127,8 +127,8 @@ static int build_triangles(struct orl_geometry *geometry, RTCDevice device, RTCS
     }
     if (vast)
         rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
-                                   geometry->couples, offsetof(struct orl_couple, corners),
-                                   sizeof(struct orl_couple), geometry->n_couples);
+                                   geometry->quads, offsetof(struct orl_mesh_quad, corners),
+                                   sizeof(struct orl_mesh_quad), geometry->n_quads);
     rtcCommitGeometry(mesh);
     rtcAttachGeometryByID(scene, mesh, GEOMETRY_TRIANGLES);
     rtcReleaseGeometry(mesh);
@@ -149,27 +149,27 @@ static void build_curved(struct orl_geometry *geometry, RTCDevice device, RTCSce
     rtcReleaseGeometry(curved);
 }
 
-static bool build_placed(const struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
+static bool build_instances(const struct orl_geometry *geometry, RTCDevice device, RTCScene scene)
 {
-    for (size_t i = 0; i < geometry->n_placed; i++) {
-        const struct orl_placed *const placed = &geometry->placed[i];
-        RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    for (size_t i = 0; i < geometry->n_instances; i++) {
+        const struct orl_instance *const instance = &geometry->instance[i];
+        RTCGeometry rtc_instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         float rows[12];
-        if (!instance)
+        if (!rtc_instance)
             return false;
         for (size_t k = 0; k < 3; k++) {
-            const double offsets[3] = {placed->to.offset.x, placed->to.offset.y,
-                                       placed->to.offset.z};
-            rows[4 * k] = (float)placed->to.row[k].x;
-            rows[4 * k + 1] = (float)placed->to.row[k].y;
-            rows[4 * k + 2] = (float)placed->to.row[k].z;
+            const double offsets[3] = {instance->to.offset.x, instance->to.offset.y,
+                                       instance->to.offset.z};
+            rows[4 * k] = (float)instance->to.row[k].x;
+            rows[4 * k + 1] = (float)instance->to.row[k].y;
+            rows[4 * k + 2] = (float)instance->to.row[k].z;
             rows[4 * k + 3] = (float)offsets[k];
         }
-        rtcSetGeometryInstancedScene(instance, placed->prototype->scene);
-        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
-        rtcCommitGeometry(instance);
-        rtcAttachGeometryByID(scene, instance, GEOMETRY_PLACED + (unsigned)i);
-        rtcReleaseGeometry(instance);
+        rtcSetGeometryInstancedScene(rtc_instance, instance->prototype->scene);
+        rtcSetGeometryTransform(rtc_instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+        rtcCommitGeometry(rtc_instance);
+        rtcAttachGeometryByID(scene, rtc_instance, GEOMETRY_INSTANCE + (unsigned)i);
+        rtcReleaseGeometry(rtc_instance);
     }
     return true;
 }
@@ -203,7 +203,7 @@ int orl_embree_prepare(struct orl_error *err)
 int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
                      struct orl_error *err)
 {
-    const unsigned n_curved = (unsigned)geometry->n_rounds;
+    const unsigned n_curved = (unsigned)geometry->n_quadrics;
     const int rc = orl_embree_prepare(err);
     if (rc)
         return rc;
@@ -218,13 +218,13 @@ int orl_embree_build(struct orl_geometry *geometry, const atomic_bool *cancel,
         geometry->curved = geometry->curved || geometry->prototypes[i]->curved;
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-    if (geometry->n_couples > 0 && build_triangles(geometry, device, scene) < 0)
+    if (geometry->n_quads > 0 && build_triangles(geometry, device, scene) < 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the scene's triangles");
     if (n_curved > 0)
         build_curved(geometry, device, scene, n_curved);
-    if (!build_placed(geometry, device, scene))
+    if (!build_instances(geometry, device, scene))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu instances",
-                             geometry->n_placed);
+                             geometry->n_instances);
     if (cancel)
         rtcSetSceneProgressMonitorFunction(scene, continue_build, (void *)(uintptr_t)cancel);
     rtcCommitScene(scene);
@@ -266,28 +266,28 @@ static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 directio
 }
 
 /* Returns orl_embree_hit.placed for an instance. */
-static inline uint32_t placed_of(unsigned instance)
+static inline uint32_t instance_index(unsigned rtc_instance)
 {
-    return instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance - GEOMETRY_PLACED + 1;
+    return rtc_instance == RTC_INVALID_GEOMETRY_ID ? 0 : rtc_instance - GEOMETRY_INSTANCE + 1;
 }
 
-static inline uint32_t curved_facet(const struct orl_geometry *geometry, uint32_t placed,
+static inline uint32_t curved_facet(const struct orl_geometry *geometry, uint32_t instance,
                                     unsigned primitive)
 {
     const struct orl_geometry *const of =
-        placed > 0 ? geometry->placed[placed - 1].prototype : geometry;
+        instance > 0 ? geometry->instance[instance - 1].prototype : geometry;
     return (uint32_t)(of->n_facets - 1 - primitive);
 }
 
-/* Sets the triangle that was hit. For a couple, Embree's u + v exceeds 1 in the second half; both
+/* Sets the triangle that was hit. For a quad, Embree's u + v exceeds 1 in the second half; both
  * are rounded. */
 static inline void settle_triangle(const struct orl_geometry *geometry, unsigned primitive, float u,
                                    float v, struct orl_embree_hit *hit)
 {
     const struct orl_geometry *const of =
-        hit->placed > 0 ? geometry->placed[hit->placed - 1].prototype : geometry;
-    if (of->met) {
-        hit->index = of->met[primitive];
+        hit->instance > 0 ? geometry->instance[hit->instance - 1].prototype : geometry;
+    if (of->triangle_of_primitive) {
+        hit->index = of->triangle_of_primitive[primitive];
         return;
     }
     const float across = u + v - 1;
@@ -316,10 +316,10 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
         return false;
     ret_hit->distance = rayhit.ray.tfar;
     ret_hit->curved = rayhit.hit.geomID == GEOMETRY_CURVED;
-    ret_hit->placed = placed_of(rayhit.hit.instID[0]);
+    ret_hit->instance = instance_index(rayhit.hit.instID[0]);
     ret_hit->seam = false;
     if (ret_hit->curved)
-        ret_hit->index = curved_facet(geometry, ret_hit->placed, rayhit.hit.primID);
+        ret_hit->index = curved_facet(geometry, ret_hit->instance, rayhit.hit.primID);
     else
         settle_triangle(geometry, rayhit.hit.primID, rayhit.hit.u, rayhit.hit.v, ret_hit);
     return true;
@@ -387,7 +387,7 @@ void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct
             ret_found[first + i] = packet.rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
             ret_hits[first + i] =
                 (struct orl_embree_hit){.distance = (double)packet.rays.ray.tfar[i],
-                                        .placed = placed_of(packet.rays.hit.instID[0][i])};
+                                        .instance = instance_index(packet.rays.hit.instID[0][i])};
             if (ret_found[first + i])
                 settle_triangle(geometry, packet.rays.hit.primID[i], packet.rays.hit.u[i],
                                 packet.rays.hit.v[i], &ret_hits[first + i]);

@@ -24,8 +24,8 @@ struct orl_embree_hit {
     double distance;
     uint32_t index;
     bool curved;
-    bool seam;       /* near the common edge of a couple: the other triangle is possible */
-    uint32_t placed; /* index of the instance, from 1; 0: none */
+    bool seam;         /* near the common edge of a quad: the other triangle is possible */
+    uint32_t instance; /* index of the instance, from 1; 0: none */
 };
 
 bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,

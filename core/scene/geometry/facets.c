@@ -7,21 +7,22 @@ size_t orl_geometry_count_triangles(const struct orl_geometry *geometry)
 {
     size_t n = 0;
     for (size_t i = 0; i < orl_geometry_triangles_end(geometry); i++)
-        n += !orl_triangle_is_none(geometry, i);
+        n += !orl_triangle_is_unused(geometry, i);
     return n;
 }
 
-const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet)
+const struct orl_facet_extra *orl_facet_extra_of(const struct orl_geometry *geometry,
+                                                 uint32_t facet)
 {
-    size_t low = 0, high = geometry->n_more;
+    size_t low = 0, high = geometry->n_extra;
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
-        if (geometry->more[middle].facet <= facet)
+        if (geometry->extra[middle].facet <= facet)
             low = middle;
         else
             high = middle;
     }
-    return &geometry->more[low];
+    return &geometry->extra[low];
 }
 
 /* Reconstructs the outline from the triangles: the first one ends where the outline begins (corners
@@ -41,11 +42,12 @@ static struct orl_facet_outline implied_outline(const struct orl_geometry *g,
     return outline;
 }
 
-struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geometry, uint32_t facet)
+struct orl_facet_outline orl_outline_of_facet_slow(const struct orl_geometry *geometry,
+                                                   uint32_t facet)
 {
-    const struct orl_own_outline *const outlines = geometry->outlines;
+    const struct orl_stored_outline *const outlines = geometry->outlines;
     struct orl_facet own;
-    const struct orl_facet *const f = orl_facet_own(geometry, facet, &own);
+    const struct orl_facet *const f = orl_facet_get_own(geometry, facet, &own);
     size_t low = 0, high = geometry->n_outlines;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
@@ -63,16 +65,16 @@ struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geomet
                                       .geometry = geometry};
 }
 
-/* Above this, the listed triangles would add a sixth to the memory of the couples. */
+/* Above this, the listed triangles would add a sixth to the memory of the quads. */
 static const size_t few_couples = 1 << 15;
 
 /* Lists the outlines of all facets, in the files' order. */
 static bool list_outlines(struct orl_geometry *g)
 {
-    struct orl_own_outline *const outlines = malloc((g->n_facets + 1) * sizeof *outlines);
+    struct orl_stored_outline *const outlines = malloc((g->n_facets + 1) * sizeof *outlines);
     uint32_t n_corners = 0, *corners = NULL;
     for (uint32_t i = 0; outlines && i < g->n_facets; i++) {
-        outlines[i] = (struct orl_own_outline){i, n_corners, orl_outline_looked_up(g, i).n};
+        outlines[i] = (struct orl_stored_outline){i, n_corners, orl_outline_of_facet_slow(g, i).n};
         n_corners += outlines[i].n;
     }
     corners = malloc(((size_t)n_corners + 1) * sizeof *corners);
@@ -82,7 +84,7 @@ static bool list_outlines(struct orl_geometry *g)
         return false;
     }
     for (uint32_t i = 0; i < g->n_facets; i++) {
-        const struct orl_facet_outline outline = orl_outline_looked_up(g, i);
+        const struct orl_facet_outline outline = orl_outline_of_facet_slow(g, i);
         for (uint32_t k = 0; k < outline.n; k++)
             corners[outlines[i].first + k] = outline.own ? outline.own[k] : outline.at[k];
     }
@@ -95,24 +97,24 @@ static bool list_outlines(struct orl_geometry *g)
     return true;
 }
 
-bool orl_geometry_list_triangles(struct orl_geometry *geometry)
+bool orl_geometry_index_triangles(struct orl_geometry *geometry)
 {
     const size_t n = orl_geometry_triangles_end(geometry);
-    if (geometry->n_couples >= few_couples)
+    if (geometry->n_quads >= few_couples)
         return true;
-    struct orl_listed *const listed = malloc((n + 1) * sizeof *listed);
+    struct orl_indexed_triangle *const triangle_index = malloc((n + 1) * sizeof *triangle_index);
     geometry->areas = malloc((n + 1) * sizeof *geometry->areas);
-    if (!listed || !geometry->areas || !list_outlines(geometry)) {
-        free(listed);
+    if (!triangle_index || !geometry->areas || !list_outlines(geometry)) {
+        free(triangle_index);
         return false;
     }
     for (size_t i = 0; i < n; i++) {
-        const struct orl_triangle t = orl_triangle_of_own(geometry, i);
+        const struct orl_triangle t = orl_triangle_get_own(geometry, i);
         geometry->areas[i] = orl_triangle_area(&t);
-        listed[i].facet = orl_triangle_facet(geometry, i);
+        triangle_index[i].facet = orl_triangle_facet(geometry, i);
         for (unsigned k = 0; k < 3; k++)
-            listed[i].corners[k] = orl_triangle_corner(geometry, i, k);
+            triangle_index[i].corners[k] = orl_triangle_corner(geometry, i, k);
     }
-    geometry->listed = listed;
+    geometry->triangle_index = triangle_index;
     return true;
 }

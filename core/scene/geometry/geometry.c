@@ -4,18 +4,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/grow.h"
-#include "scene/geometry/antimatter.h"
-#include "scene/geometry/corners.h"
-#include "scene/geometry/couples.h"
+#include "base/memory/array.h"
+#include "scene/geometry/antimatter/antimatter.h"
 #include "scene/geometry/embree.h"
+#include "scene/geometry/instances.h"
 #include "scene/geometry/packed.h"
-#include "scene/geometry/placed.h"
 #include "scene/geometry/quadric.h"
-#include "scene/geometry/triangulate.h"
+#include "scene/geometry/triangulation/corners.h"
+#include "scene/geometry/triangulation/mesh_quads.h"
+#include "scene/geometry/triangulation/triangulate.h"
 
 static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
 {
@@ -30,25 +30,25 @@ static double largest(struct orl_vec3 v)
 
 /* Sets a quadric facet from its surface; `round` stores its centres and radii. */
 static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
-                        struct orl_curved *round)
+                        struct orl_quadric *quadric)
 {
-    *round = *surface->round;
+    *quadric = *surface->quadric;
     if (surface->kind == ORL_SURFACE_CYLINDER || surface->kind == ORL_SURFACE_TUBE)
-        round->radius[1] = round->radius[0];
+        quadric->radius[1] = quadric->radius[0];
     facet->normal = surface->normal;
-    facet->round = round;
+    facet->quadric = quadric;
 }
 
 static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
                       struct orl_vec3 *high)
 {
     struct orl_facet facet = {.kind = surface->kind};
-    struct orl_curved round;
+    struct orl_quadric quadric;
     struct orl_vec3 a, b;
     for (uint32_t i = 0; i < surface->n_vertices; i++)
         include_point(surface->vertices[i], low, high);
     if (surface->kind != ORL_SURFACE_POLYGON) {
-        fill_curved(&facet, surface, &round);
+        fill_curved(&facet, surface, &quadric);
         orl_quadric_bounds(&facet, &a, &b);
         include_point(a, low, high);
         include_point(b, low, high);
@@ -58,9 +58,9 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
 /* State of a build, mostly scratch. */
 struct builder {
     struct orl_geometry *g;
-    const struct orl_description *description;
+    const struct orl_parsed_scene *parsed_scene;
     struct orl_triangulation triangulation;
-    struct orl_couples couples;
+    struct orl_quad_builder quads;
     struct orl_corners corners;
     size_t outlines_room, outline_corners_room;
     struct orl_error *err;
@@ -110,13 +110,13 @@ static bool is_outline_implied(const struct orl_triangulation *cut,
 static bool keep_outline(struct builder *b, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_geometry *const g = b->g;
-    if (!orl_grow(&g->outlines, &b->outlines_room, g->n_outlines, sizeof *g->outlines))
+    if (!orl_array_reserve(&g->outlines, &b->outlines_room, g->n_outlines, sizeof *g->outlines))
         return false;
     g->outlines[g->n_outlines++] =
-        (struct orl_own_outline){facet, (uint32_t)g->n_outline_corners, surface->n_vertices};
+        (struct orl_stored_outline){facet, (uint32_t)g->n_outline_corners, surface->n_vertices};
     for (uint32_t i = 0; i < surface->n_vertices; i++)
-        if (!orl_grow(&g->outline_corners, &b->outline_corners_room, g->n_outline_corners,
-                      sizeof *g->outline_corners) ||
+        if (!orl_array_reserve(&g->outline_corners, &b->outline_corners_room, g->n_outline_corners,
+                               sizeof *g->outline_corners) ||
             !orl_corners_add(&b->corners, orl_sub(surface->vertices[i], g->center),
                              &g->outline_corners[g->n_outline_corners++]))
             return false;
@@ -146,10 +146,10 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
                                fabs(orl_dot(orl_sub(t.c, t.a), f->normal))));
     }
     f->offset = reach * 0x1p-20;
-    f->bent = bend > reach * 0x1p-23;
+    f->nonplanar = bend > reach * 0x1p-23;
     const bool told = is_outline_implied(cut, surface);
     return number_corners(b) &&
-                   orl_couples_add(&b->couples, facet, cut->triples, (uint32_t)cut->n_triples) &&
+                   orl_quad_builder_add(&b->quads, facet, cut->triples, (uint32_t)cut->n_triples) &&
                    (told || keep_outline(b, surface, facet))
                ? 0
                : ORL_ERR_NOMEM;
@@ -158,11 +158,11 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
 static void add_curved(struct orl_geometry *g, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_facet *f = &g->facets[facet];
-    struct orl_curved *round = &g->rounds[g->n_facets - 1 - facet];
+    struct orl_quadric *quadric = &g->quadrics[g->n_facets - 1 - facet];
     struct orl_vec3 low, high;
-    fill_curved(f, surface, round);
+    fill_curved(f, surface, quadric);
     for (int k = 0; k < 2; k++)
-        round->center[k] = orl_sub(round->center[k], g->center);
+        quadric->center[k] = orl_sub(quadric->center[k], g->center);
     orl_quadric_bounds(f, &low, &high);
     f->area = orl_quadric_area(f);
     f->offset = fmax(largest(low), largest(high)) * 0x1p-20;
@@ -172,7 +172,7 @@ static void add_curved(struct orl_geometry *g, const struct orl_surface *surface
 static int add_facets(struct builder *b)
 {
     struct orl_geometry *g = b->g;
-    const struct orl_description *d = b->description;
+    const struct orl_parsed_scene *d = b->parsed_scene;
     size_t polygon = 0, curved = d->n_surfaces;
     int code = 0;
     for (size_t i = 0; i < d->n_surfaces && code == 0; i++) {
@@ -182,9 +182,9 @@ static int add_facets(struct builder *b)
         g->facets[facet].kind = surface->kind;
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
-        g->facets[facet].round = &orl_curved_none;
-        g->facets[facet].stands_off = d->materials[surface->material].thickness != 0;
-        g->facets[facet].has_more = g->facets[facet].stands_off;
+        g->facets[facet].quadric = &orl_quadric_none;
+        g->facets[facet].has_proxy_offset = d->materials[surface->material].thickness != 0;
+        g->facets[facet].has_extra = g->facets[facet].has_proxy_offset;
         if (flat)
             code = add_polygon(b, surface, facet);
         else
@@ -195,65 +195,66 @@ static int add_facets(struct builder *b)
     return code;
 }
 
-/* Marks the facets that have rivals, and makes the list of orl_facet_more. */
-static bool list_more(struct orl_geometry *g, const struct orl_description *d,
-                      const uint32_t *facet_of)
+/* Marks the facets that have opposite facets, and makes the list of orl_facet_extra. */
+static bool list_extra(struct orl_geometry *g, const struct orl_parsed_scene *d,
+                       const uint32_t *facet_of)
 {
     size_t n = 0;
     for (size_t i = 0; i < 2 * d->n_opposed; i++)
-        g->facets[facet_of[d->opposed[i / 2].surfaces[i % 2]]].has_more = true;
+        g->facets[facet_of[d->opposed[i / 2].surfaces[i % 2]]].has_extra = true;
     for (size_t i = 0; i < g->n_facets; i++)
-        n += g->facets[i].has_more;
-    g->more = calloc(n + 1, sizeof *g->more);
-    for (size_t i = 0; g->more && i < g->n_facets; i++)
-        if (g->facets[i].has_more)
-            g->more[g->n_more++] = (struct orl_facet_more){
+        n += g->facets[i].has_extra;
+    g->extra = calloc(n + 1, sizeof *g->extra);
+    for (size_t i = 0; g->extra && i < g->n_facets; i++)
+        if (g->facets[i].has_extra)
+            g->extra[g->n_extra++] = (struct orl_facet_extra){
                 (uint32_t)i, 0, 0, d->materials[g->facets[i].material].thickness};
-    return g->more != NULL;
+    return g->extra != NULL;
 }
 
-static struct orl_facet_more *more_of(struct orl_geometry *g, uint32_t facet)
+static struct orl_facet_extra *extra_of(struct orl_geometry *g, uint32_t facet)
 {
-    return &g->more[orl_facet_more_of(g, facet) - g->more];
+    return &g->extra[orl_facet_extra_of(g, facet) - g->extra];
 }
 
-static bool add_rivals(struct orl_geometry *g, const struct orl_description *d,
-                       const uint32_t *facet_of)
+static bool add_opposite_facets(struct orl_geometry *g, const struct orl_parsed_scene *d,
+                                const uint32_t *facet_of)
 {
-    g->rivals = malloc((2 * d->n_opposed + 1) * sizeof *g->rivals);
-    if (!g->rivals)
+    g->opposite_facets = malloc((2 * d->n_opposed + 1) * sizeof *g->opposite_facets);
+    if (!g->opposite_facets)
         return false;
     for (size_t i = 0; i < 2 * d->n_opposed; i++)
-        more_of(g, facet_of[d->opposed[i / 2].surfaces[i % 2]])->n_rivals++;
-    for (size_t i = 0; i < g->n_more; i++) {
-        g->more[i].first_rival = (uint32_t)g->n_rivals;
-        g->n_rivals += g->more[i].n_rivals;
-        g->more[i].n_rivals = 0;
+        extra_of(g, facet_of[d->opposed[i / 2].surfaces[i % 2]])->n_opposite_facets++;
+    for (size_t i = 0; i < g->n_extra; i++) {
+        g->extra[i].first_opposite_facet = (uint32_t)g->n_opposite_facets;
+        g->n_opposite_facets += g->extra[i].n_opposite_facets;
+        g->extra[i].n_opposite_facets = 0;
     }
     for (size_t i = 0; i < 2 * d->n_opposed; i++) {
-        struct orl_facet_more *const more = more_of(g, facet_of[d->opposed[i / 2].surfaces[i % 2]]);
-        g->rivals[more->first_rival + more->n_rivals++] =
+        struct orl_facet_extra *const extra =
+            extra_of(g, facet_of[d->opposed[i / 2].surfaces[i % 2]]);
+        g->opposite_facets[extra->first_opposite_facet + extra->n_opposite_facets++] =
             facet_of[d->opposed[i / 2].surfaces[1 - i % 2]];
     }
     return true;
 }
 
-static int add_more(struct orl_geometry *g, const struct orl_description *d)
+static int add_extra(struct orl_geometry *g, const struct orl_parsed_scene *d)
 {
     uint32_t *const facet_of = malloc((d->n_surfaces + 1) * sizeof *facet_of);
     for (size_t i = 0; facet_of && i < g->n_facets; i++)
         facet_of[g->facets[i].surface] = (uint32_t)i;
-    const bool made = facet_of && list_more(g, d, facet_of) && add_rivals(g, d, facet_of);
+    const bool made = facet_of && list_extra(g, d, facet_of) && add_opposite_facets(g, d, facet_of);
     free(facet_of);
     return made ? 0 : ORL_ERR_NOMEM;
 }
 
 /* Returns a description of one prototype; it borrows everything. */
-static struct orl_description prototype_description(const struct orl_description *d,
-                                                    size_t prototype)
+static struct orl_parsed_scene prototype_description(const struct orl_parsed_scene *d,
+                                                     size_t prototype)
 {
     const struct orl_prototype *const p = &d->prototypes[prototype];
-    struct orl_description part = *d;
+    struct orl_parsed_scene part = *d;
     part.surfaces = p->surfaces;
     part.n_surfaces = p->n_surfaces;
     part.opposed = p->opposed;
@@ -262,7 +263,7 @@ static struct orl_description prototype_description(const struct orl_description
     return part;
 }
 
-static int build_prototypes(struct orl_geometry *g, const struct orl_description *d,
+static int build_prototypes(struct orl_geometry *g, const struct orl_parsed_scene *d,
                             struct orl_error *err)
 {
     int code = 0;
@@ -270,22 +271,22 @@ static int build_prototypes(struct orl_geometry *g, const struct orl_description
     if (!g->prototypes)
         return ORL_ERR_NOMEM;
     for (; g->n_prototypes < d->n_prototypes && code == 0; g->n_prototypes++) {
-        const struct orl_description part = prototype_description(d, g->n_prototypes);
+        const struct orl_parsed_scene part = prototype_description(d, g->n_prototypes);
         code = orl_geometry_new(&part, &g->prototypes[g->n_prototypes], err);
     }
     return code;
 }
 
-static int measure_scene(struct orl_geometry *g, const struct orl_description *d,
+static int measure_scene(struct orl_geometry *g, const struct orl_parsed_scene *d,
                          struct orl_error *err)
 {
     struct orl_vec3 low = orl_v3(INFINITY, INFINITY, INFINITY), high = orl_neg(low);
     for (size_t i = 0; i < d->n_surfaces; i++) {
         bounds_of(&d->surfaces[i], &low, &high);
-        g->n_rounds += d->surfaces[i].kind != ORL_SURFACE_POLYGON;
+        g->n_quadrics += d->surfaces[i].kind != ORL_SURFACE_POLYGON;
     }
     int code = build_prototypes(g, d, err);
-    if (code == 0 && !orl_placed_measure(g, d, &low, &high))
+    if (code == 0 && !orl_instances_build(g, d, &low, &high))
         code = ORL_ERR_NOMEM;
     if (code == 0 && d->n_placements > 0 && orl_is_cancelled(d->cancel))
         code = ORL_ERR_CANCELLED;
@@ -303,40 +304,40 @@ int orl_geometry_prepare_thread(struct orl_error *err)
     return orl_embree_prepare(err);
 }
 
-int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
-                     struct orl_error *err)
+int orl_geometry_new(const struct orl_parsed_scene *parsed_scene,
+                     struct orl_geometry **ret_geometry, struct orl_error *err)
 {
     int code = ORL_ERR_NOMEM;
     struct orl_geometry *g = calloc(1, sizeof *g);
-    struct builder builder = {.g = g, .description = description, .err = err};
+    struct builder builder = {.g = g, .parsed_scene = parsed_scene, .err = err};
     if (!g)
         goto done;
-    if (description->n_surfaces > ORL_LIMIT_SURFACES) {
+    if (parsed_scene->n_surfaces > ORL_LIMIT_SURFACES) {
         code = orl_error_set(err, ORL_ERR_LIMIT, "%zu surfaces; at most %lu are allowed",
-                             description->n_surfaces, ORL_LIMIT_SURFACES);
+                             parsed_scene->n_surfaces, ORL_LIMIT_SURFACES);
         goto done;
     }
-    code = measure_scene(g, description, err);
+    code = measure_scene(g, parsed_scene, err);
     if (code < 0)
         goto done;
     code = ORL_ERR_NOMEM;
-    g->n_facets = g->n_plain = description->n_surfaces;
+    g->n_facets = g->n_unpacked_facets = parsed_scene->n_surfaces;
     g->facets = calloc(g->n_facets + 1, sizeof *g->facets);
-    g->rounds = malloc((g->n_rounds + 1) * sizeof *g->rounds);
-    builder.couples.geometry = g;
-    if (!g->facets || !g->rounds || !orl_corners_init(&builder.corners, g))
+    g->quadrics = malloc((g->n_quadrics + 1) * sizeof *g->quadrics);
+    builder.quads.geometry = g;
+    if (!g->facets || !g->quadrics || !orl_corners_init(&builder.corners, g))
         goto done;
     code = add_facets(&builder);
     if (code == 0)
-        code = add_more(g, description);
+        code = add_extra(g, parsed_scene);
     if (code == 0)
-        code = orl_placed_number(g, err);
-    if (code == 0 && !(orl_geometry_list_triangles(g) && orl_geometry_pack(g)))
+        code = orl_instances_number(g, err);
+    if (code == 0 && !(orl_geometry_index_triangles(g) && orl_geometry_pack(g)))
         code = ORL_ERR_NOMEM;
     if (code == 0)
-        code = orl_embree_build(g, description->cancel, err);
+        code = orl_embree_build(g, parsed_scene->cancel, err);
     if (code == 0)
-        code = orl_holes_build(g, description, err);
+        code = orl_holes_build(g, parsed_scene, err);
 done:
     orl_triangulation_done(&builder.triangulation);
     orl_corners_done(&builder.corners);

@@ -6,20 +6,20 @@
  * or subtracted only at a job's sensors and views. Units are the scene file's.
  *
  * Hits: the point is projected back onto the true surface in double, so that its error does not
- * grow with distance. Rays that start on a surface must start at orl_hit_leave(hit, direction):
- * clear of the surface, and of the geometry that a BSDF with a thickness stands for.
+ * grow with distance. Rays that start on a surface must start at orl_hit_ray_origin(hit,
+ * direction): clear of the surface, and of the geometry that a BSDF with a thickness stands for.
  *
- * Instances are stored once (placed.h): indices of their facets and triangles continue beyond the
- * scene's own, arrays do not.
+ * Instances are stored once (instances.h): indices of their facets and triangles continue beyond
+ * the scene's own, arrays do not.
  *
  * Surfaces that antimatter cuts are hit only where they remain (antimatter.h).
  *
  * Where two polygons with opposite fronts coincide, the hit is on the one whose front the ray
  * meets; in all other cases one of the two has been cut away (coincident.h).
  *
- * Triangles are stored in couples: those of a polygon, or of two successive polygons that share an
- * edge. So some triangle indices are unused (orl_triangle_is_none). In large geometries facets and
- * corners are packed (packed.h): access them by index through the functions below.
+ * Triangles are stored in quads: those of a polygon, or of two successive polygons that share an
+ * edge. So some triangle indices are unused (orl_triangle_is_unused). In large geometries facets
+ * and corners are packed (packed.h): access them by index through the functions below.
  *
  * Determinism: the hierarchy is built by one thread, so that ties are broken the same way each
  * time. Threads: immutable once built; intersect and occluded may be called from any thread.
@@ -31,65 +31,65 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
-#include "scene/description.h"
+#include "scene/parsed_scene.h"
 
 /* A surface in moved coordinates, with the data that hits need. */
 struct orl_facet {
     enum orl_surface_kind kind : 4;
     /* a polygon whose triangles are not coplanar, as rounding of the files' numbers causes */
-    bool bent : 1;
-    bool has_more : 1;   /* it has an orl_facet_more */
-    unsigned step : 2;   /* polygons: difference between indices of its successive triangles */
-    bool stands_off : 1; /* orl_facet_beyond is not 0 */
-    unsigned n_triangles : 23;      /* polygons; 0 for others */
-    uint32_t first_triangle;        /* polygons: see orl_facet_triangle */
-    uint32_t material, surface;     /* indices into the description; see orl_facet_surface */
-    struct orl_vec3 normal;         /* polygons and rings: unit, the declared front */
-    const struct orl_curved *round; /* quadrics and rings: in orl_geometry.rounds; never NULL */
+    bool nonplanar : 1;
+    bool has_extra : 1; /* it has an orl_facet_extra */
+    unsigned step : 2;  /* polygons: difference between indices of its successive triangles */
+    bool has_proxy_offset : 1;         /* orl_facet_proxy_offset is not 0 */
+    unsigned n_triangles : 23;         /* polygons; 0 for others */
+    uint32_t first_triangle;           /* polygons: see orl_facet_triangle */
+    uint32_t material, surface;        /* indices into the description; see orl_facet_surface */
+    struct orl_vec3 normal;            /* polygons and rings: unit, the declared front */
+    const struct orl_quadric *quadric; /* quadrics and rings: in orl_geometry.rounds; never NULL */
     double offset; /* distance from the surface at which a ray must start to be clear of it */
     double area;
 };
 
 /* Fields that few facets have. */
-struct orl_facet_more {
+struct orl_facet_extra {
     uint32_t facet;
-    /* into orl_geometry.rivals: coincident facets that face the other way */
-    uint32_t first_rival, n_rivals;
+    /* into orl_geometry.opposite facets: coincident facets that face the other way */
+    uint32_t first_opposite_facet, n_opposite_facets;
     /* BSDF: distance of the geometry that it stands for behind it (negative: in front) */
-    double beyond;
+    double proxy_offset;
 };
 
 /*
- * Two triangles with the corners 3 0 1 and 1 2 3; adjacent couples share corners in
+ * Two triangles with the corners 3 0 1 and 1 2 3; adjacent quads share corners in
  * orl_geometry.corners. Each triangle is listed from its first, second or third corner on. If there
  * is no second triangle, the last two corners are equal.
  */
-struct orl_couple {
-    uint32_t corners[4];                   /* must be first: Embree reads them in place */
-    uint32_t facet : 27;                   /* facet of the first triangle */
-    uint32_t next : 1;                     /* the second triangle belongs to the next facet */
-    uint32_t turn : 2, turn_of_second : 2; /* corner from which each triangle is listed */
+struct orl_mesh_quad {
+    uint32_t corners[4];                        /* must be first: Embree reads them in place */
+    uint32_t facet : 27;                        /* facet of the first triangle */
+    uint32_t next : 1;                          /* the second triangle belongs to the next facet */
+    uint32_t rotation : 2, second_rotation : 2; /* corner from which each triangle is listed */
 };
 
 struct orl_triangle {
     struct orl_vec3 a, b, c;
 };
 
-/* A triangle expanded from its couple. */
-struct orl_listed {
+/* A triangle expanded from its quad. */
+struct orl_indexed_triangle {
     uint32_t corners[3], facet;
 };
 
 /* Outline of a polygon that its triangles do not determine (orl_outline_of_facet). */
-struct orl_own_outline {
+struct orl_stored_outline {
     uint32_t facet, first, n; /* corners: range in orl_geometry.outline_corners */
 };
 
 struct orl_holes;
 struct orl_packed;
-struct orl_placed;
+struct orl_instance;
 
 struct orl_geometry {
     struct orl_vec3 center;    /* subtracted from the files' coordinates */
@@ -97,35 +97,38 @@ struct orl_geometry {
     double radius;             /* radius of the bounding sphere about the moved origin */
     struct orl_facet *facets;  /* NULL if packed */
     size_t n_facets;
-    size_t n_plain;            /* n_facets, or 0 if packed */
-    struct orl_curved *rounds; /* quadrics of the facets that are not polygons, in reverse order */
-    size_t n_rounds;
-    struct orl_couple *couples;
-    size_t n_couples;
+    size_t n_unpacked_facets; /* n_facets, or 0 if packed */
+    struct orl_quadric
+        *quadrics; /* quadrics of the facets that are not polygons, in reverse order */
+    size_t n_quadrics;
+    struct orl_mesh_quad *quads;
+    size_t n_quads;
     struct orl_vec3 *corners; /* NULL if packed */
     size_t n_corners;
-    struct orl_packed *packed;        /* packed.h; NULL if not packed */
-    struct orl_own_outline *outlines; /* sorted by facet; of every facet if triangles are listed */
+    struct orl_packed *packed; /* packed.h; NULL if not packed */
+    struct orl_stored_outline
+        *outlines; /* sorted by facet; of every facet if triangles are listed */
     size_t n_outlines;
     uint32_t *outline_corners;
     size_t n_outline_corners;
-    struct orl_facet_more *more; /* sorted by facet */
-    size_t n_more;
-    uint32_t *rivals;
-    size_t n_rivals;
-    struct orl_geometry **prototypes; /* owned: instanced geometries (placed.h) */
+    struct orl_facet_extra *extra; /* sorted by facet */
+    size_t n_extra;
+    uint32_t *opposite_facets;
+    size_t n_opposite_facets;
+    struct orl_geometry **prototypes; /* owned: instanced geometries (instances.h) */
     size_t n_prototypes;
-    struct orl_placed *placed; /* instances */
-    size_t n_placed;
-    size_t n_places;         /* in a prototype: number of its instances; else 0 */
-    size_t first_place;      /* in a prototype: index of its first instance */
+    struct orl_instance *instance; /* instances */
+    size_t n_instances;
+    size_t n_uses;           /* in a prototype: number of its instances; else 0 */
+    size_t first_use;        /* in a prototype: index of its first instance */
     bool curved;             /* it or an instance has facets that are not polygons */
     struct orl_holes *holes; /* antimatter.h: holes in facets; NULL: none */
-    /* triangle index by Embree primitive; NULL: primitives are couples */
-    uint32_t *met;
-    struct orl_listed *listed; /* expanded triangles; NULL if there are too many */
-    double *areas;             /* areas of the triangles; NULL if there are too many */
-    void *scene;               /* Embree's scene */
+    /* triangle index by Embree primitive; NULL: primitives are quads */
+    uint32_t *triangle_of_primitive;
+    struct orl_indexed_triangle
+        *triangle_index; /* expanded triangles; NULL if there are too many */
+    double *areas;       /* areas of the triangles; NULL if there are too many */
+    void *scene;         /* Embree's scene */
 };
 
 /* The first surface along a ray, and the place where materials are evaluated. */
@@ -134,7 +137,7 @@ struct orl_hit {
     struct orl_vec3 point;  /* on the surface */
     struct orl_vec3 normal; /* unit, the declared front */
     uint32_t facet;
-    uint32_t triangle; /* polygons: index as in orl_triangle_of; else 0 */
+    uint32_t triangle; /* polygons: index as in orl_triangle_get; else 0 */
     uint32_t instance; /* index of the instance, from 1; 0: none */
     bool front;        /* the ray met the front: dot(direction, normal) < 0 */
 };
@@ -143,93 +146,93 @@ struct orl_hit {
  * Returns a hit that stands for a whole surface with that front normal: materials return their mean
  * over the surface there.
  */
-static inline struct orl_hit orl_hit_anywhere(struct orl_vec3 normal, bool front)
+static inline struct orl_hit orl_hit_surface_mean(struct orl_vec3 normal, bool front)
 {
     return (struct orl_hit){.normal = normal, .instance = UINT32_MAX, .front = front};
 }
-static inline bool orl_hit_is_anywhere(const struct orl_hit *hit)
+static inline bool orl_hit_is_surface_mean(const struct orl_hit *hit)
 {
     return hit->instance == UINT32_MAX;
 }
 
-/* placed.c: returns a triangle of an instance, whose index is beyond the scene's own. */
-struct orl_triangle orl_placed_triangle(const struct orl_geometry *geometry, size_t index);
+/* instances.c: returns a triangle of an instance, whose index is beyond the scene's own. */
+struct orl_triangle orl_instance_triangle(const struct orl_geometry *geometry, size_t index);
 
-/* packed.c (_unpacked): facets, corners and triangles that are packed. elsewhere.c (_elsewhere):
+/* packed.c (_unpacked): facets, corners and triangles that are packed. facet_access.c (_elsewhere):
  * facets that are packed or belong to instances. */
-const struct orl_facet *orl_facet_unpacked(const struct orl_geometry *geometry, size_t facet,
+const struct orl_facet *orl_facet_get_packed(const struct orl_geometry *geometry, size_t facet,
+                                             struct orl_facet *room);
+double orl_facet_area_packed(const struct orl_geometry *geometry, size_t facet);
+uint32_t orl_facet_surface_packed(const struct orl_geometry *geometry, size_t facet);
+uint32_t orl_facet_surface_slow(const struct orl_geometry *geometry, size_t facet);
+const struct orl_facet *orl_facet_get_slow(const struct orl_geometry *geometry, size_t facet,
                                            struct orl_facet *room);
-double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet);
-uint32_t orl_facet_surface_unpacked(const struct orl_geometry *geometry, size_t facet);
-uint32_t orl_facet_surface_elsewhere(const struct orl_geometry *geometry, size_t facet);
-const struct orl_facet *orl_facet_of_elsewhere(const struct orl_geometry *geometry, size_t facet,
-                                               struct orl_facet *room);
-enum orl_surface_kind orl_facet_kind_elsewhere(const struct orl_geometry *geometry, size_t facet);
-uint32_t orl_facet_material_elsewhere(const struct orl_geometry *geometry, size_t facet);
-double orl_facet_clear_elsewhere(const struct orl_geometry *geometry, uint32_t facet, double side);
-double orl_facet_offset_elsewhere(const struct orl_geometry *geometry, size_t facet);
-struct orl_vec3 orl_corner_unpacked(const struct orl_geometry *geometry, size_t corner);
-struct orl_triangle orl_triangle_unpacked(const struct orl_geometry *geometry, size_t index);
+enum orl_surface_kind orl_facet_kind_slow(const struct orl_geometry *geometry, size_t facet);
+uint32_t orl_facet_material_slow(const struct orl_geometry *geometry, size_t facet);
+double orl_facet_clearance_slow(const struct orl_geometry *geometry, uint32_t facet, double side);
+double orl_facet_offset_slow(const struct orl_geometry *geometry, size_t facet);
+struct orl_vec3 orl_corner_get_packed(const struct orl_geometry *geometry, size_t corner);
+struct orl_triangle orl_triangle_get_packed(const struct orl_geometry *geometry, size_t index);
 
-/* Returns true if the facet belongs to an instance (placed.h). */
-static inline bool orl_facet_is_placed(const struct orl_geometry *geometry, size_t facet)
+/* Returns true if the facet belongs to an instance (instances.h). */
+static inline bool orl_facet_is_instanced(const struct orl_geometry *geometry, size_t facet)
 {
     return facet >= geometry->n_facets;
 }
 
 /* Returns one of the scene's own facets, without its surface. If facets are packed, it is written
  * to *room. */
-static inline const struct orl_facet *orl_facet_own(const struct orl_geometry *geometry,
-                                                    size_t facet, struct orl_facet *room)
+static inline const struct orl_facet *orl_facet_get_own(const struct orl_geometry *geometry,
+                                                        size_t facet, struct orl_facet *room)
 {
-    return geometry->facets ? &geometry->facets[facet] : orl_facet_unpacked(geometry, facet, room);
+    return geometry->facets ? &geometry->facets[facet]
+                            : orl_facet_get_packed(geometry, facet, room);
 }
 
 /* Returns any facet. For instances it is the prototype's, of which only kind, material and area are
  * valid. */
-static inline const struct orl_facet *orl_facet_of(const struct orl_geometry *geometry,
-                                                   size_t facet, struct orl_facet *room)
+static inline const struct orl_facet *orl_facet_get(const struct orl_geometry *geometry,
+                                                    size_t facet, struct orl_facet *room)
 {
-    return facet < geometry->n_plain ? &geometry->facets[facet]
-                                     : orl_facet_of_elsewhere(geometry, facet, room);
+    return facet < geometry->n_unpacked_facets ? &geometry->facets[facet]
+                                               : orl_facet_get_slow(geometry, facet, room);
 }
 
 static inline struct orl_vec3 orl_facet_normal(const struct orl_geometry *geometry, size_t facet)
 {
     struct orl_facet own;
-    return orl_facet_own(geometry, facet, &own)->normal;
+    return orl_facet_get_own(geometry, facet, &own)->normal;
 }
 
 static inline double orl_facet_area(const struct orl_geometry *geometry, size_t facet)
 {
-    return geometry->facets ? geometry->facets[facet].area
-                            : orl_facet_area_unpacked(geometry, facet);
+    return geometry->facets ? geometry->facets[facet].area : orl_facet_area_packed(geometry, facet);
 }
 
 /* These work for instances, too: surface, kind and material are the prototype's. */
 static inline uint32_t orl_facet_surface(const struct orl_geometry *geometry, size_t facet)
 {
-    return facet < geometry->n_plain ? geometry->facets[facet].surface
-                                     : orl_facet_surface_elsewhere(geometry, facet);
+    return facet < geometry->n_unpacked_facets ? geometry->facets[facet].surface
+                                               : orl_facet_surface_slow(geometry, facet);
 }
 
 static inline enum orl_surface_kind orl_facet_kind(const struct orl_geometry *geometry,
                                                    size_t facet)
 {
-    return facet < geometry->n_plain ? geometry->facets[facet].kind
-                                     : orl_facet_kind_elsewhere(geometry, facet);
+    return facet < geometry->n_unpacked_facets ? geometry->facets[facet].kind
+                                               : orl_facet_kind_slow(geometry, facet);
 }
 
 static inline uint32_t orl_facet_material(const struct orl_geometry *geometry, size_t facet)
 {
-    return facet < geometry->n_plain ? geometry->facets[facet].material
-                                     : orl_facet_material_elsewhere(geometry, facet);
+    return facet < geometry->n_unpacked_facets ? geometry->facets[facet].material
+                                               : orl_facet_material_slow(geometry, facet);
 }
 
 static inline double orl_facet_offset(const struct orl_geometry *geometry, size_t facet)
 {
-    return facet < geometry->n_plain ? geometry->facets[facet].offset
-                                     : orl_facet_offset_elsewhere(geometry, facet);
+    return facet < geometry->n_unpacked_facets ? geometry->facets[facet].offset
+                                               : orl_facet_offset_slow(geometry, facet);
 }
 
 /* Distances below this are rounding errors; no facet's offset is more than a quarter of it. */
@@ -241,15 +244,15 @@ static inline double orl_geometry_resolution(const struct orl_geometry *geometry
 /* Sets a facet's material; must precede all queries of it. */
 void orl_facet_set_material(struct orl_geometry *geometry, size_t facet, uint32_t material);
 
-static inline struct orl_vec3 orl_corner_of(const struct orl_geometry *geometry, size_t corner)
+static inline struct orl_vec3 orl_corner_get(const struct orl_geometry *geometry, size_t corner)
 {
-    return geometry->corners ? geometry->corners[corner] : orl_corner_unpacked(geometry, corner);
+    return geometry->corners ? geometry->corners[corner] : orl_corner_get_packed(geometry, corner);
 }
 
 /* Returns an upper bound of triangle indices. */
 static inline size_t orl_geometry_triangles_end(const struct orl_geometry *geometry)
 {
-    return 2 * geometry->n_couples;
+    return 2 * geometry->n_quads;
 }
 
 /* Returns the index of a polygon's i-th triangle. */
@@ -259,21 +262,21 @@ static inline uint32_t orl_facet_triangle(const struct orl_facet *facet, uint32_
 }
 
 /* The functions below are for the scene's own triangles only. */
-static inline bool orl_triangle_is_none(const struct orl_geometry *geometry, size_t index)
+static inline bool orl_triangle_is_unused(const struct orl_geometry *geometry, size_t index)
 {
-    const struct orl_couple *const couple = &geometry->couples[index / 2];
-    return index % 2 == 1 && couple->corners[2] == couple->corners[3];
+    const struct orl_mesh_quad *const quad = &geometry->quads[index / 2];
+    return index % 2 == 1 && quad->corners[2] == quad->corners[3];
 }
 
-static inline uint32_t orl_couple_facet(const struct orl_couple *couple, bool second)
+static inline uint32_t orl_mesh_quad_facet(const struct orl_mesh_quad *quad, bool second)
 {
-    return couple->facet + (second ? couple->next : 0U);
+    return quad->facet + (second ? quad->next : 0U);
 }
 
 static inline uint32_t orl_triangle_facet(const struct orl_geometry *geometry, size_t index)
 {
-    return geometry->listed ? geometry->listed[index].facet
-                            : orl_couple_facet(&geometry->couples[index / 2], index % 2);
+    return geometry->triangle_index ? geometry->triangle_index[index].facet
+                                    : orl_mesh_quad_facet(&geometry->quads[index / 2], index % 2);
 }
 
 /* Returns the index of a triangle's k-th corner. */
@@ -281,19 +284,19 @@ static inline uint32_t orl_triangle_corner(const struct orl_geometry *geometry, 
                                            unsigned k)
 {
     static const uint8_t order[2][5] = {{3, 0, 1, 3, 0}, {1, 2, 3, 1, 2}};
-    if (geometry->listed)
-        return geometry->listed[index].corners[k];
-    const struct orl_couple *const couple = &geometry->couples[index / 2];
-    const unsigned turn = index % 2 ? couple->turn_of_second : couple->turn;
-    return couple->corners[order[index % 2][turn + k]];
+    if (geometry->triangle_index)
+        return geometry->triangle_index[index].corners[k];
+    const struct orl_mesh_quad *const quad = &geometry->quads[index / 2];
+    const unsigned rotation = index % 2 ? quad->second_rotation : quad->rotation;
+    return quad->corners[order[index % 2][rotation + k]];
 }
 
-static inline struct orl_triangle orl_triangle_of_own(const struct orl_geometry *geometry,
-                                                      size_t index)
+static inline struct orl_triangle orl_triangle_get_own(const struct orl_geometry *geometry,
+                                                       size_t index)
 {
     const struct orl_vec3 *const corners = geometry->corners;
     if (!corners)
-        return orl_triangle_unpacked(geometry, index);
+        return orl_triangle_get_packed(geometry, index);
     return (struct orl_triangle){corners[orl_triangle_corner(geometry, index, 0)],
                                  corners[orl_triangle_corner(geometry, index, 1)],
                                  corners[orl_triangle_corner(geometry, index, 2)]};
@@ -309,7 +312,7 @@ static inline double orl_triangle_area(const struct orl_triangle *t)
  */
 static inline bool orl_geometry_is_vast(const struct orl_geometry *geometry)
 {
-    return geometry->n_couples >= 1 << 16;
+    return geometry->n_quads >= 1 << 16;
 }
 
 /* A polygon's corners in the files' order; only for the scene's own polygons with an area. */
@@ -319,13 +322,14 @@ struct orl_facet_outline {
     uint32_t n, at[4];
     const struct orl_geometry *geometry;
 };
-struct orl_facet_outline orl_outline_looked_up(const struct orl_geometry *geometry, uint32_t facet);
+struct orl_facet_outline orl_outline_of_facet_slow(const struct orl_geometry *geometry,
+                                                   uint32_t facet);
 static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geometry *geometry,
                                                             uint32_t facet)
 {
-    if (!geometry->listed)
-        return orl_outline_looked_up(geometry, facet);
-    const struct orl_own_outline *const own = &geometry->outlines[facet];
+    if (!geometry->triangle_index)
+        return orl_outline_of_facet_slow(geometry, facet);
+    const struct orl_stored_outline *const own = &geometry->outlines[facet];
     struct orl_facet_outline outline; /* leaves the unused fields uninitialised */
     outline.corners = geometry->corners;
     outline.own = geometry->outline_corners + own->first;
@@ -338,28 +342,29 @@ static inline struct orl_vec3 orl_outline_corner(const struct orl_facet_outline 
 {
     const uint32_t corner = outline->own ? outline->own[i] : outline->at[i];
     return outline->corners ? outline->corners[corner]
-                            : orl_corner_unpacked(outline->geometry, corner);
+                            : orl_corner_get_packed(outline->geometry, corner);
 }
 
-static inline struct orl_triangle orl_triangle_of(const struct orl_geometry *geometry, size_t index)
+static inline struct orl_triangle orl_triangle_get(const struct orl_geometry *geometry,
+                                                   size_t index)
 {
-    return index < orl_geometry_triangles_end(geometry) ? orl_triangle_of_own(geometry, index)
-                                                        : orl_placed_triangle(geometry, index);
+    return index < orl_geometry_triangles_end(geometry) ? orl_triangle_get_own(geometry, index)
+                                                        : orl_instance_triangle(geometry, index);
 }
 
-/* Expands triangles from couples, and lists the outlines of all facets, unless there are too many.
+/* Expands triangles from quads, and lists the outlines of all facets, unless there are too many.
  * Returns false if out of memory. */
-bool orl_geometry_list_triangles(struct orl_geometry *geometry);
+bool orl_geometry_index_triangles(struct orl_geometry *geometry);
 
 /* Returns the number of the scene's own triangles. */
 size_t orl_geometry_count_triangles(const struct orl_geometry *geometry);
 
-/* Prepares a thread; see orl_prepare_thread (oriel/run.h). */
+/* Prepares a thread; see orl_prepare_thread (oriel/job/run.h). */
 int orl_geometry_prepare_thread(struct orl_error *err);
 
 /* Returns 0 and a geometry the caller frees, or ORL_ERR_NOMEM, ORL_ERR_RANGE. */
-int orl_geometry_new(const struct orl_description *description, struct orl_geometry **ret_geometry,
-                     struct orl_error *err);
+int orl_geometry_new(const struct orl_parsed_scene *parsed_scene,
+                     struct orl_geometry **ret_geometry, struct orl_error *err);
 void orl_geometry_free(struct orl_geometry *geometry);
 
 /* Finds the nearest surface along the ray within max_distance; direction is unit. */
@@ -394,29 +399,32 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
                         struct orl_geometry **ret_geometry, struct orl_error *err);
 
 /* Returns the rare fields of one of the scene's own facets with has_more. */
-const struct orl_facet_more *orl_facet_more_of(const struct orl_geometry *geometry, uint32_t facet);
+const struct orl_facet_extra *orl_facet_extra_of(const struct orl_geometry *geometry,
+                                                 uint32_t facet);
 
-static inline double orl_facet_beyond(const struct orl_geometry *geometry, uint32_t facet)
+static inline double orl_facet_proxy_offset(const struct orl_geometry *geometry, uint32_t facet)
 {
     struct orl_facet own;
-    return orl_facet_own(geometry, facet, &own)->stands_off
-               ? orl_facet_more_of(geometry, facet)->beyond
+    return orl_facet_get_own(geometry, facet, &own)->has_proxy_offset
+               ? orl_facet_extra_of(geometry, facet)->proxy_offset
                : 0;
 }
 
 /* Returns the origin of a ray that leaves a point on a facet with that front normal along
  * direction. */
-static inline struct orl_vec3 orl_facet_leave(const struct orl_geometry *geometry, uint32_t facet,
-                                              struct orl_vec3 point, struct orl_vec3 normal,
-                                              struct orl_vec3 direction)
+static inline struct orl_vec3 orl_facet_ray_origin(const struct orl_geometry *geometry,
+                                                   uint32_t facet, struct orl_vec3 point,
+                                                   struct orl_vec3 normal,
+                                                   struct orl_vec3 direction)
 {
     const double side = orl_dot(direction, normal) >= 0 ? 1 : -1;
-    if (facet >= geometry->n_plain)
-        return orl_madd(point, normal, side * orl_facet_clear_elsewhere(geometry, facet, side));
+    if (facet >= geometry->n_unpacked_facets)
+        return orl_madd(point, normal, side * orl_facet_clearance_slow(geometry, facet, side));
     const struct orl_facet *f = &geometry->facets[facet];
     /* On the side of the geometry that it stands for, start beyond that geometry. */
-    const double beyond = f->stands_off ? orl_facet_more_of(geometry, facet)->beyond : 0;
-    const double hidden = beyond * side < 0 ? fabs(beyond) : 0;
+    const double proxy_offset =
+        f->has_proxy_offset ? orl_facet_extra_of(geometry, facet)->proxy_offset : 0;
+    const double hidden = proxy_offset * side < 0 ? fabs(proxy_offset) : 0;
     return orl_madd(point, normal, side * (f->offset + hidden));
 }
 
@@ -427,10 +435,11 @@ static inline struct orl_vec3 orl_hit_facing(const struct orl_hit *hit)
 }
 
 /* Returns the origin of a ray that leaves the hit along direction. */
-static inline struct orl_vec3 orl_hit_leave(const struct orl_geometry *geometry,
-                                            const struct orl_hit *hit, struct orl_vec3 direction)
+static inline struct orl_vec3 orl_hit_ray_origin(const struct orl_geometry *geometry,
+                                                 const struct orl_hit *hit,
+                                                 struct orl_vec3 direction)
 {
-    return orl_facet_leave(geometry, hit->facet, hit->point, hit->normal, direction);
+    return orl_facet_ray_origin(geometry, hit->facet, hit->point, hit->normal, direction);
 }
 
 /*

@@ -1,7 +1,7 @@
 /* Ray hits with antimatter taken into account; samples on facets. */
-#include "scene/geometry/antimatter.h"
-#include "scene/geometry/meet.h"
-#include "scene/geometry/placed.h"
+#include "scene/geometry/antimatter/antimatter.h"
+#include "scene/geometry/hit_refinement.h"
+#include "scene/geometry/instances.h"
 #include "scene/geometry/quadric.h"
 
 enum { AT_ONCE = 64 }; /* rays traced together */
@@ -15,13 +15,13 @@ static bool intersect_remaining(const struct orl_geometry *geometry, struct orl_
     struct orl_vec3 from = origin;
     double gone = 0;
     for (size_t i = 0; i <= most; i++) {
-        if (!orl_meet(geometry, from, direction, max_distance - gone, ret_hit))
+        if (!orl_intersect_uncut(geometry, from, direction, max_distance - gone, ret_hit))
             return false;
-        if (orl_holes_leave(geometry, ret_hit)) {
+        if (orl_holes_hit_remains(geometry, ret_hit)) {
             ret_hit->distance += gone;
             return true;
         }
-        from = orl_hit_leave(geometry, ret_hit, direction);
+        from = orl_hit_ray_origin(geometry, ret_hit, direction);
         gone = orl_dot(orl_sub(from, origin), direction);
         if (!(gone < max_distance))
             return false;
@@ -32,8 +32,9 @@ static bool intersect_remaining(const struct orl_geometry *geometry, struct orl_
 bool orl_geometry_intersect(const struct orl_geometry *geometry, struct orl_vec3 origin,
                             struct orl_vec3 direction, double max_distance, struct orl_hit *ret_hit)
 {
-    return geometry->holes ? intersect_remaining(geometry, origin, direction, max_distance, ret_hit)
-                           : orl_meet(geometry, origin, direction, max_distance, ret_hit);
+    return geometry->holes
+               ? intersect_remaining(geometry, origin, direction, max_distance, ret_hit)
+               : orl_intersect_uncut(geometry, origin, direction, max_distance, ret_hit);
 }
 
 void orl_geometry_intersect_many(const struct orl_geometry *geometry, const struct orl_ray *rays,
@@ -48,12 +49,12 @@ void orl_geometry_intersect_many(const struct orl_geometry *geometry, const stru
     for (size_t first = 0; first < n; first += AT_ONCE) {
         const size_t count = n - first < AT_ONCE ? n - first : AT_ONCE;
         orl_embree_intersect_many(geometry, rays + first, count, alike, met, ret_found + first);
-        if (geometry->packed && !geometry->curved && geometry->n_placed == 0)
-            orl_meet_expect(geometry, met, ret_found + first, count);
+        if (geometry->packed && !geometry->curved && geometry->n_instances == 0)
+            orl_hit_prefetch(geometry, met, ret_found + first, count);
         for (size_t i = 0; i < count; i++)
             if (ret_found[first + i])
-                orl_meet_settle(geometry, rays[first + i].origin, rays[first + i].direction,
-                                &met[i], &ret_hits[first + i]);
+                orl_hit_refine(geometry, rays[first + i].origin, rays[first + i].direction, &met[i],
+                               &ret_hits[first + i]);
     }
 }
 
@@ -67,13 +68,13 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
 
 void orl_hit_uv(const struct orl_geometry *geometry, const struct orl_hit *hit, double ret_uv[2])
 {
-    struct orl_curved room;
+    struct orl_quadric room;
     if (orl_facet_kind(geometry, hit->facet) != ORL_SURFACE_POLYGON) {
-        const struct orl_facet facet = orl_facet_at(geometry, hit->facet, &room);
+        const struct orl_facet facet = orl_instance_facet(geometry, hit->facet, &room);
         orl_quadric_uv(&facet, hit->point, ret_uv);
         return;
     }
-    const struct orl_triangle t = orl_triangle_of(geometry, hit->triangle);
+    const struct orl_triangle t = orl_triangle_get(geometry, hit->triangle);
     const struct orl_vec3 ab = orl_sub(t.b, t.a), ac = orl_sub(t.c, t.a);
     const struct orl_vec3 ap = orl_sub(hit->point, t.a), n = orl_cross(ab, ac);
     const double n2 = orl_dot(n, n);
@@ -85,7 +86,7 @@ static inline double area_of(const struct orl_geometry *geometry, size_t index)
 {
     if (geometry->areas)
         return geometry->areas[index];
-    const struct orl_triangle t = orl_triangle_of_own(geometry, index);
+    const struct orl_triangle t = orl_triangle_get_own(geometry, index);
     return orl_triangle_area(&t);
 }
 
@@ -116,7 +117,7 @@ static inline struct orl_vec3 polygon_point(const struct orl_geometry *geometry,
         chosen += on;
     }
     const uint32_t index = orl_facet_triangle(f, chosen);
-    const struct orl_triangle t = orl_triangle_of_own(geometry, index);
+    const struct orl_triangle t = orl_triangle_get_own(geometry, index);
     return triangle_point(&t, area_of(geometry, index), left, u[1]);
 }
 
@@ -127,7 +128,7 @@ static void sample_simple(const struct orl_geometry *geometry, const struct orl_
     struct orl_triangle t[2];
     double area[2];
     for (uint32_t i = 0; i < f->n_triangles; i++) {
-        t[i] = orl_triangle_of_own(geometry, orl_facet_triangle(f, i));
+        t[i] = orl_triangle_get_own(geometry, orl_facet_triangle(f, i));
         area[i] = area_of(geometry, orl_facet_triangle(f, i));
     }
     for (size_t i = 0; i < n; i++) {
@@ -142,7 +143,7 @@ void orl_facet_sample_many(const struct orl_geometry *geometry, uint32_t facet,
                            const double (*u)[2], size_t n, struct orl_vec3 *ret_points)
 {
     struct orl_facet own;
-    const struct orl_facet *f = orl_facet_own(geometry, facet, &own);
+    const struct orl_facet *f = orl_facet_get_own(geometry, facet, &own);
     struct orl_vec3 normal;
     if (f->kind == ORL_SURFACE_POLYGON && (f->n_triangles == 1 || f->n_triangles == 2))
         sample_simple(geometry, f, u, n, ret_points);
@@ -158,7 +159,7 @@ static void sample_own(const struct orl_geometry *geometry, uint32_t facet, cons
                        struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
     struct orl_facet own;
-    const struct orl_facet *f = orl_facet_own(geometry, facet, &own);
+    const struct orl_facet *f = orl_facet_get_own(geometry, facet, &own);
     if (f->kind != ORL_SURFACE_POLYGON) {
         orl_quadric_sample(f, u, ret_point, ret_normal);
         return;
@@ -170,12 +171,12 @@ static void sample_own(const struct orl_geometry *geometry, uint32_t facet, cons
 void orl_facet_sample(const struct orl_geometry *geometry, uint32_t facet, const double u[2],
                       struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
-    if (!orl_facet_is_placed(geometry, facet)) {
+    if (!orl_facet_is_instanced(geometry, facet)) {
         sample_own(geometry, facet, u, ret_point, ret_normal);
         return;
     }
-    const struct orl_placed *const placed = orl_placed_of(geometry, facet);
-    sample_own(placed->prototype, facet - placed->first_facet, u, ret_point, ret_normal);
-    *ret_point = orl_xform_point(&placed->to, *ret_point);
-    *ret_normal = orl_xform_normal(&placed->to, *ret_normal);
+    const struct orl_instance *const instance = orl_instance_of(geometry, facet);
+    sample_own(instance->prototype, facet - instance->first_facet, u, ret_point, ret_normal);
+    *ret_point = orl_xform_point(&instance->to, *ret_point);
+    *ret_normal = orl_xform_normal(&instance->to, *ret_normal);
 }

@@ -31,16 +31,16 @@ static void pack_coordinate(double x, float *ret_high, int8_t *ret_low)
     *ret_low = (int8_t)fmax(-127, fmin(127, low));
 }
 
-struct orl_vec3 orl_corner_unpacked(const struct orl_geometry *geometry, size_t corner)
+struct orl_vec3 orl_corner_get_packed(const struct orl_geometry *geometry, size_t corner)
 {
     return orl_packed_corner(geometry->packed, corner);
 }
 
-struct orl_triangle orl_triangle_unpacked(const struct orl_geometry *geometry, size_t index)
+struct orl_triangle orl_triangle_get_packed(const struct orl_geometry *geometry, size_t index)
 {
     struct orl_vec3 corners[3];
     for (unsigned k = 0; k < 3; k++)
-        corners[k] = orl_corner_unpacked(geometry, orl_triangle_corner(geometry, index, k));
+        corners[k] = orl_corner_get_packed(geometry, orl_triangle_corner(geometry, index, k));
     return (struct orl_triangle){corners[0], corners[1], corners[2]};
 }
 
@@ -56,7 +56,8 @@ static float rounded(double x)
 static uint8_t pack_offset(double offset)
 {
     static const double hair = 1e-9; /* a value that was packed before is unchanged */
-    const double fourths = ceil(ORL_PACKED_FOURTHS * (log2(offset) - ORL_PACKED_LEAST) - hair);
+    const double fourths =
+        ceil(ORL_PACKED_FOURTHS * (log2(offset) - ORL_PACKED_MIN_EXPONENT) - hair);
     return (uint8_t)fmax(0, fmin(UINT8_MAX, fourths));
 }
 
@@ -64,10 +65,10 @@ static struct orl_packed_facet pack_facet(const struct orl_facet *facet)
 {
     struct orl_packed_facet packed = {
         .kind = facet->kind,
-        .bent = facet->bent,
-        .has_more = facet->has_more,
+        .nonplanar = facet->nonplanar,
+        .has_extra = facet->has_extra,
         .step = facet->step,
-        .stands_off = facet->stands_off,
+        .has_proxy_offset = facet->has_proxy_offset,
         .n_triangles = facet->n_triangles,
         .first = facet->kind == ORL_SURFACE_POLYGON ? facet->first_triangle : facet->surface,
         .material = facet->material & 0xffffffU,
@@ -78,29 +79,29 @@ static struct orl_packed_facet pack_facet(const struct orl_facet *facet)
     return packed;
 }
 
-const struct orl_facet *orl_facet_unpacked(const struct orl_geometry *geometry, size_t facet,
-                                           struct orl_facet *room)
+const struct orl_facet *orl_facet_get_packed(const struct orl_geometry *geometry, size_t facet,
+                                             struct orl_facet *room)
 {
     const struct orl_packed_facet *const from = &geometry->packed->facets[facet];
     const bool flat = from->kind == ORL_SURFACE_POLYGON;
     *room = (struct orl_facet){
         .kind = from->kind,
-        .bent = from->bent,
-        .has_more = from->has_more,
+        .nonplanar = from->nonplanar,
+        .has_extra = from->has_extra,
         .step = from->step,
-        .stands_off = from->stands_off,
+        .has_proxy_offset = from->has_proxy_offset,
         .n_triangles = from->n_triangles,
         .first_triangle = flat ? from->first : 0,
         .material = from->material,
         .normal = orl_packed_normal(from),
-        .round = flat ? &orl_curved_none : &geometry->rounds[geometry->n_facets - 1 - facet],
+        .quadric = flat ? &orl_quadric_none : &geometry->quadrics[geometry->n_facets - 1 - facet],
         .offset = orl_packed_offset(from),
         .area = (double)from->area,
     };
     return room;
 }
 
-double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet)
+double orl_facet_area_packed(const struct orl_geometry *geometry, size_t facet)
 {
     return (double)geometry->packed->facets[facet].area;
 }
@@ -110,10 +111,10 @@ double orl_facet_area_unpacked(const struct orl_geometry *geometry, size_t facet
  * end. The surface index of a polygon is its facet index plus the number of other surfaces before
  * it, found by binary search.
  */
-uint32_t orl_facet_surface_unpacked(const struct orl_geometry *geometry, size_t facet)
+uint32_t orl_facet_surface_packed(const struct orl_geometry *geometry, size_t facet)
 {
     const struct orl_packed_facet *const last = &geometry->packed->facets[geometry->n_facets - 1];
-    size_t low = 0, high = geometry->n_rounds;
+    size_t low = 0, high = geometry->n_quadrics;
     if (geometry->packed->facets[facet].kind != ORL_SURFACE_POLYGON)
         return geometry->packed->facets[facet].first;
     while (low < high) {
@@ -172,7 +173,7 @@ static bool pack_facets(struct orl_geometry *g, struct orl_packed *packed)
         packed->facets[i] = pack_facet(&g->facets[i]);
     free(g->facets);
     g->facets = NULL;
-    g->n_plain = 0;
+    g->n_unpacked_facets = 0;
     return true;
 }
 
@@ -201,10 +202,10 @@ void orl_geometry_unpack(const struct orl_geometry *geometry, struct orl_facet *
                          struct orl_vec3 *ret_corners)
 {
     for (size_t i = 0; i < geometry->n_facets; i++) {
-        ret_facets[i] = *orl_facet_own(geometry, i, &ret_facets[i]);
+        ret_facets[i] = *orl_facet_get_own(geometry, i, &ret_facets[i]);
         if (!geometry->facets)
-            ret_facets[i].surface = orl_facet_surface_unpacked(geometry, i);
+            ret_facets[i].surface = orl_facet_surface_packed(geometry, i);
     }
     for (size_t i = 0; i < geometry->n_corners; i++)
-        ret_corners[i] = orl_corner_of(geometry, i);
+        ret_corners[i] = orl_corner_get(geometry, i);
 }

@@ -13,10 +13,10 @@
 
 struct orl_packed_facet {
     enum orl_surface_kind kind : 4;
-    bool bent : 1;
-    bool has_more : 1;
+    bool nonplanar : 1;
+    bool has_extra : 1;
     unsigned step : 2;
-    bool stands_off : 1;
+    bool has_proxy_offset : 1;
     unsigned n_triangles : 23;
     /* polygons: first triangle; others: surface, from which those of polygons follow */
     uint32_t first;
@@ -55,13 +55,14 @@ static inline struct orl_vec3 orl_packed_normal(const struct orl_packed_facet *f
 }
 
 /* Offsets are stored in quarters of an octave. */
-enum { ORL_PACKED_FOURTHS = 4, ORL_PACKED_LEAST = -44 };
+enum { ORL_PACKED_FOURTHS = 4, ORL_PACKED_MIN_EXPONENT = -44 };
 static inline double orl_packed_offset(const struct orl_packed_facet *facet)
 {
     static const double fourths[ORL_PACKED_FOURTHS] = {1, 1.189207115002721, 1.4142135623730951,
                                                        1.681792830507429};
     const uint64_t bits =
-        (uint64_t)(1023 + ORL_PACKED_LEAST + (int)(facet->offset / ORL_PACKED_FOURTHS)) << 52;
+        (uint64_t)(1023 + ORL_PACKED_MIN_EXPONENT + (int)(facet->offset / ORL_PACKED_FOURTHS))
+        << 52;
     double octave;
     memcpy(&octave, &bits, sizeof octave);
     return octave * fourths[facet->offset % ORL_PACKED_FOURTHS];

@@ -19,11 +19,11 @@ struct axis {
 
 static struct axis axis_of(const struct orl_facet *facet)
 {
-    const struct orl_vec3 d = orl_sub(facet->round->center[1], facet->round->center[0]);
+    const struct orl_vec3 d = orl_sub(facet->quadric->center[1], facet->quadric->center[0]);
     const double length = orl_length(d);
     return (struct axis){orl_scale(d, 1.0 / length), length,
-                         (facet->round->radius[1] - facet->round->radius[0]) / length,
-                         facet->round->radius[0]};
+                         (facet->quadric->radius[1] - facet->quadric->radius[0]) / length,
+                         facet->quadric->radius[0]};
 }
 
 /* Finds the real roots of a t^2 + 2 h t + c, ascending, without cancellation; returns their
@@ -48,11 +48,12 @@ static bool sphere_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_
                        double far, double *ret_t, struct orl_vec3 *ret_normal)
 {
     double roots[2];
-    const struct orl_vec3 m = orl_sub(o, f->round->center[0]);
+    const struct orl_vec3 m = orl_sub(o, f->quadric->center[0]);
     /* Uses the point of the line nearest to the centre, which is exact also far away. */
     const double h = orl_dot(m, d);
     const struct orl_vec3 nearest = orl_madd(m, d, -h);
-    const double c = orl_dot(nearest, nearest) + h * h - f->round->radius[0] * f->round->radius[0];
+    const double c =
+        orl_dot(nearest, nearest) + h * h - f->quadric->radius[0] * f->quadric->radius[0];
     const int n = solve_quadratic(1.0, h, c, roots);
     for (int i = 0; i < n; i++) {
         if (roots[i] > near && roots[i] < far) {
@@ -68,7 +69,7 @@ static bool cone_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_ve
                      double far, double *ret_t, struct orl_vec3 *ret_normal)
 {
     const struct axis axis = axis_of(f);
-    const struct orl_vec3 m = orl_sub(o, f->round->center[0]);
+    const struct orl_vec3 m = orl_sub(o, f->quadric->center[0]);
     const double mz = orl_dot(m, axis.direction), dz = orl_dot(d, axis.direction);
     const struct orl_vec3 mp = orl_madd(m, axis.direction, -mz),
                           dp = orl_madd(d, axis.direction, -dz);
@@ -94,11 +95,11 @@ static bool ring_hit(const struct orl_facet *f, struct orl_vec3 o, struct orl_ve
     const double slope = orl_dot(d, f->normal);
     if (slope == 0)
         return false;
-    const double t = orl_dot(orl_sub(f->round->center[0], o), f->normal) / slope;
-    const struct orl_vec3 p = orl_sub(orl_madd(o, d, t), f->round->center[0]);
+    const double t = orl_dot(orl_sub(f->quadric->center[0], o), f->normal) / slope;
+    const struct orl_vec3 p = orl_sub(orl_madd(o, d, t), f->quadric->center[0]);
     const double r2 = orl_dot(p, p);
-    if (!(t > near && t < far) || r2 < f->round->radius[0] * f->round->radius[0] ||
-        r2 > f->round->radius[1] * f->round->radius[1])
+    if (!(t > near && t < far) || r2 < f->quadric->radius[0] * f->quadric->radius[0] ||
+        r2 > f->quadric->radius[1] * f->quadric->radius[1])
         return false;
     *ret_t = t;
     *ret_normal = f->normal;
@@ -124,10 +125,10 @@ struct orl_vec3 orl_quadric_normal(const struct orl_facet *facet, struct orl_vec
 {
     struct orl_vec3 normal = facet->normal;
     if (is_sphere(facet->kind)) {
-        normal = orl_normalize(orl_sub(point, facet->round->center[0]));
+        normal = orl_normalize(orl_sub(point, facet->quadric->center[0]));
     } else if (facet->kind != ORL_SURFACE_RING) {
         const struct axis axis = axis_of(facet);
-        const struct orl_vec3 m = orl_sub(point, facet->round->center[0]);
+        const struct orl_vec3 m = orl_sub(point, facet->quadric->center[0]);
         const struct orl_vec3 radial =
             orl_normalize(orl_madd(m, axis.direction, -orl_dot(m, axis.direction)));
         normal = orl_normalize(orl_madd(radial, axis.direction, -axis.slope));
@@ -155,22 +156,22 @@ void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,
     *ret_low = orl_v3(INFINITY, INFINITY, INFINITY);
     *ret_high = orl_neg(*ret_low);
     if (is_sphere(facet->kind)) {
-        const double r = facet->round->radius[0];
-        grow_box(facet->round->center[0], orl_v3(r, r, r), ret_low, ret_high);
+        const double r = facet->quadric->radius[0];
+        grow_box(facet->quadric->center[0], orl_v3(r, r, r), ret_low, ret_high);
     } else if (facet->kind == ORL_SURFACE_RING) {
-        grow_box(facet->round->center[0], disc_extent(facet->normal, facet->round->radius[1]),
+        grow_box(facet->quadric->center[0], disc_extent(facet->normal, facet->quadric->radius[1]),
                  ret_low, ret_high);
     } else {
         const struct axis axis = axis_of(facet);
         for (int i = 0; i < 2; i++)
-            grow_box(facet->round->center[i], disc_extent(axis.direction, facet->round->radius[i]),
-                     ret_low, ret_high);
+            grow_box(facet->quadric->center[i],
+                     disc_extent(axis.direction, facet->quadric->radius[i]), ret_low, ret_high);
     }
 }
 
 double orl_quadric_area(const struct orl_facet *facet)
 {
-    const double r0 = facet->round->radius[0], r1 = facet->round->radius[1];
+    const double r0 = facet->quadric->radius[0], r1 = facet->quadric->radius[1];
     if (is_sphere(facet->kind))
         return 4 * ORL_PI * r0 * r0;
     if (facet->kind == ORL_SURFACE_RING)
@@ -181,17 +182,17 @@ double orl_quadric_area(const struct orl_facet *facet)
 void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
                         struct orl_vec3 *ret_point, struct orl_vec3 *ret_normal)
 {
-    const double r0 = facet->round->radius[0], r1 = facet->round->radius[1],
+    const double r0 = facet->quadric->radius[0], r1 = facet->quadric->radius[1],
                  phi = 2 * ORL_PI * u[1];
     if (is_sphere(facet->kind)) {
         const double z = 1 - 2 * u[0], s = sqrt(fmax(0, 1 - z * z));
         *ret_normal = orl_v3(s * cos(phi), s * sin(phi), z);
-        *ret_point = orl_madd(facet->round->center[0], *ret_normal, r0);
+        *ret_point = orl_madd(facet->quadric->center[0], *ret_normal, r0);
     } else if (facet->kind == ORL_SURFACE_RING) {
         const struct orl_frame frame = orl_frame_about(facet->normal);
         const double r = sqrt(r0 * r0 + u[0] * (r1 * r1 - r0 * r0));
         *ret_normal = facet->normal;
-        *ret_point = orl_madd(orl_madd(facet->round->center[0], frame.u, r * cos(phi)), frame.v,
+        *ret_point = orl_madd(orl_madd(facet->quadric->center[0], frame.u, r * cos(phi)), frame.v,
                               r * sin(phi));
     } else {
         /* Area grows linearly with the radius: invert its integral along the axis. */
@@ -203,8 +204,8 @@ void orl_quadric_sample(const struct orl_facet *facet, const double u[2],
             orl_add(orl_scale(frame.u, cos(phi)), orl_scale(frame.v, sin(phi)));
         *ret_normal = orl_normalize(orl_madd(radial, axis.direction, -axis.slope));
         *ret_point =
-            orl_madd(orl_madd(facet->round->center[0], axis.direction, share * axis.length), radial,
-                     r0 + share * (r1 - r0));
+            orl_madd(orl_madd(facet->quadric->center[0], axis.direction, share * axis.length),
+                     radial, r0 + share * (r1 - r0));
     }
     if (is_inverted(facet->kind))
         *ret_normal = orl_neg(*ret_normal);
@@ -219,19 +220,19 @@ static double angle_about(const struct orl_frame *frame, struct orl_vec3 way)
 
 void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double ret_uv[2])
 {
-    const struct orl_vec3 way = orl_sub(point, facet->round->center[0]);
-    const bool round = is_sphere(facet->kind), ring = facet->kind == ORL_SURFACE_RING;
-    const struct axis axis = round || ring ? (struct axis){.length = 1} : axis_of(facet);
-    const struct orl_frame frame = orl_frame_about(round  ? orl_v3(0, 0, 1)
-                                                   : ring ? facet->normal
-                                                          : axis.direction);
+    const struct orl_vec3 way = orl_sub(point, facet->quadric->center[0]);
+    const bool quadric = is_sphere(facet->kind), ring = facet->kind == ORL_SURFACE_RING;
+    const struct axis axis = quadric || ring ? (struct axis){.length = 1} : axis_of(facet);
+    const struct orl_frame frame = orl_frame_about(quadric ? orl_v3(0, 0, 1)
+                                                   : ring  ? facet->normal
+                                                           : axis.direction);
     const double along = orl_dot(way, frame.n);
     ret_uv[0] = angle_about(&frame, way);
-    if (round)
-        ret_uv[1] = 0.5 + 0.5 * along / facet->round->radius[0];
+    if (quadric)
+        ret_uv[1] = 0.5 + 0.5 * along / facet->quadric->radius[0];
     else if (ring)
-        ret_uv[1] = (orl_length(orl_madd(way, frame.n, -along)) - facet->round->radius[0]) /
-                    (facet->round->radius[1] - facet->round->radius[0]);
+        ret_uv[1] = (orl_length(orl_madd(way, frame.n, -along)) - facet->quadric->radius[0]) /
+                    (facet->quadric->radius[1] - facet->quadric->radius[0]);
     else
         ret_uv[1] = along / axis.length;
     ret_uv[1] = fmin(fmax(ret_uv[1], 0), 1);

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 #include "scene/grid/ies.h"
 
 struct reading {
@@ -118,7 +118,7 @@ int orl_grid_read_data(const char *name, const char *text, size_t size, struct o
 {
     if (size >= 2 && memcmp(text, "#?", 2) == 0)
         return orl_grid_read_spectra(name, text, size, ret_grid, err);
-    if (orl_ies_is(text, size)) {
+    if (orl_ies_detect(text, size)) {
         struct orl_ies ies;
         const int code = orl_ies_read(name, text, size, &ies, err);
         if (code < 0)

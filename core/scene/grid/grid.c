@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
 void orl_grid_free(struct orl_grid *grid)
 {

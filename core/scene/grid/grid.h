@@ -24,7 +24,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 enum { ORL_GRID_AXES = 5, ORL_GRID_CHANNELS = 3 };
 #define ORL_GRID_VALUES (48UL << 20) /* limit of one grid, over all channels */

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/scanner.h>
-#include <oriel/vec.h>
+#include <oriel/base/scanner.h>
+#include <oriel/base/vec.h>
 
 static const double feet_m = 0.3048;
 /* Angles closer than this are equal. */
@@ -45,7 +45,7 @@ static struct orl_slice behind(struct orl_slice line, size_t bytes)
     return line;
 }
 
-bool orl_ies_is(const char *text, size_t size)
+bool orl_ies_detect(const char *text, size_t size)
 {
     struct orl_scanner scanner;
     struct orl_slice line;
@@ -352,7 +352,7 @@ static struct reach reach_of(const struct orl_ies *ies, const double *angles)
     return ies->type_b ? (struct reach){angles[0] < 0 ? -90 : 0, 90} : (struct reach){0, 180};
 }
 
-bool orl_ies_is_whole(const struct orl_ies *ies)
+bool orl_ies_is_complete(const struct orl_ies *ies)
 {
     const double first = ies->vertical[0], last = ies->vertical[ies->n_vertical - 1];
     const double ends[] = {0, 90, ies->type_b ? -90 : 180};

@@ -35,7 +35,7 @@ struct orl_ies {
 };
 
 /* Returns true if the text is an IES file: a line begins with "TILT=". */
-bool orl_ies_is(const char *text, size_t size);
+bool orl_ies_detect(const char *text, size_t size);
 
 /* Reads a file. Returns 0; ORL_ERR_SYNTAX, _RANGE or _UNSUPPORTED, with file and line; or
  * ORL_ERR_NOMEM. The caller passes a result to orl_ies_done. The files that TILT= and
@@ -55,7 +55,7 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
 
 /* Returns true if the vertical angles begin and end where LM-63 allows it: straight down, at the
  * horizon, straight up. */
-bool orl_ies_is_whole(const struct orl_ies *ies);
+bool orl_ies_is_complete(const struct orl_ies *ies);
 
 /* Returns true if the horizontal angles reach 90, 180 or 360 degrees; for type B, 90. */
 bool orl_ies_has_all_planes(const struct orl_ies *ies);

@@ -1,7 +1,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rgbe.h"
+#include "base/io/rgbe.h"
 #include "scene/grid/grid.h"
 
 /* ---- Radiance pictures ----------------------------------------------------------------------- */
@@ -62,7 +62,7 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
 {
     static const unsigned char png[] = {0x89, 'P', 'N', 'G'}, exr[] = {0x76, 0x2f, 0x31, 0x01};
     static const char *const tiff[] = {"II*\0", "MM\0*", "II+\0", "MM\0+"}; /* and BigTIFF */
-    if (orl_rgbe_is_one(data, size))
+    if (orl_is_rgbe(data, size))
         return read_hdr(name, data, size, ret_grid, err);
     if (size >= sizeof png && memcmp(data, png, sizeof png) == 0)
         return orl_grid_read_png(name, data, size, ret_grid, err);

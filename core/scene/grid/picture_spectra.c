@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/rgbe.h"
+#include "base/io/rgbe.h"
 #include "scene/grid/grid.h"
 
 enum { LEAST_COMPONENTS = 4, MOST_COMPONENTS = 496 };

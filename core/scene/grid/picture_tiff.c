@@ -12,7 +12,7 @@
 #include <tiffio.h>
 
 #include "scene/grid/grid.h"
-#include "scene/material/observer.h"
+#include "scene/material/patterns/observer.h"
 
 enum { WORDS = 160, MOST_SAMPLES = 8, LEVELS_16 = 65536 };
 
@@ -191,7 +191,7 @@ static void take_pixel(const struct reading *r, const struct converter *c, const
     for (size_t i = 0; i < ORL_GRID_CHANNELS; i++)
         rgb[i] = sample_at(c, row, first + (c->colours == 1 ? 0 : i));
     if (c->is_xyz && c->colours == 3) {
-        const struct orl_rgb seen = orl_observed_rgb(
+        const struct orl_rgb seen = orl_tristimulus_rgb(
             (struct orl_tristimulus){(double)rgb[0], (double)rgb[1], (double)rgb[2]});
         rgb[0] = (float)seen.r;
         rgb[1] = (float)seen.g;

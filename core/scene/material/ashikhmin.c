@@ -1,8 +1,8 @@
 /*
  * ashik2: a Lambertian colour and a lobe after Ashikhmin and Shirley ("An Anisotropic Phong BRDF
  * Model", 2000, equations 4, 6 to 10). Its half vectors are distributed as cos^e about the normal,
- * with different exponents e along the grain and across. Sampling by this density loses only the
- * factor of the larger of the two cosines, so a lobe never gains energy.
+ * with different exponents e along the anisotropy axis and across. Sampling by this density loses
+ * only the factor of the larger of the two cosines, so a lobe never gains energy.
  *
  * The lobe's reflectance rises towards grazing by Schlick's approximation at the half vector, up to
  * what the diffuse colour leaves of 1. This is reciprocal, and lobe and diffuse part together never
@@ -14,16 +14,18 @@
 #include "scene/material/hemisphere.h"
 
 struct lobe {
-    struct orl_frame frame; /* u along the grain */
+    struct orl_frame frame; /* u along the anisotropy axis */
     double along, across;   /* exponents */
 };
 
 static struct lobe lobe_at(const struct orl_material *m, struct orl_vec3 normal)
 {
-    const struct orl_vec3 flat = orl_madd(m->grain, normal, -orl_dot(m->grain, normal));
+    const struct orl_vec3 flat =
+        orl_madd(m->anisotropy_axis, normal, -orl_dot(m->anisotropy_axis, normal));
     const double along = m->power[0], across = m->power[1];
-    if (!(orl_length(flat) > 1e-9 * orl_length(m->grain))) {
-        /* A grain along the normal has no direction in the surface: use one mean exponent. */
+    if (!(orl_length(flat) > 1e-9 * orl_length(m->anisotropy_axis))) {
+        /* A anisotropy axis along the normal has no direction in the surface: use one mean
+         * exponent. */
         const double mean = 2 / (1 / (along + 1) + 1 / (across + 1)) - 1;
         return (struct lobe){orl_frame_about(normal), mean, mean};
     }
@@ -101,73 +103,75 @@ struct orl_rgb orl_ashikhmin_lobes(const struct orl_material *material, const st
 
 /* ---- Sampling -------------------------------------------------------------------------------- */
 
-static void weigh_parts(const struct orl_draw *draw, double *ret_diffuse, double *ret_gloss)
+static void weigh_parts(const struct orl_bsdf_query *query, double *ret_diffuse, double *ret_gloss)
 {
-    *ret_diffuse = draw->lobes & ORL_LOBE_DIFFUSE
-                       ? orl_luma(orl_ashikhmin_diffuse(draw->material, draw->hit))
+    *ret_diffuse = query->lobes & ORL_LOBE_DIFFUSE
+                       ? orl_luma(orl_ashikhmin_diffuse(query->material, query->hit))
                        : 0;
-    *ret_gloss = draw->lobes & ORL_LOBE_REFLECTED
-                     ? orl_luma(orl_ashikhmin_gloss(draw->material, draw->hit, draw->from))
+    *ret_gloss = query->lobes & ORL_LOBE_REFLECTED
+                     ? orl_luma(orl_ashikhmin_gloss(query->material, query->hit, query->from))
                      : 0;
 }
 
-static struct orl_vec3 facing(const struct orl_draw *draw)
+static struct orl_vec3 facing(const struct orl_bsdf_query *query)
 {
-    const struct orl_vec3 normal = draw->hit->normal;
-    return orl_dot(draw->from, normal) >= 0 ? normal : orl_neg(normal);
+    const struct orl_vec3 normal = query->hit->normal;
+    return orl_dot(query->from, normal) >= 0 ? normal : orl_neg(normal);
 }
 
-static struct orl_scatter sample_lobe(const struct orl_draw *draw, const double u[2], double chance)
+static struct orl_surface_sample sample_lobe(const struct orl_bsdf_query *query, const double u[2],
+                                             double chance)
 {
-    const struct orl_vec3 normal = orl_normal_at(draw->material, draw->hit, draw->from);
-    const struct lobe lobe = lobe_at(draw->material, normal);
+    const struct orl_vec3 normal = orl_normal_at(query->material, query->hit, query->from);
+    const struct lobe lobe = lobe_at(query->material, normal);
     const double phi = 2 * ORL_PI * u[0];
     const double x = sqrt(lobe.across + 1) * cos(phi), y = sqrt(lobe.along + 1) * sin(phi);
     const double length = sqrt(x * x + y * y), c = x / length, s = y / length;
     const double z = pow(1 - u[1], 1 / (lobe.along * c * c + lobe.across * s * s + 1));
     const double sine = sqrt(orl_larger(1 - z * z, 0));
     const struct orl_vec3 half = orl_to_world(&lobe.frame, orl_v3(c * sine, s * sine, z));
-    const double cosine = orl_dot(draw->from, half);
-    const struct orl_vec3 d = orl_sub(orl_scale(half, 2 * cosine), draw->from);
-    const double in = orl_dot(draw->from, normal), out = orl_dot(d, normal);
-    if (!(cosine > 0) || !(out > 0) || !(in > 0) || !(orl_dot(d, facing(draw)) > 0))
-        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    const double cosine = orl_dot(query->from, half);
+    const struct orl_vec3 d = orl_sub(orl_scale(half, 2 * cosine), query->from);
+    const double in = orl_dot(query->from, normal), out = orl_dot(d, normal);
+    if (!(cosine > 0) || !(out > 0) || !(in > 0) || !(orl_dot(d, facing(query)) > 0))
+        return (struct orl_surface_sample){.event = ORL_EVENT_ABSORBED};
     const struct orl_rgb gloss =
-        gloss_at(draw->material, orl_ashikhmin_diffuse(draw->material, draw->hit), cosine);
-    return (struct orl_scatter){.event = ORL_EVENT_GLOSSY,
-                                .direction = d,
-                                .weight =
-                                    orl_rgb_scale(gloss, out / (orl_larger(in, out) * chance))};
+        gloss_at(query->material, orl_ashikhmin_diffuse(query->material, query->hit), cosine);
+    return (struct orl_surface_sample){
+        .event = ORL_EVENT_GLOSSY,
+        .direction = d,
+        .weight = orl_rgb_scale(gloss, out / (orl_larger(in, out) * chance))};
 }
 
-struct orl_scatter orl_ashikhmin_sample(const struct orl_draw *draw, const double u[3])
+struct orl_surface_sample orl_ashikhmin_sample(const struct orl_bsdf_query *query,
+                                               const double u[3])
 {
     double diffuse, gloss;
-    weigh_parts(draw, &diffuse, &gloss);
+    weigh_parts(query, &diffuse, &gloss);
     if (!(diffuse + gloss > 0))
-        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+        return (struct orl_surface_sample){.event = ORL_EVENT_ABSORBED};
     const double chance = diffuse / (diffuse + gloss);
     if (u[2] >= chance)
-        return sample_lobe(draw, u, 1 - chance);
-    return (struct orl_scatter){
+        return sample_lobe(query, u, 1 - chance);
+    return (struct orl_surface_sample){
         .event = ORL_EVENT_DIFFUSE,
-        .direction = orl_hemisphere_about(facing(draw), u[0], u[1]),
-        .weight = orl_rgb_scale(orl_ashikhmin_diffuse(draw->material, draw->hit), 1 / chance)};
+        .direction = orl_hemisphere_about(facing(query), u[0], u[1]),
+        .weight = orl_rgb_scale(orl_ashikhmin_diffuse(query->material, query->hit), 1 / chance)};
 }
 
-double orl_ashikhmin_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+double orl_ashikhmin_pdf(const struct orl_bsdf_query *query, struct orl_vec3 towards)
 {
     double diffuse, gloss;
-    const double cosine = orl_dot(towards, facing(draw));
-    weigh_parts(draw, &diffuse, &gloss);
+    const double cosine = orl_dot(towards, facing(query));
+    weigh_parts(query, &diffuse, &gloss);
     if (!(diffuse + gloss > 0) || !(cosine > 0))
         return 0;
     double sum = diffuse * cosine / ORL_PI;
-    const struct orl_vec3 normal = orl_normal_at(draw->material, draw->hit, draw->from);
-    if (gloss > 0 && orl_dot(towards, normal) > 0 && orl_dot(draw->from, normal) > 0) {
-        const struct lobe lobe = lobe_at(draw->material, normal);
-        const struct orl_vec3 half = orl_normalize(orl_add(draw->from, towards));
-        sum += gloss * density(&lobe, half) / (4 * orl_dot(half, draw->from));
+    const struct orl_vec3 normal = orl_normal_at(query->material, query->hit, query->from);
+    if (gloss > 0 && orl_dot(towards, normal) > 0 && orl_dot(query->from, normal) > 0) {
+        const struct lobe lobe = lobe_at(query->material, normal);
+        const struct orl_vec3 half = orl_normalize(orl_add(query->from, towards));
+        sum += gloss * density(&lobe, half) / (4 * orl_dot(half, query->from));
     }
     return sum / (diffuse + gloss);
 }

@@ -6,7 +6,7 @@
 #define ORL_SCENE_MATERIAL_COLOR_AT_H
 
 #include "scene/geometry/geometry.h"
-#include "scene/material/pattern.h"
+#include "scene/material/patterns/pattern.h"
 
 /* Returns the reflectance as written, or the radiance of a light, times the pattern. */
 static inline struct orl_rgb orl_color_at(const struct orl_material *material,
@@ -18,8 +18,9 @@ static inline struct orl_rgb orl_color_at(const struct orl_material *material,
 }
 
 /* Mixture: the share of each material in the light towards that direction. Sum: both are 1. */
-static inline void orl_shares_at(const struct orl_material *material, const struct orl_hit *hit,
-                                 struct orl_vec3 towards, double ret_shares[2])
+static inline void orl_mixture_shares_at(const struct orl_material *material,
+                                         const struct orl_hit *hit, struct orl_vec3 towards,
+                                         double ret_shares[2])
 {
     ret_shares[0] = ret_shares[1] = 1;
     if (!material->mix)
@@ -29,8 +30,8 @@ static inline void orl_shares_at(const struct orl_material *material, const stru
 }
 
 /* Glass: returns the factor by which the pattern reduces the transmitted light. */
-static inline struct orl_rgb orl_left_at(const struct orl_material *material,
-                                         const struct orl_hit *hit)
+static inline struct orl_rgb orl_glass_pattern_at(const struct orl_material *material,
+                                                  const struct orl_hit *hit)
 {
     return orl_patterned(orl_gray(1), orl_pattern_at(material->pattern, hit));
 }

@@ -60,66 +60,71 @@ double orl_dielectric_reflectance(const struct orl_material *material, const str
 
 /* Radiance scales with n^2 because the solid angle changes: L / n^2 is constant. Flux is
  * unchanged. */
-static struct orl_scatter refracted(const struct orl_material *material, const struct orl_hit *hit,
-                                    struct orl_vec3 from, const struct meeting *m,
-                                    enum orl_transport transport)
+static struct orl_surface_sample refracted(const struct orl_material *material,
+                                           const struct orl_hit *hit, struct orl_vec3 from,
+                                           const struct meeting *m, enum orl_transport transport)
 {
     const double squeeze = transport == ORL_TRANSPORT_EYE ? m->ratio * m->ratio : 1;
     const bool front = orl_dot(from, hit->normal) >= 0;
-    return (struct orl_scatter){.event = ORL_EVENT_REFRACTED,
-                                .transmitted = true,
-                                .direction = m->inwards,
-                                .weight = orl_gray(m->refracted * squeeze),
-                                .clarity = medium(material, !front)->transmissivity};
+    return (struct orl_surface_sample){.event = ORL_EVENT_REFRACTED,
+                                       .transmitted = true,
+                                       .direction = m->inwards,
+                                       .weight = orl_gray(m->refracted * squeeze),
+                                       .medium_transmissivity =
+                                           medium(material, !front)->transmissivity};
 }
 
 bool orl_material_refract(const struct orl_material *material, const struct orl_hit *hit,
                           struct orl_vec3 from, enum orl_transport transport,
-                          struct orl_scatter *ret_scatter)
+                          struct orl_surface_sample *ret_sample)
 {
     if (material->kind != ORL_MATERIAL_DIELECTRIC)
         return false;
     const struct meeting m = fresnel_at_hit(material, hit, from);
     if (!(m.refracted > 0))
         return false;
-    *ret_scatter = refracted(material, hit, from, &m, transport);
+    *ret_sample = refracted(material, hit, from, &m, transport);
     return true;
 }
 
-struct orl_scatter orl_dielectric_sample(const struct orl_draw *draw, const double u[3])
+struct orl_surface_sample orl_dielectric_sample(const struct orl_bsdf_query *query,
+                                                const double u[3])
 {
-    const struct orl_vec3 normal = draw->hit->normal;
-    const struct meeting m = fresnel_at_hit(draw->material, draw->hit, draw->from);
-    const double t = draw->lobes & ORL_LOBE_TRANSMITTED ? m.refracted : 0;
-    const double r = draw->lobes & ORL_LOBE_REFLECTED ? m.reflected : 0;
+    const struct orl_vec3 normal = query->hit->normal;
+    const struct meeting m = fresnel_at_hit(query->material, query->hit, query->from);
+    const double t = query->lobes & ORL_LOBE_TRANSMITTED ? m.refracted : 0;
+    const double r = query->lobes & ORL_LOBE_REFLECTED ? m.reflected : 0;
     if (!(t + r > 0))
-        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+        return (struct orl_surface_sample){.event = ORL_EVENT_ABSORBED};
     const double p = t / (t + r);
     if (u[2] < p) {
-        struct orl_scatter s =
-            refracted(draw->material, draw->hit, draw->from, &m, draw->transport);
+        struct orl_surface_sample s =
+            refracted(query->material, query->hit, query->from, &m, query->transport);
         s.weight = orl_rgb_scale(s.weight, 1 / p);
         return s;
     }
-    const bool front = orl_dot(draw->from, normal) >= 0;
-    return (struct orl_scatter){.event = ORL_EVENT_MIRROR,
-                                .direction = orl_mirrored_at(draw->material, draw->hit, draw->from),
-                                .weight = orl_gray(r / (1 - p)),
-                                .clarity = medium(draw->material, front)->transmissivity};
+    const bool front = orl_dot(query->from, normal) >= 0;
+    return (struct orl_surface_sample){
+        .event = ORL_EVENT_MIRROR,
+        .direction = orl_mirrored_at(query->material, query->hit, query->from),
+        .weight = orl_gray(r / (1 - p)),
+        .medium_transmissivity = medium(query->material, front)->transmissivity};
 }
 
-struct orl_rgb orl_clarity_after(struct orl_rgb clarity, double distance)
+struct orl_rgb orl_medium_transmittance(struct orl_rgb medium_transmissivity, double distance)
 {
-    if (orl_is_clear(clarity))
-        return clarity;
-    return (struct orl_rgb){pow(clarity.r, distance), pow(clarity.g, distance),
-                            pow(clarity.b, distance)};
+    if (orl_medium_is_clear(medium_transmissivity))
+        return medium_transmissivity;
+    return (struct orl_rgb){pow(medium_transmissivity.r, distance),
+                            pow(medium_transmissivity.g, distance),
+                            pow(medium_transmissivity.b, distance)};
 }
 
-struct orl_rgb orl_dielectric_dimming(const struct orl_material *material,
-                                      const struct orl_hit *hit, struct orl_rgb clarity)
+struct orl_rgb orl_dielectric_transmittance(const struct orl_material *material,
+                                            const struct orl_hit *hit,
+                                            struct orl_rgb medium_transmissivity)
 {
     if (material->kind == ORL_MATERIAL_DIELECTRIC)
-        clarity = medium(material, hit->front)->transmissivity;
-    return orl_clarity_after(clarity, hit->distance);
+        medium_transmissivity = medium(material, hit->front)->transmissivity;
+    return orl_medium_transmittance(medium_transmissivity, hit->distance);
 }

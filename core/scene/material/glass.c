@@ -73,7 +73,7 @@ struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
     const struct orl_rgb through = pane_share(&pane, pane_transmittance);
     /* An illum's pattern applies to its emission, not to its transmission. */
     return material->pattern && material->kind == ORL_MATERIAL_GLASS
-               ? orl_rgb_mul(through, orl_left_at(material, hit))
+               ? orl_rgb_mul(through, orl_glass_pattern_at(material, hit))
                : through;
 }
 
@@ -84,17 +84,17 @@ struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const 
     return pane_share(&pane, pane_reflectance);
 }
 
-struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[3])
+struct orl_surface_sample orl_glass_sample(const struct orl_bsdf_query *query, const double u[3])
 {
-    const struct pane pane =
-        pane_at(draw->material, draw->hit, orl_cosine_at(draw->material, draw->hit, draw->from));
-    struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
+    const struct pane pane = pane_at(query->material, query->hit,
+                                     orl_cosine_at(query->material, query->hit, query->from));
+    struct orl_surface_sample s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb through =
-        draw->lobes & ORL_LOBE_TRANSMITTED ? pane_share(&pane, pane_transmittance) : orl_gray(0);
-    if (draw->material->pattern)
-        through = orl_rgb_mul(through, orl_left_at(draw->material, draw->hit));
+        query->lobes & ORL_LOBE_TRANSMITTED ? pane_share(&pane, pane_transmittance) : orl_gray(0);
+    if (query->material->pattern)
+        through = orl_rgb_mul(through, orl_glass_pattern_at(query->material, query->hit));
     const struct orl_rgb back =
-        draw->lobes & ORL_LOBE_REFLECTED ? pane_share(&pane, pane_reflectance) : orl_gray(0);
+        query->lobes & ORL_LOBE_REFLECTED ? pane_share(&pane, pane_reflectance) : orl_gray(0);
     const double t = orl_luma(through), r = orl_luma(back);
     if (!(t + r > 0))
         return s;
@@ -102,8 +102,8 @@ struct orl_scatter orl_glass_sample(const struct orl_draw *draw, const double u[
     const double p = t / (t + r);
     s.transmitted = u[2] < p;
     s.event = s.transmitted ? ORL_EVENT_STRAIGHT : ORL_EVENT_MIRROR;
-    s.direction = s.transmitted ? orl_neg(draw->from)
-                                : orl_mirrored_at(draw->material, draw->hit, draw->from);
+    s.direction = s.transmitted ? orl_neg(query->from)
+                                : orl_mirrored_at(query->material, query->hit, query->from);
     s.weight = s.transmitted ? orl_rgb_scale(through, 1 / p) : orl_rgb_scale(back, 1 / (1 - p));
     return s;
 }

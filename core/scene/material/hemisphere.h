@@ -4,7 +4,7 @@
 #ifndef ORL_SCENE_MATERIAL_HEMISPHERE_H
 #define ORL_SCENE_MATERIAL_HEMISPHERE_H
 
-#include "bsdf/shirley.h"
+#include "bsdf/tree/shirley.h"
 
 /* Returns the unit vector with z >= 0 for (u, v) in [0,1]^2; equal areas map to equal projected
  * solid angles. */

@@ -8,10 +8,10 @@
  */
 #include "scene/material/kinds.h"
 
-bool orl_material_shines(const struct orl_material *material)
+bool orl_material_emits(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return orl_mixture_either(material, orl_material_shines);
+        return orl_mixture_any(material, orl_material_emits);
     return orl_material_is_lamp(material) || material->kind == ORL_MATERIAL_GLOW;
 }
 
@@ -26,7 +26,7 @@ bool orl_material_is_lamp(const struct orl_material *material)
 static bool holds_glow(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return orl_mixture_either(material, holds_glow);
+        return orl_mixture_any(material, holds_glow);
     return material->kind == ORL_MATERIAL_GLOW && material->max_radius >= 0;
 }
 
@@ -35,10 +35,10 @@ bool orl_material_glows(const struct orl_material *material)
     return holds_glow(material) && !orl_material_is_lamp(material);
 }
 
-bool orl_material_beams(const struct orl_material *material, struct orl_vec3 towards)
+bool orl_spotlight_covers(const struct orl_material *material, struct orl_vec3 towards)
 {
     return material->kind != ORL_MATERIAL_SPOTLIGHT ||
-           orl_dot(towards, material->aim) >= material->cos_cone;
+           orl_dot(towards, material->beam_axis) >= material->cos_cone;
 }
 
 static struct orl_rgb mixed_emission(const struct orl_material *material, const struct orl_hit *hit,
@@ -46,7 +46,7 @@ static struct orl_rgb mixed_emission(const struct orl_material *material, const 
 {
     struct orl_rgb sum = orl_gray(0);
     double shares[2];
-    orl_shares_at(material, hit, towards, shares);
+    orl_mixture_shares_at(material, hit, towards, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
             sum = orl_rgb_add(
@@ -60,8 +60,8 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
         return mixed_emission(material, hit, towards);
-    const bool shines = orl_material_shines(material) && orl_dot(towards, hit->normal) > 0;
-    if (!shines || !orl_material_beams(material, towards))
+    const bool shines = orl_material_emits(material) && orl_dot(towards, hit->normal) > 0;
+    if (!shines || !orl_spotlight_covers(material, towards))
         return orl_gray(0);
     return material->pattern
                ? orl_rgb_mul(material->color, orl_pattern_towards(material->pattern, hit, towards))

@@ -14,8 +14,8 @@ bool orl_mixture_is_directed(const struct orl_material *material)
     return material->mix && material->mix->directed;
 }
 
-bool orl_mixture_either(const struct orl_material *material,
-                        bool (*is)(const struct orl_material *material))
+bool orl_mixture_any(const struct orl_material *material,
+                     bool (*is)(const struct orl_material *material))
 {
     return is(&material->mixed[0]) || is(&material->mixed[1]);
 }
@@ -28,36 +28,38 @@ struct question {
     enum orl_lobes lobes;
 };
 
-static struct orl_rgb query_material(const struct orl_mixed_asks *asks,
+static struct orl_rgb query_material(const struct orl_mixture_callbacks *callbacks,
                                      const struct orl_material *m, const struct orl_hit *hit,
                                      const struct question *q)
 {
     switch (q->part) {
     case DIFFUSE:
-        return asks->diffuse(m, hit);
+        return callbacks->diffuse(m, hit);
     case STRAIGHT:
-        return asks->straight(m, hit, q->from);
+        return callbacks->straight(m, hit, q->from);
     case MIRRORED:
-        return asks->mirrored(m, hit, q->from);
+        return callbacks->mirrored(m, hit, q->from);
     case ALBEDO:
-        return asks->albedo(m, hit, q->from, q->lobes);
+        return callbacks->albedo(m, hit, q->from, q->lobes);
     case LOBES:
-        return asks->lobes(m, hit, q->from, q->eye);
+        return callbacks->lobes(m, hit, q->from, q->eye);
     }
     return orl_gray(0);
 }
 
 /* Skips a material whose share is 0. */
-static struct orl_rgb sum_of(const struct orl_mixed_asks *asks, const struct orl_material *material,
-                             const struct orl_hit *hit, const struct question *q)
+static struct orl_rgb sum_of(const struct orl_mixture_callbacks *callbacks,
+                             const struct orl_material *material, const struct orl_hit *hit,
+                             const struct question *q)
 {
     double shares[2];
     struct orl_rgb sum = orl_gray(0);
-    orl_shares_at(material, hit, q->eye, shares);
+    orl_mixture_shares_at(material, hit, q->eye, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
             sum = orl_rgb_add(
-                sum, orl_rgb_scale(query_material(asks, &material->mixed[i], hit, q), shares[i]));
+                sum,
+                orl_rgb_scale(query_material(callbacks, &material->mixed[i], hit, q), shares[i]));
     return sum;
 }
 
@@ -82,49 +84,50 @@ static double turned_by(const struct orl_material *material, const struct orl_hi
     return cosine > 1e-9 ? turned / cosine : 0;
 }
 
-struct orl_rgb orl_mixture_diffuse(const struct orl_mixed_asks *asks,
+struct orl_rgb orl_mixture_diffuse(const struct orl_mixture_callbacks *callbacks,
                                    const struct orl_material *material, const struct orl_hit *hit)
 {
     if (orl_mixture_is_directed(material))
         return orl_gray(0);
-    return sum_of(asks, material, hit, &(struct question){.part = DIFFUSE, .eye = hit->normal});
+    return sum_of(callbacks, material, hit,
+                  &(struct question){.part = DIFFUSE, .eye = hit->normal});
 }
 
-struct orl_rgb orl_mixture_straight(const struct orl_mixed_asks *asks,
+struct orl_rgb orl_mixture_straight(const struct orl_mixture_callbacks *callbacks,
                                     const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from)
 {
-    return sum_of(asks, material, hit,
+    return sum_of(callbacks, material, hit,
                   &(struct question){.part = STRAIGHT, .from = from, .eye = from});
 }
 
-struct orl_rgb orl_mixture_mirrored(const struct orl_mixed_asks *asks,
+struct orl_rgb orl_mixture_mirrored(const struct orl_mixture_callbacks *callbacks,
                                     const struct orl_material *material, const struct orl_hit *hit,
                                     struct orl_vec3 from)
 {
-    return sum_of(asks, material, hit,
+    return sum_of(callbacks, material, hit,
                   &(struct question){.part = MIRRORED, .from = from, .eye = from});
 }
 
-struct orl_rgb orl_mixture_albedo(const struct orl_mixed_asks *asks,
+struct orl_rgb orl_mixture_albedo(const struct orl_mixture_callbacks *callbacks,
                                   const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 light, enum orl_lobes lobes)
 {
     const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
-    return sum_of(asks, material, hit, &(struct question){ALBEDO, light, light, within});
+    return sum_of(callbacks, material, hit, &(struct question){ALBEDO, light, light, within});
 }
 
-struct orl_rgb orl_mixture_lobes(const struct orl_mixed_asks *asks,
+struct orl_rgb orl_mixture_lobes(const struct orl_mixture_callbacks *callbacks,
                                  const struct orl_material *material, const struct orl_hit *hit,
                                  struct orl_vec3 light, struct orl_vec3 eye)
 {
     const struct question lobes = {LOBES, light, eye, ORL_LOBE_ALL};
-    const struct orl_rgb sum = sum_of(asks, material, hit, &lobes);
+    const struct orl_rgb sum = sum_of(callbacks, material, hit, &lobes);
     if (!orl_mixture_is_directed(material) ||
         !(orl_dot(light, hit->normal) * orl_dot(eye, hit->normal) > 0))
         return sum;
     const struct orl_rgb even =
-        sum_of(asks, material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
+        sum_of(callbacks, material, hit, &(struct question){.part = DIFFUSE, .eye = eye});
     return orl_rgb_add(sum, orl_rgb_scale(even, turned_by(material, hit, light, eye) / ORL_PI));
 }
 
@@ -133,62 +136,63 @@ struct orl_rgb orl_mixture_lobes(const struct orl_mixed_asks *asks,
  * anything. Shares that depend on an outgoing direction which is not known yet are averaged with
  * 1/2.
  */
-static bool weigh_materials(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
-                            enum orl_lobes within, double ret_shares[2], double *ret_chance)
+static bool weigh_materials(const struct orl_mixture_callbacks *callbacks,
+                            const struct orl_bsdf_query *query, enum orl_lobes within,
+                            double ret_shares[2], double *ret_chance)
 {
-    const struct orl_material *const m = draw->material;
-    const bool unknown = orl_mixture_is_directed(m) && draw->transport == ORL_TRANSPORT_LIGHT;
+    const struct orl_material *const m = query->material;
+    const bool unknown = orl_mixture_is_directed(m) && query->transport == ORL_TRANSPORT_LIGHT;
     double sent[2];
-    orl_shares_at(m, draw->hit, draw->from, ret_shares);
+    orl_mixture_shares_at(m, query->hit, query->from, ret_shares);
     for (int i = 0; i < 2; i++) {
         sent[i] = unknown ? (ret_shares[i] + 0.5) / 2 : ret_shares[i];
         if (sent[i] > 0)
-            sent[i] *= orl_luma(asks->albedo(&m->mixed[i], draw->hit, draw->from, within));
+            sent[i] *= orl_luma(callbacks->albedo(&m->mixed[i], query->hit, query->from, within));
     }
     *ret_chance = sent[0] / (sent[0] + sent[1]);
     return sent[0] + sent[1] > 0;
 }
 
-struct orl_scatter orl_mixture_sample(const struct orl_mixed_asks *asks,
-                                      const struct orl_draw *draw, const double u[3])
+struct orl_surface_sample orl_mixture_sample(const struct orl_mixture_callbacks *callbacks,
+                                             const struct orl_bsdf_query *query, const double u[3])
 {
-    const struct orl_material *const m = draw->material;
-    const enum orl_lobes within = orl_mixture_lobes_within(m, draw->lobes);
+    const struct orl_material *const m = query->material;
+    const enum orl_lobes within = orl_mixture_lobes_within(m, query->lobes);
     double shares[2], first;
-    if (!weigh_materials(asks, draw, within, shares, &first))
-        return (struct orl_scatter){.event = ORL_EVENT_ABSORBED};
+    if (!weigh_materials(callbacks, query, within, shares, &first))
+        return (struct orl_surface_sample){.event = ORL_EVENT_ABSORBED};
     const int which = u[2] < first ? 0 : 1;
     const double chance = which == 0 ? first : 1 - first;
     const double left = which == 0 ? u[2] / first : (u[2] - first) / (1 - first);
     const double rest[3] = {u[0], u[1], orl_smaller(left, 1 - 0x1p-53)};
-    struct orl_scatter s =
-        asks->sample(&m->mixed[which], draw->hit, draw->from, draw->transport, within, rest);
+    struct orl_surface_sample s = callbacks->sample(&m->mixed[which], query->hit, query->from,
+                                                    query->transport, within, rest);
     if (s.event == ORL_EVENT_ABSORBED)
         return s;
-    const bool backwards = draw->transport == ORL_TRANSPORT_EYE;
-    const struct orl_vec3 eye = backwards ? draw->from : s.direction;
-    const struct orl_vec3 light = backwards ? s.direction : draw->from;
+    const bool backwards = query->transport == ORL_TRANSPORT_EYE;
+    const struct orl_vec3 eye = backwards ? query->from : s.direction;
+    const struct orl_vec3 light = backwards ? s.direction : query->from;
     if (orl_mixture_is_directed(m) && !backwards)
-        orl_shares_at(m, draw->hit, eye, shares);
+        orl_mixture_shares_at(m, query->hit, eye, shares);
     s.weight = orl_rgb_scale(s.weight, shares[which] / chance);
     if (orl_mixture_is_directed(m) && s.event == ORL_EVENT_DIFFUSE) {
         s.event = ORL_EVENT_GLOSSY;
-        s.weight = orl_rgb_scale(s.weight, turned_by(m, draw->hit, light, eye));
+        s.weight = orl_rgb_scale(s.weight, turned_by(m, query->hit, light, eye));
     }
     return s;
 }
 
-double orl_mixture_pdf(const struct orl_mixed_asks *asks, const struct orl_draw *draw,
-                       struct orl_vec3 towards)
+double orl_mixture_pdf(const struct orl_mixture_callbacks *callbacks,
+                       const struct orl_bsdf_query *query, struct orl_vec3 towards)
 {
-    const enum orl_lobes within = orl_mixture_lobes_within(draw->material, draw->lobes);
+    const enum orl_lobes within = orl_mixture_lobes_within(query->material, query->lobes);
     double shares[2], first, sum = 0;
-    if (!weigh_materials(asks, draw, within, shares, &first))
+    if (!weigh_materials(callbacks, query, within, shares, &first))
         return 0;
     const double chances[2] = {first, 1 - first};
     for (int i = 0; i < 2; i++)
         if (chances[i] > 0)
-            sum += chances[i] * asks->pdf(&draw->material->mixed[i], draw->hit, draw->from,
-                                          draw->transport, within, towards);
+            sum += chances[i] * callbacks->pdf(&query->material->mixed[i], query->hit, query->from,
+                                               query->transport, within, towards);
     return sum;
 }

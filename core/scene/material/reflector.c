@@ -1,6 +1,6 @@
 #include "scene/material/kinds.h"
 
-#include "base/vectors.h"
+#include "base/multiversion.h"
 #include "scene/material/hemisphere.h"
 #include "scene/material/ward.h"
 
@@ -19,7 +19,8 @@ static bool is_rough(const struct orl_material *material)
 struct orl_rgb orl_reflector_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
     const double share = 1.0 - material->specular;
-    if (material->side != ORL_EVENLY_BOTH && hit->front != (material->side == ORL_EVENLY_FRONT))
+    if (material->diffuse_side != ORL_DIFFUSE_SIDE_BOTH &&
+        hit->front != (material->diffuse_side == ORL_DIFFUSE_SIDE_FRONT))
         return orl_gray(0);
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_rgb_scale(orl_color_at(material, hit), share);
@@ -34,7 +35,7 @@ struct orl_rgb orl_reflector_specular(const struct orl_material *material,
     return orl_gray(material->specular);
 }
 
-struct orl_rgb orl_trans_spread(const struct orl_material *material, const struct orl_hit *hit)
+struct orl_rgb orl_trans_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_gray(0);
@@ -64,7 +65,7 @@ static void parts_of(const struct orl_material *m, const struct orl_hit *hit, en
     ret_luma[SPREAD] = ret_luma[STRAIGHT] = 0;
     if (m->kind != ORL_MATERIAL_TRANS || !(lobes & ORL_LOBE_TRANSMITTED))
         return;
-    ret_part[SPREAD] = orl_trans_spread(m, hit);
+    ret_part[SPREAD] = orl_trans_diffuse(m, hit);
     ret_part[STRAIGHT] = orl_trans_straight(m, hit);
     ret_luma[SPREAD] = orl_luma(ret_part[SPREAD]);
     ret_luma[STRAIGHT] = orl_luma(ret_part[STRAIGHT]);
@@ -100,11 +101,11 @@ static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
 }
 
 /* Sets event and direction; returns f cos / pdf of the part alone, 0 if the light is lost. */
-static double sample_part(struct orl_scatter *s, enum part part, const struct orl_draw *draw,
-                          const double u[2])
+static double sample_part(struct orl_surface_sample *s, enum part part,
+                          const struct orl_bsdf_query *query, const double u[2])
 {
-    const struct orl_material *m = draw->material;
-    const struct orl_vec3 from = draw->from, normal = facing(draw->hit, from);
+    const struct orl_material *m = query->material;
+    const struct orl_vec3 from = query->from, normal = facing(query->hit, from);
     double weight = 1;
     s->transmitted = part == SPREAD || part == STRAIGHT;
     if (part == DIFFUSE || part == SPREAD) {
@@ -114,11 +115,11 @@ static double sample_part(struct orl_scatter *s, enum part part, const struct or
     }
     if (!is_rough(m)) {
         s->event = part == SPECULAR ? ORL_EVENT_MIRROR : ORL_EVENT_STRAIGHT;
-        s->direction = part == SPECULAR ? orl_mirrored_at(m, draw->hit, from) : orl_neg(from);
+        s->direction = part == SPECULAR ? orl_mirrored_at(m, query->hit, from) : orl_neg(from);
         return 1;
     }
     const struct orl_ward ward =
-        orl_ward_at(m, draw->hit, part == SPECULAR ? orl_normal_at(m, draw->hit, from) : normal);
+        orl_ward_at(m, query->hit, part == SPECULAR ? orl_normal_at(m, query->hit, from) : normal);
     if (part == SPECULAR ? orl_ward_sample_reflected(&ward, from, u, &s->direction, &weight) &&
                                orl_dot(s->direction, normal) > 0
                          : orl_ward_sample_transmitted(&ward, from, u, &s->direction, &weight))
@@ -126,23 +127,23 @@ static double sample_part(struct orl_scatter *s, enum part part, const struct or
     return weight;
 }
 
-bool orl_reflector_is_matt(const struct orl_draw *draw)
+bool orl_reflector_is_matt(const struct orl_bsdf_query *query)
 {
-    return orl_material_is_matt(draw->material) && draw->lobes & ORL_LOBE_DIFFUSE &&
-           draw->material->side == ORL_EVENLY_BOTH &&
-           orl_luma(orl_color_at(draw->material, draw->hit)) > 0;
+    return orl_material_is_matt(query->material) && query->lobes & ORL_LOBE_DIFFUSE &&
+           query->material->diffuse_side == ORL_DIFFUSE_SIDE_BOTH &&
+           orl_luma(orl_color_at(query->material, query->hit)) > 0;
 }
 
 /* Directions about normals, in columns for vector instructions. */
 struct turns {
-    double normals[3][ORL_MATTS_ABREAST], points[2][ORL_MATTS_ABREAST];
-    double directions[3][ORL_MATTS_ABREAST];
+    double normals[3][ORL_MATT_SAMPLES_MAX], points[2][ORL_MATT_SAMPLES_MAX];
+    double directions[3][ORL_MATT_SAMPLES_MAX];
 };
 
 ORL_FOR_WIDE_VECTORS
 static void turn_about(struct turns *t)
 {
-    for (int i = 0; i < ORL_MATTS_ABREAST; i++) {
+    for (int i = 0; i < ORL_MATT_SAMPLES_MAX; i++) {
         const struct orl_vec3 normal = orl_v3(t->normals[0][i], t->normals[1][i], t->normals[2][i]);
         const struct orl_vec3 d = orl_hemisphere_about(normal, t->points[0][i], t->points[1][i]);
         t->directions[0][i] = d.x;
@@ -151,15 +152,15 @@ static void turn_about(struct turns *t)
     }
 }
 
-void orl_reflector_sample_matts(const struct orl_draw *draws, const double (*u)[3],
-                                const size_t *which, size_t n, struct orl_scatter *ret)
+void orl_reflector_sample_matt_many(const struct orl_bsdf_query *queries, const double (*u)[3],
+                                    const size_t *which, size_t n, struct orl_surface_sample *ret)
 {
     struct turns t = {.normals = {{0}}};
     if (n == 0)
         return;
     for (size_t i = 0; i < n; i++) {
-        const struct orl_draw *draw = &draws[which[i]];
-        const struct orl_vec3 normal = facing(draw->hit, draw->from);
+        const struct orl_bsdf_query *query = &queries[which[i]];
+        const struct orl_vec3 normal = facing(query->hit, query->from);
         t.normals[0][i] = normal.x;
         t.normals[1][i] = normal.y;
         t.normals[2][i] = normal.z;
@@ -168,55 +169,56 @@ void orl_reflector_sample_matts(const struct orl_draw *draws, const double (*u)[
     }
     turn_about(&t);
     for (size_t i = 0; i < n; i++) {
-        const struct orl_draw *draw = &draws[which[i]];
-        ret[which[i]] = (struct orl_scatter){
+        const struct orl_bsdf_query *query = &queries[which[i]];
+        ret[which[i]] = (struct orl_surface_sample){
             .event = ORL_EVENT_DIFFUSE,
             .direction = orl_v3(t.directions[0][i], t.directions[1][i], t.directions[2][i]),
-            .weight = orl_reflector_diffuse(draw->material, draw->hit)};
+            .weight = orl_reflector_diffuse(query->material, query->hit)};
     }
 }
 
-struct orl_scatter orl_reflector_sample(const struct orl_draw *draw, const double u[3])
+struct orl_surface_sample orl_reflector_sample(const struct orl_bsdf_query *query,
+                                               const double u[3])
 {
-    struct orl_scatter s = {.event = ORL_EVENT_ABSORBED};
+    struct orl_surface_sample s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb parts[PARTS];
     double luma[PARTS], chance;
     /* Fast path for most surfaces of a room, which are only diffuse. */
-    if (orl_reflector_is_matt(draw)) {
+    if (orl_reflector_is_matt(query)) {
         s.event = ORL_EVENT_DIFFUSE;
-        s.direction = orl_hemisphere_about(facing(draw->hit, draw->from), u[0], u[1]);
-        s.weight = orl_reflector_diffuse(draw->material, draw->hit);
+        s.direction = orl_hemisphere_about(facing(query->hit, query->from), u[0], u[1]);
+        s.weight = orl_reflector_diffuse(query->material, query->hit);
         return s;
     }
-    parts_of(draw->material, draw->hit, draw->lobes, parts, luma);
+    parts_of(query->material, query->hit, query->lobes, parts, luma);
     if (!(luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT] > 0))
         return s;
     const enum part part = choose_part(luma, u[2], &chance);
-    const double weight = sample_part(&s, part, draw, u);
+    const double weight = sample_part(&s, part, query, u);
     s.weight = orl_rgb_scale(parts[part], weight / chance);
     return s;
 }
 
-double orl_reflector_pdf(const struct orl_draw *draw, struct orl_vec3 towards)
+double orl_reflector_pdf(const struct orl_bsdf_query *query, struct orl_vec3 towards)
 {
-    const struct orl_vec3 normal = facing(draw->hit, draw->from);
+    const struct orl_vec3 normal = facing(query->hit, query->from);
     const double cosine = orl_dot(towards, normal);
-    const bool rough = is_rough(draw->material);
+    const bool rough = is_rough(query->material);
     struct orl_rgb parts[PARTS];
     double luma[PARTS], sum = 0;
-    parts_of(draw->material, draw->hit, draw->lobes, parts, luma);
+    parts_of(query->material, query->hit, query->lobes, parts, luma);
     const double total = luma[DIFFUSE] + luma[SPECULAR] + luma[SPREAD] + luma[STRAIGHT];
     if (!(total > 0))
         return 0;
     sum += luma[cosine > 0 ? DIFFUSE : SPREAD] * fabs(cosine) / ORL_PI;
     if (rough && cosine > 0 && luma[SPECULAR] > 0) {
         const struct orl_ward ward = orl_ward_at(
-            draw->material, draw->hit, orl_normal_at(draw->material, draw->hit, draw->from));
-        sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, draw->from, towards);
+            query->material, query->hit, orl_normal_at(query->material, query->hit, query->from));
+        sum += luma[SPECULAR] * orl_ward_pdf_reflected(&ward, query->from, towards);
     }
     if (rough && cosine < 0 && luma[STRAIGHT] > 0) {
-        const struct orl_ward ward = orl_ward_at(draw->material, draw->hit, normal);
-        sum += luma[STRAIGHT] * orl_ward_pdf_transmitted(&ward, draw->from, towards);
+        const struct orl_ward ward = orl_ward_at(query->material, query->hit, normal);
+        sum += luma[STRAIGHT] * orl_ward_pdf_transmitted(&ward, query->from, towards);
     }
     return sum / total;
 }
@@ -226,19 +228,19 @@ static bool is_part(struct orl_rgb (*part)(const struct orl_material *material,
                                            const struct orl_hit *hit),
                     const struct orl_material *material)
 {
-    const struct orl_hit hit = orl_hit_anywhere(orl_v3(0, 0, 1), true);
+    const struct orl_hit hit = orl_hit_surface_mean(orl_v3(0, 0, 1), true);
     return orl_rgb_max(part(material, &hit)) > 0;
 }
 
 bool orl_trans_transmits(const struct orl_material *material)
 {
-    return is_part(orl_trans_spread, material) || is_part(orl_trans_straight, material);
+    return is_part(orl_trans_diffuse, material) || is_part(orl_trans_straight, material);
 }
 
 bool orl_reflector_transmits_lobes(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_TRANS &&
-           (is_part(orl_trans_spread, material) ||
+           (is_part(orl_trans_diffuse, material) ||
             (is_rough(material) && is_part(orl_trans_straight, material)));
 }
 
@@ -277,7 +279,7 @@ struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const st
     }
     if (!(cos_light * cos_eye < 0) || material->kind != ORL_MATERIAL_TRANS)
         return sum;
-    sum = orl_rgb_scale(orl_trans_spread(material, hit), 1 / ORL_PI);
+    sum = orl_rgb_scale(orl_trans_diffuse(material, hit), 1 / ORL_PI);
     if (is_rough(material)) {
         const struct orl_ward ward = orl_ward_at(material, hit, hit->normal);
         sum = orl_rgb_add(sum, orl_rgb_scale(orl_trans_straight(material, hit),

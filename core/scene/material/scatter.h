@@ -42,11 +42,11 @@
 #ifndef ORL_SCENE_MATERIAL_SCATTER_H
 #define ORL_SCENE_MATERIAL_SCATTER_H
 
-#include "base/random.h"
+#include "base/sampling/random.h"
 #include "scene/geometry/geometry.h"
-#include "scene/material/own.h"
+#include "scene/material/function_brdf/function_brdf.h"
 
-enum orl_event {
+enum orl_scatter_event {
     ORL_EVENT_ABSORBED,
     ORL_EVENT_DIFFUSE,   /* Lambertian reflection */
     ORL_EVENT_GLOSSY,    /* a lobe, reflected or transmitted */
@@ -55,13 +55,13 @@ enum orl_event {
     ORL_EVENT_REFRACTED, /* into another medium, or deviated by a prism */
 };
 
-struct orl_scatter {
-    enum orl_event event;
+struct orl_surface_sample {
+    enum orl_scatter_event event;
     bool transmitted;
     struct orl_vec3 direction;
     struct orl_rgb weight; /* f |cos| / pdf, including the probability of the chosen lobe */
-    struct orl_rgb
-        clarity; /* dielectrics: transmissivity per unit of length of the medium entered */
+    struct orl_rgb medium_transmissivity; /* dielectrics: transmissivity per unit of length of the
+                                             medium entered */
 };
 
 /* LIGHT: along with photons ("from" is towards the light). EYE: against the light (eye paths). */
@@ -81,20 +81,20 @@ enum orl_lobes {
 
 /* Samples the next event. The outcome is ABSORBED if no lobe is allowed, or with the probability of
  * absorption. */
-struct orl_scatter orl_scatter_sample(const struct orl_material *material,
-                                      const struct orl_hit *hit, struct orl_vec3 from,
-                                      enum orl_transport transport, enum orl_lobes lobes,
-                                      struct orl_random *random);
+struct orl_surface_sample orl_material_sample(const struct orl_material *material,
+                                              const struct orl_hit *hit, struct orl_vec3 from,
+                                              enum orl_transport transport, enum orl_lobes lobes,
+                                              struct orl_random *random);
 
-/* orl_scatter_sample from three given numbers in [0,1), which may come from a low-discrepancy
+/* orl_material_sample from three given numbers in [0,1), which may come from a low-discrepancy
  * sequence. */
-struct orl_scatter orl_scatter_sample_at(const struct orl_material *material,
-                                         const struct orl_hit *hit, struct orl_vec3 from,
-                                         enum orl_transport transport, enum orl_lobes lobes,
-                                         const double u[3]);
+struct orl_surface_sample orl_material_sample_at(const struct orl_material *material,
+                                                 const struct orl_hit *hit, struct orl_vec3 from,
+                                                 enum orl_transport transport, enum orl_lobes lobes,
+                                                 const double u[3]);
 
 /* Arguments of one sample. */
-struct orl_draw {
+struct orl_bsdf_query {
     const struct orl_material *material;
     const struct orl_hit *hit;
     struct orl_vec3 from;
@@ -102,25 +102,25 @@ struct orl_draw {
     enum orl_lobes lobes;
 };
 
-/* orl_scatter_sample_at for many draws. Draws of BSDFs are faster this way (oriel/bsdf.h). */
-void orl_scatter_sample_many(const struct orl_draw *draws, const double (*u)[3], size_t n,
-                             struct orl_scatter *ret_scatters);
+/* orl_material_sample_at for many draws. Draws of BSDFs are faster this way (oriel/bsdf/bsdf.h). */
+void orl_material_sample_many(const struct orl_bsdf_query *queries, const double (*u)[3], size_t n,
+                              struct orl_surface_sample *ret_samples);
 
 /*
- * Returns the pdf, per steradian, with which orl_scatter_sample samples a direction by parts of
+ * Returns the pdf, per steradian, with which orl_material_sample samples a direction by parts of
  * finite width, diffuse reflection included; specular parts do not count.
  */
-double orl_scatter_pdf(const struct orl_material *material, const struct orl_hit *hit,
-                       struct orl_vec3 from, enum orl_transport transport, enum orl_lobes lobes,
-                       struct orl_vec3 towards);
+double orl_material_pdf(const struct orl_material *material, const struct orl_hit *hit,
+                        struct orl_vec3 from, enum orl_transport transport, enum orl_lobes lobes,
+                        struct orl_vec3 towards);
 
 /*
  * Returns f of the lobes, in 1/sr, for light arriving from "light" and leaving towards "eye",
  * without the diffuse and specular parts.
  */
-struct orl_rgb orl_scatter_eval_lobes(const struct orl_material *material,
-                                      const struct orl_hit *hit, struct orl_vec3 light,
-                                      struct orl_vec3 eye);
+struct orl_rgb orl_material_eval_lobes(const struct orl_material *material,
+                                       const struct orl_hit *hit, struct orl_vec3 light,
+                                       struct orl_vec3 eye);
 
 /* Lambertian reflectance, equal on both sides; 0 except for plastic, metal and trans. */
 struct orl_rgb orl_material_diffuse(const struct orl_material *material, const struct orl_hit *hit);
@@ -132,7 +132,7 @@ static inline bool orl_material_is_matt(const struct orl_material *material)
            material->specular == 0;
 }
 
-/* Return true if orl_scatter_eval_lobes may be non-zero: on any side, or in transmission. */
+/* Return true if orl_material_eval_lobes may be non-zero: on any side, or in transmission. */
 bool orl_material_has_lobes(const struct orl_material *material);
 bool orl_material_transmits_lobes(const struct orl_material *material);
 
@@ -154,50 +154,54 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
  */
 bool orl_material_refract(const struct orl_material *material, const struct orl_hit *hit,
                           struct orl_vec3 from, enum orl_transport transport,
-                          struct orl_scatter *ret_scatter);
+                          struct orl_surface_sample *ret_sample);
 
 /* Returns true if transmitted light is deviated. */
-static inline bool orl_material_bends(const struct orl_material *material)
+static inline bool orl_material_deviates(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_DIELECTRIC || material->kind == ORL_MATERIAL_PRISM;
 }
 
 /* Finds all deviated ways to or from that direction, as orl_material_refract does; returns their
  * number. */
-int orl_material_bent_ways(const struct orl_material *material, const struct orl_hit *hit,
-                           struct orl_vec3 from, enum orl_transport transport,
-                           struct orl_scatter ret_scatters[ORL_PRISM_WAYS]);
+int orl_material_deviated_rays(const struct orl_material *material, const struct orl_hit *hit,
+                               struct orl_vec3 from, enum orl_transport transport,
+                               struct orl_surface_sample ret_samples[ORL_PRISM_RAYS]);
 
 /*
- * Absorption by Beer's law. clarity: transmissivity per unit of length of the path's medium. A path
- * starts with clarity 1 (air); behind a dielectric it takes the scatter's. When it hits a
- * dielectric, that surface's medium overrides it: a path that started under water is dimmed when it
- * leaves the water.
+ * Absorption by Beer's law. medium transmissivity: transmissivity per unit of length of the path's
+ * medium. A path starts with medium transmissivity 1 (air); behind a dielectric it takes the
+ * scatter's. When it hits a dielectric, that surface's medium overrides it: a path that started
+ * under water is dimmed when it leaves the water.
  */
-struct orl_rgb orl_clarity_after(struct orl_rgb clarity, double distance);
-struct orl_rgb orl_dielectric_dimming(const struct orl_material *material,
-                                      const struct orl_hit *hit, struct orl_rgb clarity);
+struct orl_rgb orl_medium_transmittance(struct orl_rgb medium_transmissivity, double distance);
+struct orl_rgb orl_dielectric_transmittance(const struct orl_material *material,
+                                            const struct orl_hit *hit,
+                                            struct orl_rgb medium_transmissivity);
 
-static inline bool orl_is_clear(struct orl_rgb clarity)
+static inline bool orl_medium_is_clear(struct orl_rgb medium_transmissivity)
 {
-    return clarity.r == 1 && clarity.g == 1 && clarity.b == 1;
+    return medium_transmissivity.r == 1 && medium_transmissivity.g == 1 &&
+           medium_transmissivity.b == 1;
 }
 
 /* Share of light left after the path to this hit. */
-static inline struct orl_rgb orl_material_dimming(const struct orl_material *material,
-                                                  const struct orl_hit *hit, struct orl_rgb clarity)
+static inline struct orl_rgb orl_hit_transmittance(const struct orl_material *material,
+                                                   const struct orl_hit *hit,
+                                                   struct orl_rgb medium_transmissivity)
 {
-    if (material->kind != ORL_MATERIAL_DIELECTRIC && orl_is_clear(clarity))
+    if (material->kind != ORL_MATERIAL_DIELECTRIC && orl_medium_is_clear(medium_transmissivity))
         return orl_gray(1);
-    return orl_dielectric_dimming(material, hit, clarity);
+    return orl_dielectric_transmittance(material, hit, medium_transmissivity);
 }
 
 /* Clarity of the path after the scatter. */
-static inline struct orl_rgb orl_scatter_clarity(const struct orl_material *material,
-                                                 const struct orl_scatter *scatter,
-                                                 struct orl_rgb clarity)
+static inline struct orl_rgb orl_medium_after_sample(const struct orl_material *material,
+                                                     const struct orl_surface_sample *sample,
+                                                     struct orl_rgb medium_transmissivity)
 {
-    return material->kind == ORL_MATERIAL_DIELECTRIC ? scatter->clarity : clarity;
+    return material->kind == ORL_MATERIAL_DIELECTRIC ? sample->medium_transmissivity
+                                                     : medium_transmissivity;
 }
 
 /*
@@ -211,12 +215,12 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
 bool orl_material_is_window(const struct orl_material *material);
 
 /*
- * orl_material_shines: the material emits. _is_lamp: its light is sampled directly (light,
+ * orl_material_emits: the material emits. _is_lamp: its light is sampled directly (light,
  * spotlight, illum, glow with a radius). _glows: it is found only by paths that hit it (glow of
  * radius 0, and in mixtures). Glow with a negative radius emits only towards views. The size of a
  * radius has no effect: no light is left out for its distance.
  */
-bool orl_material_shines(const struct orl_material *material);
+bool orl_material_emits(const struct orl_material *material);
 bool orl_material_is_lamp(const struct orl_material *material);
 bool orl_material_glows(const struct orl_material *material);
 
@@ -227,10 +231,10 @@ static inline bool orl_material_radiance_varies(const struct orl_material *mater
 }
 
 /* Returns true if that direction, away from the surface, is within its beam: spotlights. */
-bool orl_material_beams(const struct orl_material *material, struct orl_vec3 towards);
+bool orl_spotlight_covers(const struct orl_material *material, struct orl_vec3 towards);
 
 /* Irradiance of a spotlight at that distance, relative to a lamp without a focus. */
-static inline double orl_spot_spread(double focus, double distance)
+static inline double orl_spotlight_falloff(double focus, double distance)
 {
     const double share = distance / (distance + focus);
     return share * share;
@@ -246,6 +250,6 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
 /* Returns the frame of a BSDF surface: z the front normal, y the projected up. */
 struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_vec3 normal);
 /* Returns true if a BSDF material has only its data: no diffuse additions, no straight part. */
-bool orl_panel_is_data_alone(const struct orl_material *material);
+bool orl_bsdf_surface_is_data_only(const struct orl_material *material);
 
 #endif

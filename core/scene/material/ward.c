@@ -1,6 +1,6 @@
 #include "scene/material/ward.h"
 
-#include "scene/material/pattern.h"
+#include "scene/material/patterns/pattern.h"
 
 static double square(double x)
 {
@@ -9,30 +9,30 @@ static double square(double x)
 
 static double rough_by(double factor, double roughness)
 {
-    return fmin(fmax(factor * roughness, ORL_WARD_LEAST), 1);
+    return fmin(fmax(factor * roughness, ORL_WARD_MIN_ROUGHNESS), 1);
 }
 
 struct orl_ward orl_ward_at(const struct orl_material *material, const struct orl_hit *hit,
                             struct orl_vec3 normal)
 {
     double along = material->roughness[0], across = material->roughness[1];
-    if (material->rough) {
-        const struct orl_rgb factors = orl_pattern_at(material->rough, hit);
+    if (material->roughness_pattern) {
+        const struct orl_rgb factors = orl_pattern_at(material->roughness_pattern, hit);
         along = rough_by(factors.r, along);
         across = rough_by(factors.g, across);
     }
     struct orl_ward ward = {
-        .normal = normal, .along = along, .across = across, .round = along == across};
-    if (ward.round)
+        .normal = normal, .along = along, .across = across, .isotropic = along == across};
+    if (ward.isotropic)
         return ward;
     const struct orl_vec3 flat =
-        orl_madd(material->grain, normal, -orl_dot(material->grain, normal));
-    if (!(orl_length(flat) > 1e-9 * orl_length(material->grain))) {
+        orl_madd(material->anisotropy_axis, normal, -orl_dot(material->anisotropy_axis, normal));
+    if (!(orl_length(flat) > 1e-9 * orl_length(material->anisotropy_axis))) {
         ward.along = ward.across = sqrt(0.5 * (along * along + across * across));
-        ward.round = true;
+        ward.isotropic = true;
         return ward;
     }
-    ward.grain = orl_normalize(flat);
+    ward.anisotropy_axis = orl_normalize(flat);
     return ward;
 }
 
@@ -47,11 +47,11 @@ static struct half half_of(const struct orl_ward *ward, struct orl_vec3 a, struc
 {
     const struct orl_vec3 h = orl_add(a, b);
     const double h2 = orl_dot(h, h), hn = orl_dot(h, ward->normal), hn2 = hn * hn;
-    if (ward->round)
+    if (ward->isotropic)
         return (struct half){h2, hn,
                              exp(-(fmax(0, (h2 - hn2) / hn2)) / (ward->along * ward->along))};
-    const double x = orl_dot(h, ward->grain);
-    const double y = orl_dot(h, orl_cross(ward->normal, ward->grain));
+    const double x = orl_dot(h, ward->anisotropy_axis);
+    const double y = orl_dot(h, orl_cross(ward->normal, ward->anisotropy_axis));
     return (struct half){h2, hn, exp(-(square(x / ward->along) + square(y / ward->across)) / hn2)};
 }
 
@@ -64,9 +64,10 @@ double orl_ward_reflected(const struct orl_ward *ward, struct orl_vec3 a, struct
 
 static struct orl_frame frame_of(const struct orl_ward *ward)
 {
-    if (ward->round)
+    if (ward->isotropic)
         return orl_frame_about(ward->normal);
-    return (struct orl_frame){ward->grain, orl_cross(ward->normal, ward->grain), ward->normal};
+    return (struct orl_frame){ward->anisotropy_axis, orl_cross(ward->normal, ward->anisotropy_axis),
+                              ward->normal};
 }
 
 bool orl_ward_sample_reflected(const struct orl_ward *ward, struct orl_vec3 from, const double u[2],

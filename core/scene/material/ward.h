@@ -26,16 +26,17 @@
 
 /* Roughness of a material at a hit. */
 struct orl_ward {
-    struct orl_vec3 normal, grain; /* grain: unit, in the surface; unused if isotropic */
-    double along, across;          /* rms slopes */
-    bool round;
+    struct orl_vec3 normal,
+        anisotropy_axis;  /* anisotropy axis: unit, in the surface; unused if isotropic */
+    double along, across; /* rms slopes */
+    bool isotropic;
 };
 
 /* Lower bound of a roughness from a function: a twentieth of a degree. */
-#define ORL_WARD_LEAST 0.001
+#define ORL_WARD_MIN_ROUGHNESS 0.001
 
-/* The grain is projected into the surface. If it is along the normal, both roughnesses are
- * averaged. */
+/* The anisotropy axis is projected into the surface. If it is along the normal, both roughnesses
+ * are averaged. */
 struct orl_ward orl_ward_at(const struct orl_material *material, const struct orl_hit *hit,
                             struct orl_vec3 normal);
 

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
 
 void orl_lexer_init(struct orl_lexer *lexer, const char *file, const char *text, size_t size)
 {

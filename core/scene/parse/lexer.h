@@ -13,8 +13,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/error.h>
-#include <oriel/limits.h>
+#include <oriel/base/error.h>
+#include <oriel/base/limits.h>
 
 struct orl_lexer {
     const char *at, *end;

@@ -3,12 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "scene/parse/compiled.h"
-#include "scene/parse/luminaires.h"
-#include "scene/parse/markers.h"
-#include "scene/parse/objects.h"
+#include "scene/parse/command/markers.h"
+#include "scene/parse/instance/compiled.h"
+#include "scene/parse/luminaire/luminaires.h"
+#include "scene/parse/mesh/mesh_import.h"
 #include "scene/placements.h"
 
 static bool is_function_file(const char *file)
@@ -124,7 +124,7 @@ int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, co
         if (code == ORL_ERR_UNSUPPORTED && !parser->cut_short)
             code = record_refusal(parser, &lexer, command, err);
         if (code == 0)
-            code = orl_parser_heed_cancel(parser, err);
+            code = orl_parser_check_cancel(parser, err);
     }
     return code;
 }
@@ -146,10 +146,10 @@ static int read_luminaire(struct orl_parser *parser, const struct orl_scope *sco
 int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_file *file, struct orl_error *err)
 {
-    const enum orl_object_kind kind = orl_object_kind_of(scope->file, file);
-    if (kind == ORL_OBJECT_IES)
+    const enum orl_import_kind kind = orl_import_kind_of(scope->file, file);
+    if (kind == ORL_IMPORT_IES)
         return read_luminaire(parser, scope, file, err);
-    return kind != ORL_OBJECT_NONE ? orl_parser_object(parser, scope, file, kind, err)
+    return kind != ORL_IMPORT_NONE ? orl_parser_import_mesh(parser, scope, file, kind, err)
                                    : orl_parser_read(parser, scope, file->data, file->size, 0, err);
 }
 
@@ -207,12 +207,12 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
 }
 
 /* Lists the files that were read, and the names that were not found. */
-static bool list_files(const struct orl_sources *sources, struct orl_description *out)
+static bool list_files(const struct orl_sources *sources, struct orl_parsed_scene *out)
 {
-    const size_t n_missed = sources->n_missed > ORL_SOURCES_MISSED ? 0 : sources->n_missed;
-    out->read = orl_arena_take(out->arena, (sources->count + 1) * sizeof *out->read);
-    out->missed = orl_arena_take(out->arena, (n_missed + 1) * sizeof *out->missed);
-    if (!out->read || !out->missed)
+    const size_t n_missing = sources->n_missing > ORL_MISSING_FILES_MAX ? 0 : sources->n_missing;
+    out->read = orl_arena_alloc(out->arena, (sources->count + 1) * sizeof *out->read);
+    out->missing = orl_arena_alloc(out->arena, (n_missing + 1) * sizeof *out->missing);
+    if (!out->read || !out->missing)
         return false;
     for (size_t i = 0; i < sources->count; i++) {
         const struct orl_source *const item = &sources->items[i];
@@ -221,16 +221,16 @@ static bool list_files(const struct orl_sources *sources, struct orl_description
         memcpy(out->read[i].content, item->content, sizeof out->read[i].content);
     }
     out->n_files = sources->count;
-    if (n_missed > 0)
-        memcpy(out->missed, sources->missed, n_missed * sizeof *out->missed);
-    out->n_missed = sources->n_missed > n_missed ? SIZE_MAX : n_missed;
+    if (n_missing > 0)
+        memcpy(out->missing, sources->missing, n_missing * sizeof *out->missing);
+    out->n_missing = sources->n_missing > n_missing ? SIZE_MAX : n_missing;
     return true;
 }
 
 /* Fills the remaining fields after all files have been read. */
 static int fill_description(struct orl_parser *parser, struct orl_error *err)
 {
-    struct orl_description *out = parser->out;
+    struct orl_parsed_scene *out = parser->out;
     const struct orl_sources *sources = &parser->sources;
     struct orl_sha256 digest = sources->digest;
     out->files = calloc(sources->count ? sources->count : 1, sizeof *out->files);
@@ -239,17 +239,17 @@ static int fill_description(struct orl_parser *parser, struct orl_error *err)
     orl_sha256_finish(&digest, out->digest);
     out->n_degenerate = parser->degenerate.count;
     orl_parser_report(parser);
-    return orl_repeats_settle(&parser->repeats, out, err);
+    return orl_instanced_files_finish(&parser->instanced_files, out, err);
 }
 
 /* Main files that are already open count from the place where they are named. */
 static int parse_files(struct orl_parser *parser, const char *const *names, size_t count,
                        size_t *index, struct orl_error *err)
 {
-    struct orl_description *const out = parser->out;
+    struct orl_parsed_scene *const out = parser->out;
     out->outlines = orl_arena_new();
     out->first_surfaces =
-        out->arena ? orl_arena_take(out->arena, (count + 1) * sizeof *out->first_surfaces) : NULL;
+        out->arena ? orl_arena_alloc(out->arena, (count + 1) * sizeof *out->first_surfaces) : NULL;
     if (!out->outlines || !out->first_surfaces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_sha256_init(&parser->sources.digest);
@@ -261,75 +261,75 @@ static int parse_files(struct orl_parser *parser, const char *const *names, size
     /* Later errors may be caused by content that was left out, so refusals are reported first. */
     if (parser->refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
         code != ORL_ERR_LIMIT)
-        code = orl_refusals_tell(&parser->refusals, err);
+        code = orl_refusals_report(&parser->refusals, err);
     return code == 0 ? fill_description(parser, err) : code;
 }
 
 /* Returns true if instances with patterns must be expanded. */
-static bool must_expand(const struct orl_description *d)
+static bool must_expand(const struct orl_parsed_scene *d)
 {
-    bool varied = false;
+    bool has_patterns = false;
     for (size_t i = 0; i < d->n_prototypes; i++)
-        varied = varied || d->prototypes[i].varied;
-    return varied && orl_description_must_part(d);
+        has_patterns = has_patterns || d->prototypes[i].has_patterns;
+    return has_patterns && orl_parsed_scene_must_split(d);
 }
 
 static int parse_whole(const char *const *names, size_t count, struct orl_sources *sources,
-                       bool plain, struct orl_description *ret_description, struct orl_error *err)
+                       bool plain, struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err)
 {
     struct orl_error local = {0};
-    struct orl_description out = {.arena = sources->arena};
+    struct orl_parsed_scene out = {.arena = sources->arena};
     struct orl_parser parser = {
-        .out = &out, .sources = *sources, .void_material = -1, .repeats = {.plain = plain}};
+        .out = &out, .sources = *sources, .void_material = -1, .instanced_files = {.plain = plain}};
     size_t *index = calloc(count ? count : 1, sizeof *index);
     err = err ? err : &local;
     memset(sources, 0, sizeof *sources);
     const int code = index ? parse_files(&parser, names, count, index, err)
                            : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0) {
-        *ret_description = out;
+        *ret_parsed_scene = out;
         memset(&out, 0, sizeof out);
     }
     orl_sources_done(&parser.sources);
     orl_symbols_done(&parser.symbols);
     orl_deferred_done(&parser.deferred);
-    orl_repeats_done(&parser.repeats);
+    orl_instanced_files_done(&parser.instanced_files);
     orl_functions_free(parser.functions);
     free(parser.smooth);
     orl_primitive_done(&parser.primitive);
-    orl_description_done(&out);
+    orl_parsed_scene_done(&out);
     free(index);
     return code;
 }
 
-int orl_scene_parse_begun(const char *const *names, size_t count, struct orl_sources *sources,
-                          bool apart, struct orl_description *ret_description,
-                          struct orl_error *err)
+int orl_scene_parse_opened(const char *const *names, size_t count, struct orl_sources *sources,
+                           bool apart, struct orl_parsed_scene *ret_parsed_scene,
+                           struct orl_error *err)
 {
     const struct orl_files *const files = sources->files;
     const struct orl_bsdf_loader *const loader = sources->loader;
-    int code = parse_whole(names, count, sources, apart, ret_description, err);
-    if (code == 0 && must_expand(ret_description)) {
-        orl_description_done(ret_description);
+    int code = parse_whole(names, count, sources, apart, ret_parsed_scene, err);
+    if (code == 0 && must_expand(ret_parsed_scene)) {
+        orl_parsed_scene_done(ret_parsed_scene);
         orl_sources_init(sources, files, loader, orl_arena_new());
-        code = parse_whole(names, count, sources, true, ret_description, err);
+        code = parse_whole(names, count, sources, true, ret_parsed_scene, err);
     }
     return code;
 }
 
 int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
-                    struct orl_description *ret_description, struct orl_error *err)
+                    struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err)
 {
     struct orl_sources sources;
     orl_sources_init(&sources, files, NULL, orl_arena_new());
-    return orl_scene_parse_begun(names, count, &sources, false, ret_description, err);
+    return orl_scene_parse_opened(names, count, &sources, false, ret_parsed_scene, err);
 }
 
 int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,
                          const struct orl_bsdf_loader *loader,
-                         struct orl_description *ret_description, struct orl_error *err)
+                         struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err)
 {
     struct orl_sources sources;
     orl_sources_init(&sources, files, loader, orl_arena_new());
-    return orl_scene_parse_begun(names, count, &sources, false, ret_description, err);
+    return orl_scene_parse_opened(names, count, &sources, false, ret_parsed_scene, err);
 }

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/crew.h>
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/thread_pool.h>
 
-#include "base/grow.h"
+#include "base/memory/array.h"
 
 enum { WARNINGS_MAX = 100, TEXT_MAX = 640 };
 
@@ -40,10 +40,10 @@ int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, 
 
 static void add_warning(struct orl_parser *parser, const char *text)
 {
-    struct orl_description *out = parser->out;
-    char *copy = orl_arena_text(out->arena, text, strlen(text));
-    if (copy &&
-        orl_grow(&out->warnings, &parser->warnings_room, out->n_warnings, sizeof *out->warnings))
+    struct orl_parsed_scene *out = parser->out;
+    char *copy = orl_arena_copy_text(out->arena, text, strlen(text));
+    if (copy && orl_array_reserve(&out->warnings, &parser->warnings_room, out->n_warnings,
+                                  sizeof *out->warnings))
         out->warnings[out->n_warnings++] = copy;
 }
 
@@ -60,7 +60,7 @@ void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
         add_warning(parser, "further warnings are left out");
 }
 
-void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
+void orl_parser_tally(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_warning_tally *tally)
 {
     if (tally->count++ == 0)
@@ -81,7 +81,7 @@ static void report_tally(struct orl_parser *parser, const struct orl_warning_tal
 static void report_unused(struct orl_parser *parser)
 {
     size_t count;
-    const struct orl_deferred_item *first = orl_deferred_unused(&parser->deferred, &count);
+    const struct orl_deferred_error *first = orl_deferred_unused(&parser->deferred, &count);
     char others[48] = "";
     if (!first)
         return;
@@ -93,15 +93,15 @@ static void report_unused(struct orl_parser *parser)
 
 void orl_parser_report(struct orl_parser *parser)
 {
-    char bent[192];
+    char nonplanar[192];
     report_unused(parser);
     report_tally(parser, &parser->degenerate, "has no area and was dropped");
     snprintf(
-        bent, sizeof bent,
+        nonplanar, sizeof nonplanar,
         "its corners do not lie in one plane, by up to %.3g: light meets the triangles that it "
         "is cut into, and all of these have its mean normal",
         parser->largest_bend);
-    report_tally(parser, &parser->bent, bent);
+    report_tally(parser, &parser->nonplanar, nonplanar);
     report_tally(parser, &parser->unmodified,
                  "has no material (its modifier is void): light passes as if it were not there");
     report_tally(
@@ -151,7 +151,7 @@ int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *sco
     return ORL_ERR_LIMIT;
 }
 
-int orl_parser_heed_cancel(const struct orl_parser *parser, struct orl_error *err)
+int orl_parser_check_cancel(const struct orl_parser *parser, struct orl_error *err)
 {
     const struct orl_bsdf_loader *loader = parser->sources.loader;
     if (loader && orl_is_cancelled(loader->cancel))

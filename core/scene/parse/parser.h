@@ -8,15 +8,15 @@
 #define ORL_SCENE_PARSE_PARSER_H
 
 #include "function/function.h"
-#include "scene/description.h"
 #include "scene/generate/xform.h"
-#include "scene/material/own.h"
-#include "scene/parse/deferred.h"
+#include "scene/material/function_brdf/function_brdf.h"
+#include "scene/parse/deferred_errors.h"
+#include "scene/parse/instance/instanced_files.h"
 #include "scene/parse/primitive.h"
 #include "scene/parse/refusals.h"
-#include "scene/parse/repeats.h"
 #include "scene/parse/sources.h"
 #include "scene/parse/symbols.h"
+#include "scene/parsed_scene.h"
 
 /* A warning that is issued once with a count. */
 struct orl_warning_tally {
@@ -25,27 +25,27 @@ struct orl_warning_tally {
 };
 
 struct orl_parser {
-    struct orl_description *out;
+    struct orl_parsed_scene *out;
     struct orl_sources sources;
     struct orl_symbols symbols;
     struct orl_primitive primitive;
-    size_t surfaces_room, materials_room, distants_room, skies_room, patterns_room, grids_room,
-        warnings_room;
+    size_t surfaces_room, materials_room, distant_sources_room, skies_room, patterns_room,
+        grids_room, warnings_room;
     struct orl_functions *functions; /* for all patterns; created with the first one */
     size_t text_bytes;               /* bytes of text read so far, repeats included */
     size_t name_bytes;               /* bytes of surface names stored so far */
     uint64_t vertices;               /* number stored so far */
-    const double *places;            /* current mesh triangle: (u, v) of its corners; or NULL */
+    const double *uv;                /* current mesh triangle: (u, v) of its corners; or NULL */
     /* current mesh triangle: unit normals of its corners; or NULL */
     const struct orl_vec3 *normals;
     uint32_t *smooth; /* by material: its copy with corner normals, or UINT32_MAX */
     size_t n_smooth;
     int32_t void_material; /* index, or -1 */
     struct orl_refusals refusals;
-    struct orl_deferred deferred;
-    struct orl_repeats repeats;
+    struct orl_deferred_errors deferred;
+    struct orl_instanced_files instanced_files;
     bool cut_short; /* parsing stopped behind an unsupported primitive */
-    struct orl_warning_tally degenerate, bent, unmodified, white, below;
+    struct orl_warning_tally degenerate, nonplanar, unmodified, white, below;
     double largest_bend; /* for `bent`: largest distance of corners along the normal */
 };
 
@@ -67,7 +67,7 @@ struct orl_scope {
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err);
 
-/* parse.c: reads a file in the scope made for it: scene text, or an object (objects.h). */
+/* parse.c: reads a file in the scope made for it: scene text, or an object (mesh_import.h). */
 int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_file *file, struct orl_error *err);
 
@@ -100,7 +100,7 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        bool of_material, struct orl_error *err);
 /* Adds the pattern to the description; takes it also on failure. Returns 0 or
  * ORL_ERR_NOMEM. */
-int orl_parser_keep_pattern(struct orl_parser *parser, struct orl_pattern *pattern);
+int orl_parser_add_pattern(struct orl_parser *parser, struct orl_pattern *pattern);
 
 /* patterns.c: reads a mixture. mixed: two materials that differ only in colour and pattern; the
  * result is the pattern of both together, as a factor of 1. NULL: the result is the first's
@@ -111,8 +111,9 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err);
 
 /* patterns.c: reads the functions of a material. */
-int orl_parser_own(struct orl_parser *parser, const struct orl_scope *scope, enum orl_own_kind own,
-                   struct orl_pattern **ret_pattern, struct orl_error *err);
+int orl_parser_function_brdf(struct orl_parser *parser, const struct orl_scope *scope,
+                             enum orl_function_brdf_kind own, struct orl_pattern **ret_pattern,
+                             struct orl_error *err);
 
 /* sky_patterns.c: a brightfunc of a sky's function file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);
@@ -149,7 +150,7 @@ int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *sco
                           struct orl_error *err);
 
 /* Returns ORL_ERR_CANCELLED if cancellation was requested. */
-int orl_parser_heed_cancel(const struct orl_parser *parser, struct orl_error *err);
+int orl_parser_check_cancel(const struct orl_parser *parser, struct orl_error *err);
 
 /* Reports an error of the current primitive. Returns code. */
 int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
@@ -166,7 +167,7 @@ int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *s
 /* Adds a warning to the description, at most a hundred of them. */
 void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-void orl_parser_count(struct orl_parser *parser, const struct orl_scope *scope,
+void orl_parser_tally(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_warning_tally *tally);
 /* Adds warnings for the tallies. */
 void orl_parser_report(struct orl_parser *parser);

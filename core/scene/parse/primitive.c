@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/scanner.h>
+#include <oriel/base/scanner.h>
 
-#include "base/number.h"
+#include "base/text/number.h"
 
 enum { HEAD_WORDS = 3 };
 
@@ -139,7 +139,7 @@ static int read_count(struct orl_primitive *primitive, struct orl_lexer *lexer, 
         return code;
     copy_word(&word, text);
     fault = orl_number_read_int(word.text, word.length, &value);
-    if (fault == ORL_NUMBER_NOT_ONE || (fault == ORL_NUMBER_OK && value < 0)) {
+    if (fault == ORL_NUMBER_INVALID || (fault == ORL_NUMBER_OK && value < 0)) {
         code = fail(primitive, lexer, word.line, err, ORL_ERR_SYNTAX, what, NULL);
         orl_error_hint(err,
                        "found '%s'; three counts must stand there: of strings, of integers "

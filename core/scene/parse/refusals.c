@@ -21,7 +21,7 @@ void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err
             return;
         }
     }
-    if (refusals->n < ORL_MOST_REFUSALS)
+    if (refusals->n < ORL_REFUSALS_MAX)
         refusals->kinds[refusals->n++] = refusal;
     else
         refusals->others++;
@@ -69,7 +69,7 @@ static void list_hint(struct list *list, const struct orl_refusals *refusals, si
     append_item(list, "; ", item);
 }
 
-int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err)
+int orl_refusals_report(const struct orl_refusals *refusals, struct orl_error *err)
 {
     const struct orl_refusal *first = &refusals->kinds[0];
     struct list kinds = {.length = 0}, hints = {.length = 0};

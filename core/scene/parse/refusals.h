@@ -9,16 +9,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
-enum { ORL_MOST_REFUSALS = 24 }; /* limit of kinds; further ones are counted together */
+enum { ORL_REFUSALS_MAX = 24 }; /* limit of kinds; further ones are counted together */
 
 struct orl_refusals {
     struct orl_refusal {
         char kind[48]; /* "texfunc", "!genprism" */
         uint64_t count;
         struct orl_error first;
-    } kinds[ORL_MOST_REFUSALS];
+    } kinds[ORL_REFUSALS_MAX];
     size_t n;
     uint64_t others;
 };
@@ -26,6 +26,6 @@ struct orl_refusals {
 /* Counts one refusal; err has its place, reason and hint. */
 void orl_refusals_add(struct orl_refusals *refusals, const struct orl_error *err);
 /* Fills err with all refusals, at the place of the first. Returns ORL_ERR_UNSUPPORTED. */
-int orl_refusals_tell(const struct orl_refusals *refusals, struct orl_error *err);
+int orl_refusals_report(const struct orl_refusals *refusals, struct orl_error *err);
 
 #endif

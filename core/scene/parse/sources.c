@@ -5,9 +5,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "base/grow.h"
+#include "base/memory/array.h"
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
                       const struct orl_bsdf_loader *loader, struct orl_arena *arena)
@@ -39,7 +39,7 @@ void orl_sources_done(struct orl_sources *sources)
         orl_bsdf_unref(sources->items[i].bsdf);
     }
     free(sources->items);
-    free(sources->missed);
+    free(sources->missing);
     memset(sources, 0, sizeof *sources);
 }
 
@@ -127,21 +127,21 @@ static void find_digest(const struct orl_sources *sources, struct orl_source *it
 }
 
 /* Records a name that was not found; out of memory counts as too many. */
-static void note_missed(struct orl_sources *sources, const char *name, bool library)
+static void add_missing(struct orl_sources *sources, const char *name, bool library)
 {
-    for (size_t i = 0; i < sources->n_missed && i < ORL_SOURCES_MISSED; i++)
-        if (sources->missed[i].library == library && strcmp(sources->missed[i].name, name) == 0)
+    for (size_t i = 0; i < sources->n_missing && i < ORL_MISSING_FILES_MAX; i++)
+        if (sources->missing[i].library == library && strcmp(sources->missing[i].name, name) == 0)
             return;
-    if (sources->n_missed > ORL_SOURCES_MISSED)
+    if (sources->n_missing > ORL_MISSING_FILES_MAX)
         return;
-    if (!orl_grow(&sources->missed, &sources->missed_room, sources->n_missed,
-                  sizeof *sources->missed)) {
-        sources->n_missed = ORL_SOURCES_MISSED + 1;
+    if (!orl_array_reserve(&sources->missing, &sources->missing_room, sources->n_missing,
+                           sizeof *sources->missing)) {
+        sources->n_missing = ORL_MISSING_FILES_MAX + 1;
         return;
     }
-    const char *const kept = orl_arena_text(sources->arena, name, strlen(name));
-    sources->missed[sources->n_missed] = (struct orl_file_missed){kept, library};
-    sources->n_missed = kept ? sources->n_missed + 1 : ORL_SOURCES_MISSED + 1;
+    const char *const kept = orl_arena_copy_text(sources->arena, name, strlen(name));
+    sources->missing[sources->n_missing] = (struct orl_missing_file){kept, library};
+    sources->n_missing = kept ? sources->n_missing + 1 : ORL_MISSING_FILES_MAX + 1;
 }
 
 /* Opens and hashes a file under its resolved name: the scene's own, or the user's library's. */
@@ -158,17 +158,17 @@ static int add_item(struct orl_sources *sources, const char *name, bool library,
     memset(item, 0, sizeof *item);
     code = (library ? files->library : files->open)(files->ctx, name, &item->file, err);
     if (code == ORL_ERR_NOT_FOUND)
-        note_missed(sources, name, library);
+        add_missing(sources, name, library);
     if (code < 0)
         return code;
     item->open = true;
     item->library = library;
     slash = strrchr(name, '/');
-    item->name = orl_arena_text(sources->arena, name, strlen(name));
-    item->folder = orl_arena_text(sources->arena, name,
-                                  !slash          ? 0
-                                  : slash == name ? 1
-                                                  : (size_t)(slash - name));
+    item->name = orl_arena_copy_text(sources->arena, name, strlen(name));
+    item->folder = orl_arena_copy_text(sources->arena, name,
+                                       !slash          ? 0
+                                       : slash == name ? 1
+                                                       : (size_t)(slash - name));
     sources->count++;
     if (!item->name || !item->folder)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -12,12 +12,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include <oriel/bsdf.h>
-#include <oriel/files.h>
-#include <oriel/sha256.h>
+#include <oriel/base/files.h>
+#include <oriel/base/sha256.h>
+#include <oriel/bsdf/bsdf.h>
 
-#include "base/arena.h"
-#include "scene/description.h"
+#include "base/memory/arena.h"
+#include "scene/parsed_scene.h"
 
 struct orl_source {
     char *name;   /* resolved name, for the provider */
@@ -37,7 +37,7 @@ struct orl_bsdf_loader {
     const atomic_bool *cancel; /* polled while scene text is read; may be NULL */
 };
 
-enum { ORL_SOURCES_MISSED = 1024 };
+enum { ORL_MISSING_FILES_MAX = 1024 };
 
 struct orl_sources {
     const struct orl_files *files;
@@ -45,9 +45,9 @@ struct orl_sources {
     struct orl_arena *arena;
     struct orl_source *items;
     size_t count, room;
-    struct orl_file_missed *missed; /* names that were not found, each once */
-    size_t n_missed, missed_room;   /* ORL_SOURCES_MISSED + 1: the list is incomplete */
-    struct orl_sha256 digest;       /* over length and SHA-256 of the content of each file used */
+    struct orl_missing_file *missing; /* names that were not found, each once */
+    size_t n_missing, missing_room;   /* ORL_MISSING_FILES_MAX + 1: the list is incomplete */
+    struct orl_sha256 digest;         /* over length and SHA-256 of the content of each file used */
 };
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,

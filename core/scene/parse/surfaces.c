@@ -7,9 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/limits.h>
+#include <oriel/base/limits.h>
 
-#include "base/grow.h"
+#include "base/memory/array.h"
 #include "scene/parse/parser.h"
 
 struct surface_type {
@@ -101,7 +101,7 @@ static int make_name(struct orl_parser *parser, const struct orl_scope *scope,
         orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
         return ORL_ERR_LIMIT;
     }
-    char *name = orl_arena_letters(arena, front + length + 1);
+    char *name = orl_arena_alloc_chars(arena, front + length + 1);
     if (!name)
         return out_of_memory(parser, scope, err);
     if (front > 0) {
@@ -151,23 +151,23 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
         orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
         return ORL_ERR_LIMIT;
     }
-    const size_t place_bytes = parser->places ? 2 * sizeof *parser->places : 0;
+    const size_t uv_bytes = parser->uv ? 2 * sizeof *parser->uv : 0;
     const size_t normal_bytes = parser->normals ? sizeof *parser->normals : 0;
-    surface->vertices = orl_arena_take(
-        parser->out->outlines, n * (sizeof *surface->vertices + place_bytes + normal_bytes));
+    surface->vertices = orl_arena_alloc(parser->out->outlines,
+                                        n * (sizeof *surface->vertices + uv_bytes + normal_bytes));
     if (!surface->vertices)
         return out_of_memory(parser, scope, err);
     surface->n_vertices = (uint32_t)n;
-    surface->has_places = parser->places != NULL;
+    surface->has_uv = parser->uv != NULL;
     surface->has_normals = parser->normals != NULL;
-    double *const places = (double *)(surface->vertices + n);
-    char *const normals = (char *)places + n * place_bytes;
+    double *const uv = (double *)(surface->vertices + n);
+    char *const normals = (char *)uv + n * uv_bytes;
     for (size_t i = 0; i < n; i++) {
         const size_t from = backwards ? n - 1 - i : i;
         const struct orl_vec3 p = orl_xform_point(&scope->xform, real3(parser, 3 * from));
         surface->vertices[i] = p;
-        if (parser->places)
-            memcpy(places + 2 * i, parser->places + 2 * from, place_bytes);
+        if (parser->uv)
+            memcpy(uv + 2 * i, parser->uv + 2 * from, uv_bytes);
         if (parser->normals) {
             const struct orl_vec3 turned =
                 orl_normalize(orl_xform_vector(&scope->xform, parser->normals[from]));
@@ -218,14 +218,14 @@ static double bend_of(const struct orl_surface *surface)
 }
 
 /* Counts polygons whose corners are off the mean plane by more than a thousandth of the size. */
-static void count_bent(struct orl_parser *parser, const struct orl_scope *scope,
-                       const struct orl_surface *surface, double size)
+static void count_nonplanar(struct orl_parser *parser, const struct orl_scope *scope,
+                            const struct orl_surface *surface, double size)
 {
     const double bend = surface->n_vertices > 3 ? bend_of(surface) : 0;
     if (!(bend > 1e-3 * size))
         return;
     parser->largest_bend = fmax(parser->largest_bend, bend);
-    orl_parser_count(parser, scope, &parser->bent);
+    orl_parser_tally(parser, scope, &parser->nonplanar);
 }
 
 /* Sets the polygon's vertices and normal; *ret_keep is false if it has no area. */
@@ -254,11 +254,11 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
     /* Rounding alone gives a line an "area" of some 1e-16 of its length squared. */
     *ret_keep = isnormal(orl_dot(area, area)) && orl_length(area) > 1e-13 * size2;
     if (!*ret_keep) {
-        orl_parser_count(parser, scope, &parser->degenerate);
+        orl_parser_tally(parser, scope, &parser->degenerate);
         return 0;
     }
     surface->normal = orl_normalize(area);
-    count_bent(parser, scope, surface, sqrt(size2));
+    count_nonplanar(parser, scope, surface, sqrt(size2));
     return 0;
 }
 
@@ -268,7 +268,7 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
 /* Drops a surface without extent with a warning, as Radiance's programs do. */
 static void drop_surface(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
 {
-    orl_parser_count(parser, scope, &parser->degenerate);
+    orl_parser_tally(parser, scope, &parser->degenerate);
     *ret_keep = false;
 }
 
@@ -287,16 +287,16 @@ static int check_radius(struct orl_parser *parser, const struct orl_scope *scope
 }
 
 static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_curved *round, bool *ret_keep, struct orl_error *err)
+                       struct orl_quadric *quadric, bool *ret_keep, struct orl_error *err)
 {
-    round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
-    round->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
+    quadric->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
+    quadric->radius[0] = parser->primitive.reals[3] * scope->xform.scale;
     return check_radius(parser, scope, parser->primitive.reals[3], ret_keep, err);
 }
 
 /* Reads cylinder, tube (one radius), cone and cup (two, one of which may be 0). */
 static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_curved *round, bool *ret_keep, struct orl_error *err)
+                     struct orl_quadric *quadric, bool *ret_keep, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
     const bool straight = parser->primitive.n_reals == 7;
@@ -304,8 +304,8 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
     if (!straight && (r[6] < 0 || r[7] < 0))
         return check_radius(parser, scope, fmin(r[6], r[7]), ret_keep, err);
     for (size_t i = 0; i < 2; i++) {
-        round->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
-        round->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
+        quadric->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
+        quadric->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
     }
     if (!(orl_length(axis) > 0)) {
         drop_surface(parser, scope, ret_keep);
@@ -315,7 +315,7 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_surface *surface, struct orl_curved *round, bool *ret_keep,
+                     struct orl_surface *surface, struct orl_quadric *quadric, bool *ret_keep,
                      struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
@@ -328,35 +328,35 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
         drop_surface(parser, scope, ret_keep);
         return 0;
     }
-    round->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
+    quadric->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
     surface->normal = scope->xform.inverted ? orl_neg(normal) : normal;
-    round->radius[0] = inner * scope->xform.scale;
-    round->radius[1] = outer * scope->xform.scale;
+    quadric->radius[0] = inner * scope->xform.scale;
+    quadric->radius[1] = outer * scope->xform.scale;
     return 0;
 }
 
 /* *ret_keep becomes false if the surface has no extent. */
-static int read_round(struct orl_parser *parser, const struct orl_scope *scope,
-                      const struct surface_type *type, struct orl_surface *surface, bool *ret_keep,
-                      struct orl_error *err)
+static int read_quadric(struct orl_parser *parser, const struct orl_scope *scope,
+                        const struct surface_type *type, struct orl_surface *surface,
+                        bool *ret_keep, struct orl_error *err)
 {
-    struct orl_curved *const round = orl_arena_take(parser->out->outlines, sizeof *round);
+    struct orl_quadric *const quadric = orl_arena_alloc(parser->out->outlines, sizeof *quadric);
     int code = orl_parser_expect(parser, scope, 0, type->n_reals, err);
     if (code < 0)
         return code;
-    if (!round)
+    if (!quadric)
         return out_of_memory(parser, scope, err);
-    *round = orl_curved_none;
+    *quadric = orl_quadric_none;
     if (type->kind == ORL_SURFACE_RING)
-        code = read_ring(parser, scope, surface, round, ret_keep, err);
+        code = read_ring(parser, scope, surface, quadric, ret_keep, err);
     else if (type->n_reals == 4)
-        code = read_sphere(parser, scope, round, ret_keep, err);
+        code = read_sphere(parser, scope, quadric, ret_keep, err);
     else
-        code = read_cone(parser, scope, round, ret_keep, err);
-    if (code == 0 && (!in_reach(round->center[0]) || !in_reach(round->center[1]) ||
-                      !(round->radius[0] < farthest) || !(round->radius[1] < farthest)))
+        code = read_cone(parser, scope, quadric, ret_keep, err);
+    if (code == 0 && (!in_reach(quadric->center[0]) || !in_reach(quadric->center[1]) ||
+                      !(quadric->radius[0] < farthest) || !(quadric->radius[1] < farthest)))
         code = too_far(parser, scope, err);
-    surface->round = round;
+    surface->quadric = quadric;
     return code;
 }
 
@@ -381,7 +381,7 @@ static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
 static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope,
                         struct orl_surface *surface, struct orl_error *err)
 {
-    struct orl_description *out = parser->out;
+    struct orl_parsed_scene *out = parser->out;
     int code = check_up(parser, scope, surface, err);
     if (code < 0)
         return code;
@@ -392,10 +392,11 @@ static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0)
         return code;
     if (out->materials[surface->material].kind == ORL_MATERIAL_VOID) {
-        orl_parser_count(parser, scope, &parser->unmodified);
+        orl_parser_tally(parser, scope, &parser->unmodified);
         return 0;
     }
-    if (!orl_grow(&out->surfaces, &parser->surfaces_room, out->n_surfaces, sizeof *out->surfaces))
+    if (!orl_array_reserve(&out->surfaces, &parser->surfaces_room, out->n_surfaces,
+                           sizeof *out->surfaces))
         return out_of_memory(parser, scope, err);
     out->surfaces[out->n_surfaces++] = *surface;
     return 0;
@@ -438,8 +439,8 @@ static void warn_of_dark(struct orl_parser *parser, const struct orl_scope *scop
 static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
-    struct orl_description *out = parser->out;
-    struct orl_distant distant = {0};
+    struct orl_parsed_scene *out = parser->out;
+    struct orl_distant_source distant = {0};
     uint32_t order = 0;
     const double *r;
     int code = orl_parser_expect(parser, scope, 0, 4, err);
@@ -468,9 +469,10 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     code = make_name(parser, scope, out->arena, &distant.name, err);
     if (code < 0)
         return code;
-    if (!orl_grow(&out->distants, &parser->distants_room, out->n_distants, sizeof *out->distants))
+    if (!orl_array_reserve(&out->distant_sources, &parser->distant_sources_room,
+                           out->n_distant_sources, sizeof *out->distant_sources))
         return out_of_memory(parser, scope, err);
-    out->distants[out->n_distants++] = distant;
+    out->distant_sources[out->n_distant_sources++] = distant;
     return 0;
 }
 
@@ -490,6 +492,6 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
     if (type->kind == ORL_SURFACE_POLYGON)
         code = read_polygon(parser, scope, &surface, &keep, err);
     else
-        code = read_round(parser, scope, type, &surface, &keep, err);
+        code = read_quadric(parser, scope, type, &surface, &keep, err);
     return code == 0 && keep ? keep_surface(parser, scope, &surface, err) : code;
 }

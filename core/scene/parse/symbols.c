@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/error.h>
+#include <oriel/base/error.h>
 
 /* SipHash with a random key per table, so that input cannot force collisions. The position of a
  * name does not affect results. */

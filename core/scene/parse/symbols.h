@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* REFUSED: the definition was refused; index is into the parser's deferred (deferred.h). Primitives
- * with this modifier are refused, too. */
+/* REFUSED: the definition was refused; index is into the parser's deferred (deferred_errors.h).
+ * Primitives with this modifier are refused, too. */
 enum orl_symbol_kind {
     ORL_SYMBOL_MATERIAL,
     ORL_SYMBOL_SKY,

@@ -1,0 +1,232 @@
+#include "job/job_json.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/base/limits.h>
+
+#include "job/grids_json.h"
+#include "job/heat_map_json.h"
+#include "job/plan_json.h"
+#include "job/sensors_json.h"
+#include "job/skies_json.h"
+#include "job/sky_json.h"
+#include "view/sequence_json.h"
+#include "view/view_json.h"
+#include "json/members.h"
+
+enum { FILE_NAME_MAX_BYTES = 1024 };
+
+/* A job while it is decoded. */
+struct draft {
+    enum orl_job_origin origin;
+    struct orl_job job;
+    char *scene_id;
+};
+
+static int decode_file_name(const json_t *value, const char *path, void *name,
+                            struct orl_error *err)
+{
+    return orl_json_string(value, path, FILE_NAME_MAX_BYTES, name, err);
+}
+
+static int decode_local_scene(const json_t *scene, const char *path, struct orl_job *job,
+                              struct orl_error *err)
+{
+    const struct orl_json_list files = {.items = &job->scene_files,
+                                        .count = &job->n_scene_files,
+                                        .size = sizeof *job->scene_files,
+                                        .most = ORL_LIMIT_SCENE_FILES,
+                                        .each = decode_file_name,
+                                        .empty = "no file is named"};
+    const struct orl_json_member members[] = {{"files", .list = &files, .required = true}, {0}};
+    if (json_is_string(scene)) {
+        orl_json_fail(err, ORL_ERR_INVALID, path, "an id means nothing without a daemon");
+        orl_error_hint(err, "Name the files: \"scene\": {\"files\": [\"room.rad\"]}");
+        return ORL_ERR_INVALID;
+    }
+    return orl_json_members(scene, path, members, err);
+}
+
+static int decode_remote_scene(const json_t *scene, const char *path, char **ret_id,
+                               struct orl_error *err)
+{
+    if (json_is_object(scene)) {
+        orl_json_fail(err, ORL_ERR_INVALID, path, "the daemon does not open files by name");
+        orl_error_hint(err, "Upload them with POST /v1/scenes and give the id it returns");
+        return ORL_ERR_INVALID;
+    }
+    char *id = NULL;
+    const int rc = orl_json_string(scene, path, ORL_DIGEST_HEX, &id, err);
+    if (rc)
+        return rc;
+    if (strlen(id) != ORL_DIGEST_HEX || strspn(id, "0123456789abcdef") != ORL_DIGEST_HEX) {
+        free(id);
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "an id is 64 lower-case hexadecimal digits");
+    }
+    *ret_id = id;
+    return 0;
+}
+
+int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            struct orl_job *job, char **ret_scene_id, struct orl_error *err)
+{
+    if (!scene)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "the job names no scene");
+    return origin == ORL_JOB_LOCAL ? decode_local_scene(scene, path, job, err)
+                                   : decode_remote_scene(scene, path, ret_scene_id, err);
+}
+
+int orl_job_files_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            char ***ret_files, size_t *ret_count, char **ret_scene_id,
+                            struct orl_error *err)
+{
+    struct orl_job job;
+    orl_job_init(&job);
+    const int rc = orl_job_scene_from_json(scene, path, origin, &job, ret_scene_id, err);
+    *ret_files = job.scene_files;
+    *ret_count = job.n_scene_files;
+    job.scene_files = NULL;
+    job.n_scene_files = 0;
+    orl_job_done(&job);
+    return rc;
+}
+
+static int decode_scene(const json_t *scene, const char *path, void *into, struct orl_error *err)
+{
+    struct draft *draft = into;
+    return orl_job_scene_from_json(scene, path, draft->origin, &draft->job, &draft->scene_id, err);
+}
+
+static int decode_sensors(const json_t *sensors, const char *path, void *into,
+                          struct orl_error *err)
+{
+    return orl_job_sensors_from_json(sensors, path, into, err);
+}
+
+static int decode_technique(const json_t *value, const char *path, void *technique,
+                            struct orl_error *err)
+{
+    return orl_technique_from_json(value, path, ORL_TECHNIQUE_AUTO, technique, err);
+}
+
+/* Decodes an error or a deadline, either with an optional "at". */
+static int decode_goal(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    struct orl_goal *goal = into;
+    char deadline[64];
+    snprintf(deadline, sizeof deadline, "it is from above 0 to %lu seconds", ORL_LIMIT_DEADLINE_S);
+    const struct orl_json_member members[] = {
+        {"relative_error", .real = &goal->relative_error, .least = 0, .most = 10, .above = true,
+         .bounds = "it is a fraction, from above 0 to 10: 0.05 is 5 %"},
+        {"dgp_error", .real = &goal->dgp_error, .least = 1e-5, .most = 1,
+         .bounds = "it is half the interval of DGP, from 0.00001 to 1"},
+        {"deadline_s", .real = &goal->deadline_s, .least = 0, .most = (double)ORL_LIMIT_DEADLINE_S,
+         .above = true, .bounds = deadline},
+        {"at", .real = &goal->at, .least = 0, .most = 1, .above = true,
+         .bounds = "it is the share of sensors or pixels, from above 0 to 1"},
+        {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    if (rc || (goal->relative_error > 0) + (goal->dgp_error > 0) + (goal->deadline_s > 0) == 1)
+        return rc;
+    orl_json_fail(err, ORL_ERR_INVALID, path,
+                  "one of \"relative_error\", \"dgp_error\" and \"deadline_s\" is wanted here");
+    orl_error_hint(err, "Write \"accuracy\": {\"relative_error\": 0.05} or {\"deadline_s\": 30}");
+    return ORL_ERR_INVALID;
+}
+
+/* Refuses settings that a goal chooses by itself. */
+static int refuse_settings(const json_t *doc, struct orl_error *err)
+{
+    static const char *const chosen[] = {"photons", "gather_samples", "pixel_samples"};
+    for (size_t i = 0; i < sizeof chosen / sizeof *chosen; i++)
+        if (json_object_get(doc, chosen[i])) {
+            orl_json_fail(err, ORL_ERR_INVALID, chosen[i],
+                          "a job with \"accuracy\" chooses its photons and samples itself");
+            orl_error_hint(err, "Leave out one of the two");
+            return ORL_ERR_INVALID;
+        }
+    return 0;
+}
+
+static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
+{
+    static const char *const on_dark[] = {"error", "expected", NULL};
+    struct orl_job *job = &draft->job;
+    unsigned dark = 0;
+    const struct orl_json_member photons[] = {
+        {"global", .whole = &job->photons_global, .from = 1, .to = ORL_LIMIT_PHOTONS},
+        {"caustic", .whole = &job->photons_caustic, .from = 0, .to = ORL_LIMIT_PHOTONS},
+        {"exact", .flag = &job->photons_exact},
+        {0}};
+    const struct orl_json_list views = {.items = &job->views,
+                                        .count = &job->n_views,
+                                        .size = sizeof *job->views,
+                                        .most = ORL_LIMIT_VIEWS,
+                                        .each = orl_view_from_json};
+    const struct orl_json_member members[] = {
+        {.name = "kind"}, /* read before */
+        {"scene", .decode = decode_scene, .into = draft, .required = true},
+        {"technique", .decode = decode_technique, .into = &job->technique},
+        {"effects", .decode = orl_effect_overrides_from_json, .into = job->overrides},
+        {"seed", .whole = &job->seed, .from = 0, .to = INT64_MAX},
+        {"photons", .members = photons},
+        {"gather_samples", .whole_32 = &job->gather_samples, .from = 0, .to = 1U << 24},
+        {"pixel_samples", .whole_32 = &job->pixel_samples, .from = 0, .to = 1U << 20},
+        {"sky", .decode = orl_sky_from_json, .into = &job->sky},
+        {"skies", .decode = orl_skies_from_json, .into = job},
+        {"sensors", .decode = decode_sensors, .into = job},
+        {"grids", .decode = orl_grids_from_json, .into = job},
+        {"views", .list = &views},
+        {"accuracy", .decode = decode_goal, .into = &job->goal},
+        {.name = "priority"}, /* for the daemon: job_request_json.h */
+        {.name = "name"},
+        {.name = "tags"},
+        {"dark", .word = &dark, .words = on_dark},
+        {"heat_map", .decode = orl_heat_map_from_json, .into = &job->heat_map},
+        {"sequence", .decode = orl_sequence_from_json, .into = &job->sequence},
+        {0}};
+    const int rc = orl_json_members(doc, "", members, err);
+    job->dark_expected = dark == 1;
+    return rc;
+}
+
+static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)
+{
+    const json_t *kind = json_object_get(doc, "kind");
+    if (kind && !json_is_string(kind))
+        return orl_json_wrong_type(kind, "kind", "a string", err);
+    if (kind && strcmp(json_string_value(kind), "render") != 0)
+        return orl_json_fail(err, ORL_ERR_INVALID, "kind",
+                             "a job of kind \"render\" is wanted here, not \"%.64s\"",
+                             json_string_value(kind));
+    int rc = decode_members(doc, draft, err);
+    if (rc == 0 && json_object_get(doc, "accuracy"))
+        rc = refuse_settings(doc, err);
+    if (rc == 0 && draft->job.n_views == 0 && draft->job.n_sensors == 0 &&
+        draft->job.n_grids == 0 && !draft->job.sensors_file) {
+        rc = orl_json_fail(err, ORL_ERR_INVALID, "document", "the job asks for nothing");
+        orl_error_hint(err, "Add sensors, views or both");
+    }
+    return rc;
+}
+
+int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
+                      char **ret_scene_id, struct orl_error *err)
+{
+    struct draft draft = {.origin = origin};
+    orl_job_init(&draft.job);
+    const int rc = decode_document(doc, &draft, err);
+    if (rc) {
+        orl_job_done(&draft.job);
+        free(draft.scene_id);
+        return rc;
+    }
+    *ret_job = draft.job;
+    if (ret_scene_id)
+        *ret_scene_id = draft.scene_id;
+    return 0;
+}

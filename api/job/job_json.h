@@ -1,0 +1,55 @@
+/*
+ * A job document (JSON) -> struct orl_job.
+ *
+ *     {"kind": "render", "scene": "<id>" or {"files": ["room.rad", ...]},
+ *      "technique": "auto" (the default), "backward", "gather", "direct" or "precomputed",
+ *      "effects": {"caustics": "skip", ...} (plan_json.h), "seed": 1,
+ *      "photons": {"global": 2000000, "caustic": 2000000} (each chosen by the plan when left out),
+ *      "gather_samples": 4096 (rays per sensor), "pixel_samples": 64 (paths per pixel, backward),
+ *      "sky": {...} (sky_json.h), only with a scene that has none,
+ *      "skies": [{...}, ...] instead, or a sequence of hours (skies_json.h),
+ *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
+ *      "grids": [...] instead, with names (grids_json.h),
+ *      "priority": 5 (read by job_request_json.h; used only by the daemon),
+ *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}
+ *
+ * Required are scene, and sensors or views or both. Unlisted members are errors, so that a
+ * misspelt setting is found. Messages name the JSON path ("photons.globl") in orl_error.primitive
+ * and in the sentence.
+ *
+ * Ownership: documents are borrowed; results are owned by the caller.
+ * Threads: the functions keep no state; any thread may call them, one document per thread.
+ */
+#ifndef ORL_API_JOB_JOB_JSON_H
+#define ORL_API_JOB_JOB_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/base/error.h>
+#include <oriel/job/run.h>
+
+/* Source of the document: a user of the command line (names files) or a client (names an id). */
+enum orl_job_origin { ORL_JOB_LOCAL, ORL_JOB_REMOTE };
+
+/*
+ * Decodes doc. ORL_JOB_LOCAL: "scene" is {"files": [...]}, copied to ret_job->scene_files, and
+ * *ret_scene_id becomes NULL. ORL_JOB_REMOTE: "scene" is an id (64 lower-case hexadecimal digits),
+ * returned owned (free()) in *ret_scene_id; scene_files stays empty for the caller to fill in.
+ * ret_scene_id may be NULL for ORL_JOB_LOCAL. On success the caller owns ret_job (orl_job_done).
+ * Errors: ORL_ERR_INVALID (members, types), ORL_ERR_RANGE, ORL_ERR_LIMIT, ORL_ERR_NOMEM.
+ * orl_job_validate checks view strings, unique names, and what needs the scene.
+ */
+int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_job *ret_job,
+                      char **ret_scene_id, struct orl_error *err);
+
+/* Decodes the "scene" member of any kind of document into job, and leaves job's other members
+ * alone. scene may be NULL (absent), which is an error; ret_scene_id as above. Names read before
+ * an error stay in job. */
+int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            struct orl_job *job, char **ret_scene_id, struct orl_error *err);
+/* Decodes "scene" as above, but into an array of file names, owned by the caller. */
+int orl_job_files_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
+                            char ***ret_files, size_t *ret_count, char **ret_scene_id,
+                            struct orl_error *err);
+
+#endif

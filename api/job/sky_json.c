@@ -1,0 +1,203 @@
+#include "job/sky_json.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FILE_NAME_MAX_BYTES = 1024, NAME_MAX_BYTES = 64 };
+
+static bool has_any(const json_t *value, const char *const *names)
+{
+    for (; *names; names++)
+        if (json_object_get(value, *names))
+            return true;
+    return false;
+}
+
+/* Rows for a sky's date and hour. All are required if `is_required` is true. */
+#define DATE(request, is_required)                                                                 \
+    {"month", .whole_int = &(request)->month, .from = 1, .to = 12, .required = (is_required)},     \
+        {"day", .whole_int = &(request)->day, .from = 1, .to = 31, .required = (is_required)},     \
+    {                                                                                              \
+        "hour", .real = &(request)->hour, .required = (is_required)                                \
+    }
+/* Rows for date, site and sun position. The core checks which of them a sky needs. */
+#define WHEN(request, is_required)                                                                 \
+    DATE(request, is_required),                                                                    \
+        {"latitude", .real = &(request)->latitude_deg, .required = (request)->time_given},         \
+        {"longitude", .real = &(request)->longitude_deg, .required = (request)->time_given},       \
+        {"time_zone", .real = &(request)->time_zone_h, .required = (request)->time_given},         \
+        {"sun_altitude", .real = &(request)->sun_altitude_deg, .required = (request)->sun_given},  \
+        {"sun_azimuth", .real = &(request)->sun_azimuth_deg, .required = (request)->sun_given},    \
+    {                                                                                              \
+        "ground_reflectance", .real = &(request)->ground_reflectance                               \
+    }
+
+/* Returns true if the sky has its own time: some of it is given, and none is given elsewhere. */
+static bool find_time(const json_t *value, struct orl_sky_request *request)
+{
+    static const char *const time[] = {"month",     "day",       "hour", "latitude",
+                                       "longitude", "time_zone", NULL};
+    static const char *const sun[] = {"sun_altitude", "sun_azimuth", NULL};
+    const bool known = request->time_given;
+    request->sun_given = has_any(value, sun);
+    request->time_given = known || has_any(value, time);
+    return request->time_given && !known;
+}
+
+/* An input for a sky's brightness: one member, or two that go together. */
+struct sky_input_pair {
+    enum orl_sky_input input;
+    const char *first, *second;
+};
+
+/*
+ * Decodes the brightness. Exactly one pair must be complete, and members of other pairs are errors.
+ * The pair is identified by its first member.
+ */
+static int decode_input_pair(const json_t *value, const char *path,
+                             const struct sky_input_pair *pairs, size_t count,
+                             struct orl_sky_request *request, struct orl_error *err)
+{
+    const struct sky_input_pair *chosen = NULL;
+    char at[ORL_JSON_PATH_MAX];
+    for (size_t i = 0; i < count; i++) {
+        if (!json_object_get(value, pairs[i].first))
+            continue;
+        if (chosen)
+            return orl_json_fail(err, ORL_ERR_INVALID, path,
+                                 "\"%s\" and \"%s\" cannot both be given", chosen->first,
+                                 pairs[i].first);
+        chosen = &pairs[i];
+    }
+    if (!chosen)
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "how bright it is is missing: \"%s\"%s%s%s, for one", pairs[0].first,
+                             pairs[0].second ? " and \"" : "",
+                             pairs[0].second ? pairs[0].second : "", pairs[0].second ? "\"" : "");
+    for (size_t i = 0; i < count; i++) {
+        const char *second = pairs[i].second;
+        const bool is_required = second && chosen->second && strcmp(second, chosen->second) == 0;
+        if (second && json_object_get(value, second) && !is_required)
+            return orl_json_fail(err, ORL_ERR_INVALID, path, "\"%s\" and \"%s\" do not go together",
+                                 chosen->first, second);
+    }
+    request->input = chosen->input;
+    int rc = orl_json_real(json_object_get(value, chosen->first),
+                           orl_json_path(path, chosen->first, at), &request->first, err);
+    if (rc == 0 && chosen->second)
+        rc = orl_json_real(json_object_get(value, chosen->second),
+                           orl_json_path(path, chosen->second, at), &request->second, err);
+    return rc;
+}
+
+static int decode_perez(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    static const struct sky_input_pair pairs[] = {
+        {ORL_SKY_NORMAL_W, "direct_normal_w_m2", "diffuse_horizontal_w_m2"},
+        {ORL_SKY_NORMAL_LX, "direct_normal_lx", "diffuse_horizontal_lx"},
+        {ORL_SKY_HORIZONTAL_W, "direct_horizontal_w_m2", "diffuse_horizontal_w_m2"},
+        {ORL_SKY_GLOBAL_W, "global_horizontal_w_m2", NULL},
+        {ORL_SKY_INDICES, "clearness", "brightness"}};
+    struct orl_sky_request *request = into;
+    request->model = ORL_SKY_BY_PEREZ;
+    const bool timed = find_time(value, request);
+    const struct orl_json_member members[] = {WHEN(request, timed),
+                                              {.name = "direct_normal_w_m2"},
+                                              {.name = "diffuse_horizontal_w_m2"},
+                                              {.name = "direct_normal_lx"},
+                                              {.name = "diffuse_horizontal_lx"},
+                                              {.name = "direct_horizontal_w_m2"},
+                                              {.name = "global_horizontal_w_m2"},
+                                              {.name = "clearness"},
+                                              {.name = "brightness"},
+                                              {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    return rc ? rc
+              : decode_input_pair(value, path, pairs, sizeof pairs / sizeof *pairs, request, err);
+}
+
+static int decode_type(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    static const char *const types[] = {"clear", "overcast", "uniform", "intermediate", NULL};
+    enum orl_sky_cie type = 0;
+    const int rc = orl_json_word(value, path, types, &type, err);
+    if (rc == 0)
+        *(enum orl_sky_cie *)into = ORL_SKY_CLEAR + type;
+    return rc;
+}
+
+static int decode_cie(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    static const char *const bright[] = {"zenith_cd_m2", "diffuse_horizontal_lx", NULL};
+    static const struct sky_input_pair pairs[] = {
+        {ORL_SKY_ZENITH_CD_M2, "zenith_cd_m2", NULL},
+        {ORL_SKY_DIFFUSE_LX, "diffuse_horizontal_lx", NULL}};
+    struct orl_sky_request *request = into;
+    request->model = ORL_SKY_BY_CIE;
+    request->input = ORL_SKY_TYPICAL;
+    const bool timed = find_time(value, request);
+    const struct orl_json_member members[] = {
+        WHEN(request, timed),
+        {"type", .decode = decode_type, .into = &request->cie_type, .required = true},
+        {.name = "zenith_cd_m2"},
+        {.name = "diffuse_horizontal_lx"},
+        {"direct_normal_lx", .real = &request->direct_normal_lx, .least = 0, .most = INFINITY,
+         .bounds = "it is negative"},
+        {"turbidity", .real = &request->turbidity},
+        {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    if (rc || !has_any(value, bright))
+        return rc;
+    return decode_input_pair(value, path, pairs, sizeof pairs / sizeof *pairs, request, err);
+}
+
+static int decode_weather(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    struct orl_sky_request *request = into;
+    request->model = ORL_SKY_BY_WEATHER;
+    const bool timed = !request->time_given;
+    request->time_given = true;
+    const struct orl_json_member members[] = {
+        {"file", .text = &request->weather_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
+        {"year", .whole_int = &request->weather_year, .from = 1, .to = 9999},
+        DATE(request, timed),
+        {"ground_reflectance", .real = &request->ground_reflectance},
+        {0}};
+    return orl_json_members(value, path, members, err);
+}
+
+/* ret_name: gets the sky's name; NULL where skies have none. */
+static int decode_sky(const json_t *value, const char *path, struct orl_sky_request *request,
+                      char **ret_name, struct orl_error *err)
+{
+    static const char *const normalisations[] = {"flux", "gendaylit", NULL};
+    static const char *const sun_methods[] = {"accurate", "radiance", NULL};
+    const struct orl_json_member members[] = {
+        {"perez", .decode = decode_perez, .into = request},
+        {"cie", .decode = decode_cie, .into = request},
+        {"weather", .decode = decode_weather, .into = request},
+        {"normalise", .word = &request->normalise, .words = normalisations},
+        {"sun", .word = &request->sun_method, .words = sun_methods},
+        {ret_name ? "name" : NULL, .text = ret_name, .longest = NAME_MAX_BYTES},
+        {0}};
+    int given = 0;
+    for (int i = 0; i < 3; i++)
+        given += json_object_get(value, members[i].name) != NULL;
+    const int rc = given > 1 ? 0 : orl_json_members(value, path, members, err);
+    if (rc == 0 && given != 1)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "a sky is one of perez, cie, weather");
+    return rc;
+}
+
+int orl_sky_from_json(const json_t *value, const char *path, void *request, struct orl_error *err)
+{
+    return decode_sky(value, path, request, NULL, err);
+}
+
+int orl_named_sky_from_json(const json_t *value, const char *path, void *into,
+                            struct orl_error *err)
+{
+    struct orl_named_sky *sky = into;
+    orl_sky_request_init(&sky->request);
+    return decode_sky(value, path, &sky->request, &sky->name, err);
+}

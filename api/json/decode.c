@@ -1,0 +1,175 @@
+#include "json/decode.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/base/json_read.h>
+#include <oriel/base/limits.h>
+#include <oriel/base/thread_pool.h>
+
+int orl_json_fail(struct orl_error *err, int code, const char *path, const char *what, ...)
+{
+    char text[ORL_ERROR_TEXT_MAX];
+    va_list args;
+    va_start(args, what);
+    vsnprintf(text, sizeof text, what, args);
+    va_end(args);
+    orl_error_set(err, code, "%s: %s", path, text);
+    orl_error_at(err, NULL, 0, path);
+    return code;
+}
+
+static _Thread_local const atomic_bool *cancel_flag;
+
+void orl_json_set_cancel(const atomic_bool *cancel)
+{
+    cancel_flag = cancel;
+}
+
+static int fail_cancelled(struct orl_error *err)
+{
+    return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading JSON");
+}
+
+int orl_json_poll(struct orl_error *err)
+{
+    return orl_is_cancelled(cancel_flag) ? fail_cancelled(err) : 0;
+}
+
+int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret_doc,
+                   struct orl_error *err)
+{
+    if (size > ORL_LIMIT_JOB_BYTES)
+        return orl_error_set(err, ORL_ERR_LIMIT, "the document has %zu bytes; the limit is %lu",
+                             size, ORL_LIMIT_JOB_BYTES);
+    const uint64_t weight = orl_json_memory_estimate(text, size);
+    if (weight > ORL_LIMIT_JSON_MEMORY)
+        return orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "the document's values would take %llu MiB of memory; the limit is %lu",
+            (unsigned long long)weight >> 20, ORL_LIMIT_JSON_MEMORY >> 20);
+    /* Editors and shells of Windows put a byte-order mark in front of a text. */
+    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    json_error_t where;
+    json_t *doc =
+        orl_json_read_until(text + mark, size - mark, JSON_REJECT_DUPLICATES, cancel_flag, &where);
+    if (doc) {
+        *ret_doc = doc;
+        return 0;
+    }
+    if (errno == ECANCELED)
+        return fail_cancelled(err);
+    if (errno == ENOMEM)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory reading JSON");
+    orl_error_set(err, ORL_ERR_SYNTAX, "not valid JSON, column %d: %s", where.column, where.text);
+    orl_error_at(err, name, where.line > 0 ? where.line : 1, NULL);
+    return ORL_ERR_SYNTAX;
+}
+
+static const char *type_name(const json_t *value)
+{
+    static const char *const names[] = {"an object", "an array", "a string", "a number",
+                                        "a number",  "true",     "false",    "null"};
+    return value ? names[json_typeof(value)] : "nothing";
+}
+
+int orl_json_wrong_type(const json_t *value, const char *path, const char *wanted,
+                        struct orl_error *err)
+{
+    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here, not %s", wanted,
+                         type_name(value));
+}
+
+int orl_json_array(const json_t *value, const char *path, size_t max, struct orl_error *err)
+{
+    if (!json_is_array(value))
+        return orl_json_wrong_type(value, path, "an array", err);
+    if (json_array_size(value) > max)
+        return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu elements; the limit is %zu",
+                             json_array_size(value), max);
+    return 0;
+}
+
+int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t max,
+                   uint64_t *ret_value, struct orl_error *err)
+{
+    /* 2^53: doubles above it do not represent every integer. */
+    const double exact = 9007199254740992.0;
+    uint64_t whole = 0;
+    bool ok = false;
+    if (json_is_integer(value)) {
+        ok = json_integer_value(value) >= 0;
+        whole = ok ? (uint64_t)json_integer_value(value) : 0;
+    } else if (json_is_real(value)) {
+        const double real = json_real_value(value);
+        ok = real >= 0 && real <= exact && floor(real) == real;
+        whole = ok ? (uint64_t)real : 0;
+    } else {
+        return orl_json_wrong_type(value, path, "a whole number", err);
+    }
+    if (!ok || whole < min || whole > max)
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "a whole number from %llu to %llu is wanted",
+                             (unsigned long long)min, (unsigned long long)max);
+    *ret_value = whole;
+    return 0;
+}
+
+int orl_json_real(const json_t *value, const char *path, double *ret_value, struct orl_error *err)
+{
+    if (!json_is_number(value))
+        return orl_json_wrong_type(value, path, "a number", err);
+    const double real = json_number_value(value);
+    if (!isfinite(real))
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "the number is not finite");
+    *ret_value = real;
+    return 0;
+}
+
+int orl_json_bool(const json_t *value, const char *path, bool *ret_value, struct orl_error *err)
+{
+    if (!json_is_boolean(value))
+        return orl_json_wrong_type(value, path, "true or false", err);
+    *ret_value = json_is_true(value);
+    return 0;
+}
+
+int orl_json_string(const json_t *value, const char *path, size_t max, char **ret_text,
+                    struct orl_error *err)
+{
+    if (!json_is_string(value))
+        return orl_json_wrong_type(value, path, "a string", err);
+    const size_t length = json_string_length(value);
+    if (length == 0)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "the string is empty");
+    if (length > max)
+        return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu bytes; the limit is %zu", length, max);
+    char *copy = strdup(json_string_value(value));
+    if (!copy)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    *ret_text = copy;
+    return 0;
+}
+
+int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_index,
+                  struct orl_error *err)
+{
+    const char *given = json_string_value(value);
+    char list[ORL_ERROR_TEXT_MAX / 2] = "";
+    size_t used = 0;
+    for (unsigned i = 0; words[i]; i++) {
+        if (given && strcmp(given, words[i]) == 0) {
+            memcpy(ret_index, &i, sizeof i);
+            return 0;
+        }
+        const char *before = i == 0 ? "" : words[i + 1] ? ", " : " or ";
+        const int n = used < sizeof list
+                          ? snprintf(list + used, sizeof list - used, "%s\"%s\"", before, words[i])
+                          : 0;
+        used += n > 0 ? (size_t)n : 0;
+    }
+    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here", list);
+}

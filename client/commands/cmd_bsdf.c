@@ -1,0 +1,110 @@
+/* oriel bsdf check FILE: checks a BSDF. Other verbs have files of their own, such as
+ * cmd_bsdf_fit.c. */
+#include "options/command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <oriel/bsdf/bsdf.h>
+
+#include "bsdf_json/bsdf_json.h"
+#include "commands/bsdf_file.h"
+#include "output/report_error.h"
+
+static void print_directions(const struct orl_bsdf_check *c)
+{
+    printf("\n%-14s %10s %21s %21s\n", "light from", "", "outside (file Front)",
+           "inside (file Back)");
+    printf("%8s %8s %10s %10s %10s %10s %10s\n", "theta", "phi", "", "reflected", "transmit.",
+           "reflected", "transmit.");
+    for (int i = 0; i < ORL_BSDF_CHECK_DIRECTIONS; i++) {
+        const struct orl_bsdf_hemispherical *out = &c->directions[0][i], *in = &c->directions[1][i];
+        printf("%8.0f %8.0f %10s %10.4f %10.4f %10.4f %10.4f\n", out->theta_deg, out->phi_deg, "",
+               out->reflected, out->transmitted, in->reflected, in->transmitted);
+    }
+}
+
+/* Prints the extremes; "coarse" allows a comparison with Radiance's checkBSDF. */
+static void print_extremes(const struct orl_bsdf_check *c)
+{
+    static const char *const names[] = {"least", "diffuse", "most", "most, coarse"};
+    for (int i = 0; i < 4; i++) {
+        printf("%-28s", names[i]);
+        for (int k = 0; k < 4; k++) {
+            const struct orl_bsdf_extremes *x = &c->extremes[k / 2][k % 2];
+            const double values[] = {x->least, x->mean, x->most, x->most_coarse};
+            printf(" %10.4f", values[i]);
+        }
+        printf("\n");
+    }
+}
+
+static void print_check(const char *file, const struct orl_bsdf_check *c)
+{
+    const struct orl_bsdf_info *info = &c->info;
+    printf("%s: %s, resolution %d, %zu values", file, info->kind, info->resolution, info->values);
+    if (info->name[0] != '\0')
+        printf(", \"%s\"", info->name);
+    if (info->colored)
+        printf(", in colour");
+    if (info->thickness_m > 0)
+        printf(", %.4g mm thick", 1000 * info->thickness_m);
+    printf("\n");
+    print_directions(c);
+    print_extremes(c);
+    printf("\n");
+    for (size_t i = 0; i < c->n_verdicts; i++)
+        printf("%-8s %s\n", orl_bsdf_level_name(c->verdicts[i].level), c->verdicts[i].text);
+}
+
+static int examine_file(const char *path, struct orl_bsdf_check *ret_check, struct orl_error *err)
+{
+    struct orl_bsdf *bsdf = NULL;
+    const int rc = orl_bsdf_file_load(path, &bsdf, err);
+    if (rc == 0)
+        orl_bsdf_examine(bsdf, ret_check);
+    orl_bsdf_unref(bsdf);
+    return rc;
+}
+
+/* Verbs in files of their own. */
+static const struct {
+    const char *name;
+    int (*run)(const struct orl_subcommand *self, int argc, char **argv);
+} verbs[] = {
+    {"fit", orl_cmd_bsdf_fit},         {"make", orl_cmd_bsdf_make},
+    {"convert", orl_cmd_bsdf_convert}, {"compare", orl_cmd_bsdf_compare},
+    {"plot", orl_cmd_bsdf_plot},
+};
+
+int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
+{
+    bool as_json = false;
+    const struct orl_option options[] = {
+        {.name = "json", .help = "print what the daemon would answer", .flag = &as_json},
+    };
+    struct orl_operands operands;
+    struct orl_bsdf_check check = {0};
+    struct orl_error err = {0};
+    int rc;
+    for (size_t i = 0; argc > 1 && i < sizeof verbs / sizeof *verbs; i++)
+        if (strcmp(argv[1], verbs[i].name) == 0)
+            return verbs[i].run(self, argc - 1, argv + 1);
+    if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
+        return rc;
+    if (strcmp(operands.items[0], "check") != 0)
+        return orl_usage_error(self, "\"%s\" is none of check, fit, make, convert, compare, plot",
+                               operands.items[0]);
+    if (examine_file(operands.items[1], &check, &err) < 0)
+        return orl_report_error(&err);
+    if (as_json) {
+        json_t *json = orl_bsdf_check_to_json(&check);
+        if (json)
+            json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+        printf("\n");
+        json_decref(json);
+    } else {
+        print_check(operands.items[1], &check);
+    }
+    return check.worst == ORL_BSDF_FAULT ? ORL_EXIT_FAILED : ORL_EXIT_OK;
+}

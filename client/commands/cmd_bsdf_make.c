@@ -1,0 +1,247 @@
+/* oriel bsdf make PANEL.rad ... -o FILE.xml: computes a panel's BSDF from its geometry and
+ * materials. */
+#include "options/command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bsdf_json/bsdf_make_json.h"
+#include "commands/local.h"
+#include "distributed/atomic_files.h"
+#include "input/job_file.h"
+#include "options/distributed_options.h"
+#include "options/document_options.h"
+#include "output/report_error.h"
+
+/* The command line, which is turned into a document. */
+struct line {
+    struct orl_local_line local;
+    struct orl_member_options member_options;
+    const char *cell, *report, *errors;
+    bool color;
+    struct orl_distributed_options distributed;
+    bool shared; /* true if it asks for parts */
+};
+
+static const struct orl_member_option member_options[] = {
+    {"basis", "BASIS",
+     "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
+    {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
+    {"cull", "SHARE", "of tensor trees: cells within this share of their mean are one (0.05)",
+     false},
+    {"name", "NAME", "of the material, in the XML (default: the first file's)", true},
+    {"symmetry", "WHICH",
+     "auto (the default: as trees of rank 4 see it), none, left_right, up_down or both: mirrors",
+     true},
+    {"paths", "N",
+     "paths of light an incident direction (16384; tensor_tree_3 32768, tensor_tree_4 4096)",
+     false},
+    {"accuracy", "SHARE",
+     "0.02 doubles the paths of a direction until no standard error is above 2 % of a value (of "
+     "those from 1 % of the peak on); ask for a quarter of what no value is to be off by",
+     false},
+    {"seed", "N", "the same seed gives the same file (1)", false},
+};
+enum { MEMBER_OPTIONS = sizeof member_options / sizeof *member_options };
+
+/* ---- The document ---------------------------------------------------------------------------- */
+
+static json_t *cell_of(const char *text)
+{
+    double v[4] = {0};
+    const char *at = text;
+    for (int i = 0; i < 4; i++) {
+        char *end = NULL;
+        v[i] = strtod(at, &end);
+        if (end == at)
+            return json_string(text);
+        at = end;
+    }
+    if (at[strspn(at, " ")] != '\0')
+        return json_string(text);
+    return json_pack("{s:[f, f], s:[f, f]}", "x", v[0], v[1], "y", v[2], v[3]);
+}
+
+static json_t *document_of(const struct line *line)
+{
+    json_t *files = json_array();
+    json_t *doc = json_pack("{s:s, s:{s:o}}", "kind", "bsdf_make", "scene", "files", files);
+    int failed = !doc;
+    for (int i = 0; i < line->local.all.count && !failed; i++)
+        failed = json_array_append_new(files, json_string(line->local.all.items[i]));
+    if (!failed)
+        failed = orl_member_options_apply(&line->member_options, doc);
+    if (line->cell && !failed)
+        failed = json_object_set_new(doc, "cell", cell_of(line->cell));
+    if (line->color && !failed)
+        failed = json_object_set_new(doc, "color", json_true());
+    if (!failed)
+        return doc;
+    json_decref(doc);
+    return NULL;
+}
+
+/* Returns true if the line has options that belong in the document. */
+static bool has_other_options(const struct line *line)
+{
+    return line->cell || line->color || line->local.all.count > 1 ||
+           orl_member_options_any(&line->member_options);
+}
+
+/* Makes the request from the options, or from the document that the line names. */
+static int request_of(const struct line *line, struct orl_job_file *file,
+                      struct orl_bsdf_make_request *ret_request, struct orl_error *err)
+{
+    const char *first = line->local.operand;
+    int rc;
+    if (orl_is_document_name(first)) {
+        rc = orl_job_file_read(first, file, err);
+        if (rc == 0)
+            rc = orl_bsdf_make_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err);
+        if (rc)
+            orl_error_at(err, first, 0, NULL);
+        return rc;
+    }
+    snprintf(file->folder, sizeof file->folder, ".");
+    file->doc = document_of(line);
+    return file->doc ? orl_bsdf_make_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err)
+                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
+/* ---- Result ---------------------------------------------------------------------------------- */
+
+static void print_made(const struct orl_bsdf_make_result *made)
+{
+    static const char *const sides[2] = {"outside", "inside"};
+    printf("cell x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g; %.3g million paths\n",
+           made->cell[0], made->cell[1], made->cell[2], made->cell[3], made->depth[0],
+           made->depth[1], 1e-6 * (double)made->paths);
+    printf("%-20s %10s %10s %10s %10s\n", "diffuse light from", "transmit.", "+-", "reflected",
+           "+-");
+    for (int front = 0; front < 2; front++) {
+        const struct orl_bsdf_share *s = made->diffuse[front];
+        printf("%-20s %10.5f %10.1e %10.5f %10.1e\n", sides[front], s[1].value, s[1].error,
+               s[0].value, s[0].error);
+    }
+    printf("largest standard error %.2g of a value (from 1 %% of the peak on)\n", made->worst);
+    if (made->merge_error > 0)
+        printf("cells that are one are off by at most %.2g of it (rms)\n", made->merge_error);
+    if (made->lost > 0)
+        printf("given up inside the panel: %.2g of the light\n", made->lost);
+}
+
+static void print_warnings(const struct orl_bsdf_make_result *made,
+                           const struct orl_bsdf_make_request *request)
+{
+    json_t *warnings = orl_bsdf_made_warnings(made, request);
+    const json_t *one;
+    size_t i;
+    json_array_foreach(warnings, i, one)
+    {
+        fprintf(stderr, "warning: %s\n", json_string_value(one));
+    }
+    json_decref(warnings);
+}
+
+static int write_report(const char *path, const struct orl_bsdf_make_result *made,
+                        struct orl_error *err)
+{
+    json_t *json = orl_bsdf_made_to_json(made);
+    const int rc =
+        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    json_decref(json);
+    return rc;
+}
+
+/* Computes the BSDF, in parts if the command line asks for that. Their folder is beside the XML. */
+static int compute_bsdf(const struct line *line, const struct orl_job_file *file,
+                        const struct orl_bsdf_make_request *request,
+                        struct orl_bsdf_make_result *ret_made, struct orl_error *err)
+{
+    struct orl_local_distributed shared;
+    const struct orl_local_distribution distribution = {&shared.distributed.tasks,
+                                                        &shared.distributed.store};
+    const char *slash = strrchr(line->local.output, '/');
+    char beside[4096];
+    int rc;
+    if (!line->shared)
+        return orl_local_make_bsdf(request, file->folder, line->local.threads, NULL, ret_made, err);
+    snprintf(beside, sizeof beside, "%.*s", slash ? (int)(slash - line->local.output) + 1 : 1,
+             slash ? line->local.output : ".");
+    rc = orl_local_distributed_open(&shared, &line->distributed, file->doc, file->folder, beside,
+                                    line->local.threads, orl_local_interrupted(), err);
+    if (rc == 0)
+        rc = orl_local_make_bsdf(request, file->folder, line->local.threads, &distribution,
+                                 ret_made, err);
+    orl_local_distributed_done(&shared, rc == 0);
+    return rc;
+}
+
+static int run_make(const struct line *line)
+{
+    struct orl_job_file file = {0};
+    struct orl_bsdf_make_request request = {0};
+    struct orl_bsdf_make_result made = {0};
+    struct orl_error err = {0};
+    int rc = request_of(line, &file, &request, &err);
+    request.want_errors = line->errors != NULL;
+    if (rc == 0)
+        rc = compute_bsdf(line, &file, &request, &made, &err);
+    if (rc == 0)
+        rc = orl_write_text(line->local.output, made.xml, made.xml_size, &err);
+    if (rc == 0 && line->errors)
+        rc = orl_write_text(line->errors, made.errors_xml, made.errors_xml_size, &err);
+    if (rc == 0 && line->report)
+        rc = write_report(line->report, &made, &err);
+    if (rc == 0)
+        print_made(&made);
+    if (rc == 0)
+        print_warnings(&made, &request);
+    orl_bsdf_make_result_done(&made);
+    orl_bsdf_make_request_done(&request);
+    orl_job_file_done(&file);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
+{
+    enum { OTHERS = 6 + ORL_DISTRIBUTED_OPTIONS };
+    struct line line = {.local = {.most = 64},
+                        .member_options = {member_options, MEMBER_OPTIONS, {NULL}}};
+    struct orl_option options[OTHERS + MEMBER_OPTIONS] = {
+        {.name = "output",
+         .letter = 'o',
+         .metavar = "FILE",
+         .help = "the XML to write",
+         .value = &line.local.output},
+        {.name = "cell",
+         .metavar = "\"X0 X1 Y0 Y1\"",
+         .help = "the part of the panel that is repeated (default: the box around it)",
+         .value = &line.cell},
+        {.name = "color",
+         .help = "X and Z beside Y, u' and v' of tensor trees",
+         .flag = &line.color},
+        {.name = "report",
+         .metavar = "FILE",
+         .help = "write a JSON with shares by direction, and standard errors of all values",
+         .value = &line.report},
+        {.name = "errors",
+         .metavar = "FILE.xml",
+         .help = "write the same file with standard errors in place of values, to plot or read",
+         .value = &line.errors},
+        ORL_OPTION_THREADS(&line.local.threads_text),
+        ORL_OPTIONS_DISTRIBUTED(&line.distributed),
+    };
+    int code;
+    orl_member_options_fill(&line.member_options, options + OTHERS);
+    if (!orl_local_parse(self, argc, argv, options, OTHERS + MEMBER_OPTIONS, &line.local, &code))
+        return code;
+    if (!line.local.output)
+        return orl_usage_error(self, "-o FILE is missing");
+    if (orl_is_document_name(line.local.operand) && has_other_options(&line))
+        return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
+                               line.local.operand);
+    line.shared = orl_distributed_is_requested(self, &line.distributed, &code);
+    return code ? code : run_make(&line);
+}

@@ -1,0 +1,142 @@
+/* oriel status [ID]: prints one job in detail, or the latest jobs as a table. */
+#include "options/command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "daemon_commands/follow_job.h"
+#include "http/http_client.h"
+#include "http/json_get.h"
+#include "output/job_table.h"
+#include "output/progress.h"
+#include "output/report_error.h"
+#include "output/study_table.h"
+#include "output/verdict_line.h"
+
+/* Prints a study's current step and its points so far. */
+static void print_study(const json_t *study)
+{
+    const json_t *points = json_object_get(study, "points"), *point;
+    char text[160];
+    size_t i;
+
+    if (!study)
+        return;
+    printf("running  %s, run %.0f of %.0f\npoints   %zu of %.0f\n", orl_json_text(study, "running"),
+           orl_json_number(study, "run", 0), orl_json_number(study, "runs", 0),
+           json_array_size(points), orl_json_number(study, "settings", 0));
+    json_array_foreach(points, i, point)
+    {
+        orl_format_study_point(point, text, sizeof text);
+        printf("%s\n", text);
+    }
+}
+
+static void print_job(const json_t *job)
+{
+    const json_t *maps = json_object_get(job, "maps"), *map, *warning, *tag;
+    const double eta_s = orl_json_number(job, "eta_s", -1);
+    const double position = orl_json_number(job, "queue_position", -1);
+    char text[320];
+    size_t i;
+
+    printf("id       %s\n", orl_json_text(job, "id"));
+    if (*orl_json_text(job, "name"))
+        printf("name     %s\n", orl_json_text(job, "name"));
+    json_array_foreach(json_object_get(job, "tags"), i, tag)
+    {
+        printf("tag      %s\n", json_string_value(tag));
+    }
+    printf("kind     %s\nstate    %s\n", orl_json_text(job, "kind"), orl_json_text(job, "state"));
+    if (*orl_json_text(job, "client"))
+        printf("client   %s\n", orl_json_text(job, "client"));
+    if (*orl_json_text(job, "evicted"))
+        printf("results  removed at %s to make room\n", orl_json_text(job, "evicted"));
+    if (position > 0)
+        printf("queue    %.0f\n", position);
+    if (*orl_json_text(job, "stage"))
+        printf("stage    %s\n", orl_json_text(job, "stage"));
+    printf("percent  %.1f\n", orl_json_number(job, "percent", 0));
+    if (eta_s >= 0) {
+        orl_format_duration(eta_s, text, sizeof text);
+        printf("eta      %s\n", text);
+    }
+    json_array_foreach(maps, i, map)
+    {
+        orl_format_map(map, text, sizeof text);
+        printf("%s\n", text);
+    }
+    json_array_foreach(json_object_get(job, "warnings"), i, warning)
+    {
+        printf("warning  %s\n", json_string_value(warning));
+    }
+    print_study(json_object_get(job, "study"));
+    orl_print_verdicts(stdout, json_object_get(json_object_get(job, "annual"), "verdicts"));
+    if (json_object_get(job, "bsdf"))
+        printf("bsdf     %s\n", orl_json_text(json_object_get(job, "bsdf"), "id"));
+    orl_report_job_error(job);
+}
+
+/* Appends "&tag=..." to the path if the option is given. */
+static int add_filter(char *path, size_t size, const char *name, const char *value,
+                      struct orl_error *err)
+{
+    char escaped[512];
+    const size_t used = strlen(path);
+    int rc;
+
+    if (!value)
+        return 0;
+    rc = orl_http_escape(value, escaped, sizeof escaped, err);
+    if (rc == 0)
+        snprintf(path + used, size - used, "&%s=%s", name, escaped);
+    return rc;
+}
+
+int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
+{
+    const char *server = NULL;
+    const char *state = NULL, *tag = NULL, *scene = NULL, *since = NULL, *limit = NULL;
+    const struct orl_option options[] = {
+        ORL_OPTION_SERVER(&server),
+        {.name = "state", .metavar = "STATE", .help = "only jobs in that state", .value = &state},
+        {.name = "tag", .metavar = "TAG", .help = "only jobs that have that tag", .value = &tag},
+        {.name = "scene", .metavar = "ID", .help = "only jobs of that scene", .value = &scene},
+        {.name = "since",
+         .metavar = "TIME",
+         .help = "only jobs that came then or later: 2026-11-23T08:00:00Z",
+         .value = &since},
+        {.name = "limit", .metavar = "N", .help = "at most so many (100)", .value = &limit},
+    };
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    char path[2048] = "/v1/jobs?fields=summary";
+    json_t *reply = NULL;
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 6, 0, 1, &operands, &rc))
+        return rc;
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0 && operands.count)
+        rc = orl_job_path(operands.items[0], "", path, sizeof path, &err);
+    else if (rc == 0)
+        rc = add_filter(path, sizeof path, "state", state, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "tag", tag, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "scene", scene, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "since", since, &err);
+    if (rc == 0 && !operands.count)
+        rc = add_filter(path, sizeof path, "limit", limit, &err);
+    if (rc == 0)
+        rc = orl_http_call(&http, "GET", path, &reply, &err);
+    if (rc == 0 && operands.count)
+        print_job(reply);
+    else if (rc == 0)
+        orl_print_jobs(json_object_get(reply, "jobs"));
+    json_decref(reply);
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}

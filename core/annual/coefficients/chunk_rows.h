@@ -1,0 +1,28 @@
+/*
+ * Rows of a chunk of sensors: the product of coefficients (chunk_sums.h) with the skies and suns of
+ * all hours, and direct sunlight.
+ */
+#ifndef ORL_ANNUAL_COEFFICIENTS_CHUNK_ROWS_H
+#define ORL_ANNUAL_COEFFICIENTS_CHUNK_ROWS_H
+
+#include "annual/year/annual_year.h"
+
+enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS };
+
+static inline float *orl_year_row_of(const struct orl_year *y, size_t sensor, enum orl_year_row row)
+{
+    return y->rows + (sensor * ORL_YEAR_ROWS + row) * y->hours.n_columns;
+}
+
+/* Allocates memory for chunks of y->chunk sensors. Returns 0 or ORL_ERR_NOMEM; the caller calls
+ * orl_chunk_rows_done in either case. */
+int orl_chunk_rows_init(struct orl_year *y);
+void orl_chunk_rows_done(struct orl_year *y);
+
+/* Computes the rows of the current chunk. Returns 0, ORL_ERR_NOMEM or _CANCELLED. */
+int orl_chunk_rows_compute(struct orl_year *y);
+/* Computes the direct sunlight of a window group at a sensor, by column. */
+void orl_chunk_direct_sunlight(const struct orl_year *y, size_t sensor, uint32_t window_group,
+                               float *ret_lx);
+
+#endif

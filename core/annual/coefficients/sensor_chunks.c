@@ -1,0 +1,432 @@
+/* Rows of a chunk of sensors: paths, direct sunlight, and their products with all hours. */
+#include "annual/coefficients/sensor_chunks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "annual/coefficients/chunk_rows.h"
+#include "annual/coefficients/chunk_tasks.h"
+#include "annual/coefficients/trace_sensor.h"
+#include "annual/sun/sunlight.h"
+#include "annual/year/year_inputs.h"
+#include "scene/geometry/surface_offset.h"
+
+#define TRACING 0.85 /* approximate share of a chunk's time */
+
+/* ---- Chunks ---------------------------------------------------------------------------------- */
+
+/* Returns true if the year reports direct sunlight by window group and makes no rows. */
+static bool reports_sunlight(const struct orl_year *y)
+{
+    return orl_year_is_sun_only(y) && y->overrides->window_groups;
+}
+
+static void trace_batch(void *arg, size_t index, uint32_t member)
+{
+    struct orl_year *y = arg;
+    const size_t sensor = index / ORL_ANNUAL_BATCHES;
+    const struct orl_annual_batch batch = {.seed = y->request->seed,
+                                           .sensor = y->first + sensor,
+                                           .batch = (uint32_t)(index % ORL_ANNUAL_BATCHES),
+                                           .first = y->traced_before,
+                                           .samples = y->batch_samples,
+                                           .pool = y->env->run->pool};
+    struct orl_path_sums sums = orl_chunk_sums_of(&y->sums, sensor, batch.batch);
+    orl_annual_trace(&y->scene, &y->places[sensor], &batch, &sums, &y->healths[member]);
+    const double whole = (double)(y->count * ORL_ANNUAL_BATCHES);
+    const double done = (double)(atomic_fetch_add(&y->traced, 1) + 1);
+    if (member == 0) /* the lead thread */
+        orl_year_report_progress(y, ORL_STAGE_RENDER,
+                                 (double)y->first + TRACING * (double)y->count * done / whole);
+}
+
+static void find_sensor_sunlight(void *arg, size_t index, uint32_t member)
+{
+    struct orl_year *y = arg;
+    struct orl_sensor_sunlight rows = orl_chunk_suns_of(&y->sums, index);
+    const uint64_t name = y->request->seed + y->first + index;
+    (void)member;
+    rows.direct_only = orl_year_is_sun_only(y);
+    rows.disc_points = orl_disc_points(y->request->samples);
+    rows.wanted = y->wanted_suns;
+    orl_sunlight_find_hours(&y->scene, &y->hours.suns, &y->places[index], name, y->env->run->pool,
+                            &rows);
+    if (y->has_bsdf_panes)
+        orl_bsdf_panes_add(&y->bsdf_panes, &y->places[index], name, y->env->run->pool, &rows);
+}
+
+static void place_sensors(struct orl_year *y)
+{
+    for (size_t i = 0; i < y->count; i++) {
+        const struct orl_sensor *sensor = &y->request->sensors[y->first + i];
+        const struct orl_vec3 normal = orl_normalize(sensor->direction);
+        const struct orl_vec3 at = orl_sub(sensor->position, y->lit_scene->geometry->center);
+        struct orl_shading_point *place = &y->places[i];
+        *place = (struct orl_shading_point){
+            .point = orl_offset_from_surface(y->lit_scene->geometry, at, normal), .normal = normal};
+        place->outside = orl_lit_scene_is_outside(y->lit_scene, place->point);
+    }
+}
+
+static int deliver_rows(struct orl_year *y, struct orl_error *err)
+{
+    const size_t columns = y->hours.n_columns, bytes = columns * sizeof(float);
+    for (size_t i = 0; i < y->count; i++) {
+        const size_t sensor = y->first + i;
+        const float *total = orl_year_row_of(y, i, ORL_YEAR_TOTAL),
+                    *direct = orl_year_row_of(y, i, ORL_YEAR_DIRECT);
+        const float *se = orl_year_row_of(y, i, ORL_YEAR_SE);
+        if (y->env->row) {
+            const int code = y->env->row(y->env->ctx, sensor, total, direct, se, err);
+            if (code < 0)
+                return code;
+            continue;
+        }
+        memcpy(y->result->total + sensor * columns, total, bytes);
+        memcpy(y->result->direct + sensor * columns, direct, bytes);
+        memcpy(y->result->se + sensor * columns, se, bytes);
+    }
+    return 0;
+}
+
+/* ---- Sums and rows, stored or computed ------------------------------------------------------- */
+
+/* Stores packed data, unless packing ran out of memory (code < 0), and frees it. */
+static void store_packed(struct orl_year *y, struct orl_annual_cache_entry *entry, int code,
+                         void *data, size_t size)
+{
+    if (code == 0)
+        orl_annual_cache_put(&y->cache, entry, data, size);
+    free(data);
+}
+
+static uint64_t count_rays(const struct orl_year *y)
+{
+    uint64_t rays = 0;
+    for (uint32_t i = 0; i < orl_thread_pool_size(y->env->run->pool); i++)
+        rays += y->healths[i].rays;
+    return rays;
+}
+
+/* Refuses sensors outdoors if light is split by window group, because their light enters through no
+ * window. */
+static int check_places(const struct orl_year *y, struct orl_error *err)
+{
+    if (!y->overrides || !y->overrides->window_groups)
+        return 0;
+    for (size_t i = 0; i < y->count; i++)
+        if (y->places[i].outside)
+            return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                                 "sensor %zu stands outdoors: its light is not told apart by "
+                                 "window groups",
+                                 y->first + i + 1);
+    return 0;
+}
+
+static int trace_paths(struct orl_year *y, struct orl_annual_cache_entry *entry,
+                       struct orl_error *err)
+{
+    const uint64_t before = count_rays(y);
+    int code = orl_year_ensure_scene(y, err);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    code = check_places(y, err);
+    if (code < 0)
+        return code;
+    y->traced_before = entry->stored_samples / ORL_ANNUAL_BATCHES;
+    atomic_store(&y->traced, 0);
+    code = orl_parallel_try(y->env->run->pool, y->count * ORL_ANNUAL_BATCHES, trace_batch, y);
+    entry->rays += count_rays(y) - before;
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+static int get_paths(struct orl_year *y, struct orl_error *err)
+{
+    struct orl_annual_cache_entry entry = {.data_kind = ORL_ANNUAL_CACHE_PATHS,
+                                           .first = y->first,
+                                           .count = y->count,
+                                           .samples = y->result->samples};
+    void *data = NULL;
+    size_t size = 0;
+    int code = y->shares_rows ? 0 : orl_annual_cache_get(&y->cache, &entry, err);
+    if (code < 0)
+        return code;
+    if (!orl_chunk_sums_unpack_paths(&y->sums, y->count, entry.data, entry.size))
+        entry.stored_samples = 0;
+    if (entry.stored_samples < entry.samples)
+        code = trace_paths(y, &entry, err);
+    if (code == 0 && entry.must_commit) {
+        const int packed = orl_chunk_sums_pack_paths(&y->sums, y->count, &data, &size);
+        store_packed(y, &entry, packed, data, size);
+    }
+    orl_annual_cache_release(&y->cache, &entry);
+    return code;
+}
+
+static int compute_sunlight(struct orl_year *y, struct orl_error *err)
+{
+    int code = orl_year_ensure_bsdf_panes(y, err);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    code = orl_parallel_try(y->env->run->pool, y->count, find_sensor_sunlight, y);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+static int get_sunlight(struct orl_year *y, struct orl_error *err)
+{
+    struct orl_annual_cache_entry entry = {
+        .data_kind = ORL_ANNUAL_CACHE_SUNLIGHT, .first = y->first, .count = y->count};
+    void *data = NULL;
+    size_t size = 0;
+    int code = y->shares_rows ? 0 : orl_annual_cache_get(&y->cache, &entry, err);
+    if (code < 0)
+        return code;
+    if (!orl_chunk_sums_unpack_suns(&y->sums, y->count, entry.data, entry.size))
+        code = compute_sunlight(y, err);
+    if (code == 0 && entry.must_commit) {
+        const int packed = orl_chunk_sums_pack_suns(&y->sums, y->count, &data, &size);
+        store_packed(y, &entry, packed, data, size);
+    }
+    orl_annual_cache_release(&y->cache, &entry);
+    return code;
+}
+
+static void report_sunlight(const struct orl_year *y)
+{
+    const struct orl_year_window_groups *window_groups = y->overrides->window_groups;
+    for (size_t i = 0; i < y->count; i++)
+        for (uint32_t window_group = 0; window_group < y->n_window_groups; window_group++)
+            if (orl_chunk_suns_of(&y->sums, i).lit[window_group]) {
+                orl_chunk_direct_sunlight(y, i, window_group, y->rows);
+                window_groups->sunlit(window_groups->ctx, y->first + i, window_group, y->rows);
+            }
+}
+
+/* Computes direct sunlight alone, and reports it by window group or as rows. */
+static int run_sun_only(struct orl_year *y, struct orl_error *err)
+{
+    int code = orl_year_ensure_bsdf_panes(y, err);
+    double since = orl_year_now(y);
+    if (code < 0)
+        return code;
+    place_sensors(y);
+    code = check_places(y, err);
+    orl_chunk_sums_clear_suns(&y->sums, y->count);
+    if (code == 0 && orl_parallel_try(y->env->run->pool, y->count, find_sensor_sunlight, y) < 0)
+        code = orl_year_cancelled(err);
+    orl_year_add_timing(y, ORL_ANNUAL_SUN, &since);
+    if (code == 0 && reports_sunlight(y))
+        report_sunlight(y);
+    if (code < 0 || reports_sunlight(y))
+        return code;
+    memset(y->rows, 0, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows);
+    for (size_t i = 0; i < y->count; i++)
+        orl_chunk_direct_sunlight(y, i, 0, orl_year_row_of(y, i, ORL_YEAR_DIRECT));
+    return deliver_rows(y, err);
+}
+
+/* Computes the rows from paths and suns. */
+static int compute_rows(struct orl_year *y, struct orl_error *err)
+{
+    double since = orl_year_now(y);
+    int code = get_paths(y, err);
+    orl_year_add_timing(y, ORL_ANNUAL_PATHS, &since);
+    if (code == 0)
+        code = get_sunlight(y, err);
+    orl_year_add_timing(y, ORL_ANNUAL_SUN, &since);
+    if (code < 0)
+        return code;
+    code = orl_chunk_rows_compute(y);
+    orl_year_add_timing(y, ORL_ANNUAL_HOURS, &since);
+    return code < 0 ? orl_year_failed(y, code, err) : 0;
+}
+
+enum { ROW_ARRAYS = 4 };
+struct array {
+    void *at;
+    size_t bytes;
+};
+
+/* Lists the arrays stored for a chunk: rows, the light of the overcast sky with its error, and
+ * coherence. */
+static size_t list_row_arrays(const struct orl_year *y, struct array ret[ROW_ARRAYS])
+{
+    const struct orl_annual_result *r = y->result;
+    ret[0] =
+        (struct array){y->rows, y->count * ORL_YEAR_ROWS * y->hours.n_columns * sizeof *y->rows};
+    ret[1] = (struct array){r->overcast + y->first, y->count * sizeof *r->overcast};
+    ret[2] = (struct array){r->overcast_se + y->first, y->count * sizeof *r->overcast_se};
+    ret[3] = (struct array){r->coherence + y->first, y->count * sizeof *r->coherence};
+    return ret[0].bytes + ret[1].bytes + ret[2].bytes + ret[3].bytes;
+}
+
+static bool load_rows(const struct orl_year *y, const struct orl_annual_cache_entry *entry)
+{
+    struct array arrays[ROW_ARRAYS];
+    const char *from = entry->data;
+    if (!from || entry->size != list_row_arrays(y, arrays))
+        return false;
+    for (int i = 0; i < ROW_ARRAYS; from += arrays[i++].bytes)
+        memcpy(arrays[i].at, from, arrays[i].bytes);
+    return true;
+}
+
+static void store_rows(struct orl_year *y, struct orl_annual_cache_entry *entry)
+{
+    struct array arrays[ROW_ARRAYS];
+    const size_t size = list_row_arrays(y, arrays);
+    char *data = malloc(size + 1), *to = data;
+    for (int i = 0; data && i < ROW_ARRAYS; to += arrays[i++].bytes)
+        memcpy(to, arrays[i].at, arrays[i].bytes);
+    store_packed(y, entry, data ? 0 : ORL_ERR_NOMEM, data, size);
+}
+
+/* Computes the rows; if runs share the year, takes them from the store where possible. */
+static int get_rows(struct orl_year *y, struct orl_error *err)
+{
+    struct orl_annual_cache_entry entry = {.data_kind = ORL_ANNUAL_CACHE_ROWS,
+                                           .first = y->first,
+                                           .count = y->count,
+                                           .samples = y->result->samples};
+    if (!y->shares_rows)
+        return compute_rows(y, err);
+    int code = orl_annual_cache_get(&y->cache, &entry, err);
+    if (code < 0)
+        return code;
+    if (!load_rows(y, &entry))
+        code = compute_rows(y, err);
+    if (code == 0 && entry.must_commit)
+        store_rows(y, &entry);
+    orl_annual_cache_release(&y->cache, &entry);
+    return code;
+}
+
+static int run_chunk(struct orl_year *y, struct orl_error *err)
+{
+    if (orl_year_is_sun_only(y))
+        return run_sun_only(y, err);
+    int code = get_rows(y, err);
+    double since = orl_year_now(y);
+    if (code == 0)
+        code = deliver_rows(y, err);
+    orl_year_add_timing(y, ORL_ANNUAL_HOURS, &since);
+    return code;
+}
+
+static int allocate_result(struct orl_year *y)
+{
+    const size_t columns = y->hours.n_columns, n = y->request->n_sensors;
+    struct orl_annual_result *r = y->result;
+    y->healths = calloc(orl_thread_pool_size(y->env->run->pool), sizeof *y->healths);
+    if (orl_chunk_rows_init(y) < 0 || !y->healths)
+        return ORL_ERR_NOMEM;
+    orl_overcast_init(&y->overcast, &y->bins, y->request->ground_reflectance);
+    r->overcast = calloc(n + 1, sizeof *r->overcast);
+    r->overcast_se = calloc(n + 1, sizeof *r->overcast_se);
+    r->coherence = calloc(n + 1, sizeof *r->coherence);
+    if (!r->overcast || !r->overcast_se || !r->coherence)
+        return ORL_ERR_NOMEM;
+    if (y->request->coefficients) {
+        r->coefficients = calloc(n * ORL_ANNUAL_PATCHES + 1, sizeof *r->coefficients);
+        if (!r->coefficients)
+            return ORL_ERR_NOMEM;
+    }
+    if (y->env->row || reports_sunlight(y))
+        return 0;
+    r->total = malloc((n * columns + 1) * sizeof *r->total);
+    r->direct = malloc((n * columns + 1) * sizeof *r->direct);
+    r->se = malloc((n * columns + 1) * sizeof *r->se);
+    return r->total && r->direct && r->se ? 0 : ORL_ERR_NOMEM;
+}
+
+/* ---- Stored chunks --------------------------------------------------------------------------- */
+
+/* Returns the current chunk as a part of the result's arrays, which must exist. */
+static struct orl_annual_chunk chunk_of(const struct orl_year *y)
+{
+    const struct orl_annual_result *r = y->result;
+    const size_t columns = y->hours.n_columns, at = y->first * columns;
+    return (struct orl_annual_chunk){.round = y->env->round,
+                                     .first = y->first,
+                                     .count = y->count,
+                                     .n_columns = columns,
+                                     .total = r->total + at,
+                                     .direct = r->direct + at,
+                                     .se = r->se + at,
+                                     .overcast = r->overcast + y->first,
+                                     .overcast_se = r->overcast_se + y->first,
+                                     .coherence = r->coherence + y->first};
+}
+
+static bool is_restored(struct orl_year *y)
+{
+    if (reports_sunlight(y) || y->env->row || !y->env->restored || y->result->coefficients)
+        return false; /* coefficients are stored in no chunk */
+    struct orl_annual_chunk chunk = chunk_of(y);
+    return y->env->restored(y->env->ctx, &chunk);
+}
+
+static void report_chunk_done(const struct orl_year *y)
+{
+    if (reports_sunlight(y) || y->env->row || !y->env->done)
+        return;
+    const struct orl_annual_chunk chunk = chunk_of(y);
+    y->env->done(y->env->ctx, &chunk);
+}
+
+/* Computes the part of a chunk that distributed runs share: its rows, or its paths and sunlight. */
+static int compute_chunk(struct orl_year *y, struct orl_error *err)
+{
+    if (y->shares_rows)
+        return get_rows(y, err);
+    const int code = get_paths(y, err);
+    return code == 0 ? get_sunlight(y, err) : code;
+}
+
+/* ---- All chunks ------------------------------------------------------------------------------ */
+
+/* Number of sensors per chunk, such that a tile has at most LIGHTS pairs of a window group and a
+ * sensor. */
+static size_t most_sensors_per_chunk(const struct orl_year *y)
+{
+    enum { LIGHTS = 256, LEAST = 8 };
+    const size_t most = LIGHTS / y->n_window_groups;
+    return most < LEAST ? LEAST : most < ORL_YEAR_CHUNK ? most : ORL_YEAR_CHUNK;
+}
+
+int orl_year_run_chunks(struct orl_year *y, struct orl_error *err)
+{
+    const size_t n = y->request->n_sensors, most = most_sensors_per_chunk(y);
+    const bool shared = y->env->run->tasks && y->cache.store && !orl_year_is_sun_only(y);
+    y->chunk = shared ? orl_year_chunk_of_tasks(n, most) : most;
+    int code = allocate_result(y) < 0 ? orl_year_no_memory(err) : 0;
+    if (code == 0 && y->env->begins)
+        code = y->env->begins(y->env->ctx, y->result, err);
+    y->chunks_s = orl_year_now(y);
+    /* Rows have no coefficients; with coefficients, runs share the paths of chunks instead. */
+    y->shares_rows = shared && !y->result->coefficients;
+    if (code == 0 && shared)
+        code = orl_year_run_chunk_tasks(y, compute_chunk, err);
+    for (y->first = 0; y->first < n && code == 0; y->first += y->count) {
+        y->count = n - y->first < y->chunk ? n - y->first : y->chunk;
+        if (is_restored(y)) {
+            y->restored += y->count;
+            continue;
+        }
+        code = run_chunk(y, err);
+        if (code == 0)
+            report_chunk_done(y);
+        orl_year_report_progress(y, ORL_STAGE_RENDER, (double)(y->first + y->count));
+    }
+    for (uint32_t i = 0; y->healths && i < orl_thread_pool_size(y->env->run->pool); i++)
+        orl_health_add(&y->result->health, &y->healths[i]);
+    return code;
+}
+
+void orl_year_chunks_done(struct orl_year *y)
+{
+    orl_chunk_rows_done(y);
+    free(y->healths);
+}

@@ -1,0 +1,128 @@
+#include "annual/shades/shaded_year.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "annual/shades/shaded_scene.h"
+
+enum { ROUNDS = 4096 }; /* most runs per round of refinement */
+
+/* ---- Hours ----------------------------------------------------------------------------------- */
+
+int orl_shaded_year_begin(struct orl_shaded_year *s)
+{
+    struct orl_thread_pool *pool = s->env->run->pool;
+    s->reader->request = s->request;
+    s->reader->env = s->env;
+    s->reader->result = s->result;
+    s->reader->started_s = orl_year_now(s->reader);
+    double since = s->reader->started_s;
+    orl_year_report_progress(s->reader, ORL_STAGE_LOAD, 0);
+    orl_bins_init(&s->reader->bins);
+    orl_thread_pool_set_cancel(pool, s->env->run->cancel);
+    const int code = orl_year_read_hours(s->reader, s->err);
+    orl_thread_pool_set_cancel(pool, NULL);
+    if (code < 0)
+        return code;
+    orl_year_move_hours(s->reader);
+    orl_year_add_timing(s->reader, ORL_ANNUAL_SKIES, &since);
+    s->states = calloc(s->request->n_groups * s->result->n_steps + 1, 1);
+    s->combination_of = calloc(s->result->n_columns + 1, 1);
+    s->combinations = calloc(ORL_SHADES_MOST_COMBINATIONS, sizeof *s->combinations);
+    s->n_combinations = 1;
+    s->counts = calloc(s->request->n_groups + 1, sizeof *s->counts);
+    if (!s->states || !s->combination_of || !s->combinations || !s->counts)
+        return orl_year_no_memory(s->err);
+    return orl_shades_schedule(s->request, s->result, s->states, s->err);
+}
+
+/* ---- A run ----------------------------------------------------------------------------------- */
+
+/* Moves the run's warnings that are new into the result, and issues them. */
+static int move_warnings(struct orl_shaded_year *s, struct orl_annual_result *run)
+{
+    struct orl_annual_result *all = s->result;
+    for (size_t i = 0; i < run->n_warnings; i++) {
+        size_t k = 0;
+        while (k < all->n_warnings && strcmp(all->warnings[k], run->warnings[i]) != 0)
+            k++;
+        if (k < all->n_warnings)
+            continue;
+        char **grown = realloc(all->warnings, (all->n_warnings + 1) * sizeof *grown);
+        if (!grown)
+            return orl_year_no_memory(s->err);
+        all->warnings = grown;
+        grown[all->n_warnings++] = run->warnings[i];
+        if (s->env->run->warned)
+            s->env->run->warned(s->env->run->ctx, run->warnings[i]);
+        run->warnings[i] = NULL;
+    }
+    return 0;
+}
+
+static int add_statistics(struct orl_shaded_year *s, struct orl_annual_result *run)
+{
+    for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
+        s->result->timings_s[i] += run->timings_s[i];
+    orl_health_add(&s->result->health, &run->health);
+    for (size_t i = 0; i < run->n_scene_read; i++)
+        if (orl_annual_add_scene_file(s->result, run->scene_read[i]) < 0)
+            return orl_year_no_memory(s->err);
+    s->result->reuse.asked = run->reuse.asked;
+    for (int i = 0; i < ORL_ANNUAL_CACHE_KINDS; i++)
+        orl_annual_cache_stats_add(&s->result->reuse.of[i], &run->reuse.of[i]);
+    s->result->threads = run->threads;
+    s->result->samples = run->samples;
+    s->result->n_nodes = run->n_nodes;
+    s->result->n_runs++;
+    return move_warnings(s, run);
+}
+
+int orl_shaded_year_run(struct orl_shaded_year *s, const struct orl_sub_run *sub,
+                        struct orl_annual_result *ret_run)
+{
+    struct orl_shaded_scene shaded_scene;
+    struct orl_run_env run = *s->env->run;
+    struct orl_annual_env env = *s->env;
+    const double whole = run.part > 0 ? run.part : 1;
+    const bool by_window_group = sub->window_groups != NULL;
+    run.part_from += whole * s->reported_progress;
+    run.part = whole * sub->share;
+    run.warned = NULL;
+    env.run = &run;
+    env.begins = NULL;
+    env.row = NULL;
+    env.restored = sub->sun_only ? NULL : s->env->restored;
+    env.done = sub->sun_only ? NULL : s->env->done;
+    env.round = s->env->round * ROUNDS + sub->index;
+    int code =
+        orl_shaded_scene_init(&shaded_scene, s->request, sub->states, by_window_group, s->err);
+    const struct orl_year_overrides overrides = {.hours_of = s->reader,
+                                                 .material_overrides =
+                                                     &shaded_scene.material_overrides,
+                                                 .window_groups = sub->window_groups,
+                                                 .sun_only = sub->sun_only,
+                                                 .sensors_checked = s->sensors_checked};
+    /* Runs whose light is added up use different seeds, so that their errors are independent. */
+    if (by_window_group)
+        shaded_scene.request.seed += (uint64_t)sub->index << 32;
+    if (code == 0)
+        code = orl_year_run(&shaded_scene.request, &env, &overrides, ret_run, s->err);
+    orl_shaded_scene_done(&shaded_scene);
+    s->sensors_checked = s->sensors_checked || code == 0;
+    s->reported_progress += sub->share;
+    return code == 0 ? add_statistics(s, ret_run) : code;
+}
+
+void orl_shaded_year_done(struct orl_shaded_year *s)
+{
+    if (s->reader)
+        orl_hours_done(&s->reader->hours);
+    free(s->reader);
+    free(s->states);
+    free(s->combination_of);
+    free(s->combinations);
+    for (size_t g = 0; s->counts && g < s->request->n_groups; g++)
+        orl_shade_count_done(&s->counts[g]);
+    free(s->counts);
+}

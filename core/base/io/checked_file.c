@@ -1,0 +1,198 @@
+#include "base/io/checked_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <oriel/base/open.h>
+
+struct header {
+    char magic[8];
+    uint32_t version, byte_order;
+    uint64_t shape;
+    uint64_t size; /* file size, bytes */
+    unsigned char content[ORL_CHECKED_FILE_CONTENT];
+    unsigned char checksum[ORL_CHECKSUM_BYTES]; /* checksum of all data after the header */
+    unsigned char reserved[32];                 /* 0 */
+    unsigned char of_header[ORL_CHECKSUM_BYTES];
+};
+_Static_assert(sizeof(struct header) == ORL_CHECKED_FILE_HEADER, "a multiple of 64");
+
+enum { STEP = 16 << 20 };
+static const uint32_t byte_order = 0x01020304U;
+
+/* ---- Writing --------------------------------------------------------------------------------- */
+
+static void write_all(struct orl_checked_writer *writer, const char *data, size_t size)
+{
+    while (size > 0 && writer->error == 0) {
+        const ssize_t n = write(writer->fd, data, size);
+        if (n < 0 && errno != EINTR)
+            writer->error = errno;
+        data += n > 0 ? n : 0;
+        size -= n > 0 ? (size_t)n : 0;
+    }
+}
+
+static void flush_buffer(struct orl_checked_writer *writer)
+{
+    write_all(writer, writer->buffer, writer->filled);
+    writer->filled = 0;
+}
+
+int orl_checked_writer_begin(struct orl_checked_writer *writer,
+                             const struct orl_checked_file_kind *kind, const char *path,
+                             struct orl_error *err)
+{
+    static const struct header none;
+    *writer = (struct orl_checked_writer){.kind = kind, .path = path, .size = sizeof none};
+    orl_checksum_init(&writer->sum);
+    writer->fd = orl_open_regular(path, O_WRONLY | O_CREAT | O_TRUNC);
+    if (writer->fd < 0)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot write the %s '%s': %s",
+                             kind->what, path, orl_open_reason(errno));
+    write_all(writer, (const char *)&none, sizeof none);
+    return 0;
+}
+
+void orl_checked_writer_put(struct orl_checked_writer *writer, const void *data, size_t bytes)
+{
+    orl_checksum_add(&writer->sum, data, bytes);
+    writer->size += bytes;
+    if (writer->filled + bytes > ORL_CHECKED_WRITER_BUFFER)
+        flush_buffer(writer);
+    if (bytes > ORL_CHECKED_WRITER_BUFFER / 2) {
+        flush_buffer(writer);
+        write_all(writer, data, bytes);
+    } else if (bytes > 0) {
+        memcpy(writer->buffer + writer->filled, data, bytes);
+        writer->filled += bytes;
+    }
+}
+
+void orl_checked_writer_align(struct orl_checked_writer *writer, size_t step)
+{
+    static const char zeros[ORL_CHECKED_FILE_BOUNDARY];
+    orl_checked_writer_put(writer, zeros, (step - writer->size % step) % step);
+}
+
+int orl_checked_writer_end(struct orl_checked_writer *writer,
+                           const unsigned char content[ORL_CHECKED_FILE_CONTENT],
+                           uint64_t *ret_bytes, struct orl_error *err)
+{
+    const struct orl_checked_file_kind *const kind = writer->kind;
+    struct header h = {.version = kind->version,
+                       .byte_order = byte_order,
+                       .shape = kind->shape,
+                       .size = writer->size};
+    memcpy(h.magic, kind->magic, sizeof h.magic);
+    memcpy(h.content, content, sizeof h.content);
+    orl_checksum_finish(&writer->sum, h.checksum);
+    orl_checksum_of(&h, offsetof(struct header, of_header), h.of_header);
+    flush_buffer(writer);
+    if (writer->error == 0 && lseek(writer->fd, 0, SEEK_SET) != 0)
+        writer->error = errno;
+    write_all(writer, (const char *)&h, sizeof h);
+    if (close(writer->fd) != 0 && writer->error == 0) /* may report a write error */
+        writer->error = errno;
+    *ret_bytes = h.size;
+    if (writer->error == 0)
+        return 0;
+    unlink(writer->path);
+    return orl_error_set(err, orl_err_of_errno(writer->error), "cannot write the %s '%s': %s",
+                         kind->what, writer->path, strerror(writer->error));
+}
+
+/* ---- Opening --------------------------------------------------------------------------------- */
+
+static int map_file(const struct orl_checked_file_kind *kind, const char *path,
+                    struct orl_checked_file *ret_file, struct orl_error *err)
+{
+    const int fd = orl_open_regular(path, O_RDONLY);
+    struct stat st;
+    int code = 0;
+    if (fd < 0)
+        return orl_error_set(err, orl_open_err_of_stored(errno), "cannot open the %s '%s': %s",
+                             kind->what, path, orl_open_reason(errno));
+    if (fstat(fd, &st) != 0 || st.st_size < ORL_CHECKED_FILE_HEADER) {
+        code =
+            orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' is cut short", kind->what, path);
+    } else {
+        const size_t size = (size_t)st.st_size;
+        void *const data = mmap(NULL, size, PROT_READ, MAP_SHARED, fd, 0);
+        if (data == MAP_FAILED)
+            code = orl_error_set(err, ORL_ERR_IO, "cannot map the %s '%s': %s", kind->what, path,
+                                 strerror(errno));
+        else
+            *ret_file = (struct orl_checked_file){data, size};
+    }
+    close(fd);
+    return code;
+}
+
+/* Computes the checksum of the body. Pages of a large file are released after reading; later
+ * accesses load them again. */
+static void sum_body(const struct orl_checked_file *file, unsigned char ret_sum[ORL_CHECKSUM_BYTES])
+{
+    struct orl_checksum sum;
+    orl_checksum_init(&sum);
+    for (size_t at = ORL_CHECKED_FILE_HEADER; at < file->size;) {
+        const size_t end = file->size - at < STEP ? file->size : at + STEP;
+        orl_checksum_add(&sum, file->data + at, end - at);
+        if (file->size > STEP)
+            madvise(file->data, end / STEP * STEP, MADV_DONTNEED);
+        at = end;
+    }
+    orl_checksum_finish(&sum, ret_sum);
+}
+
+static int check_contents(const struct orl_checked_file_kind *kind,
+                          const struct orl_checked_file *file, const unsigned char *content,
+                          const char *path, struct orl_error *err)
+{
+    const struct header *const h = (const void *)file->data;
+    unsigned char sum[ORL_CHECKSUM_BYTES];
+    if (memcmp(h->magic, kind->magic, sizeof h->magic) != 0)
+        return orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is no kept %s", path, kind->what);
+    if (h->version != kind->version || h->byte_order != byte_order || h->shape != kind->shape)
+        return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a kept %s of another version", path,
+                             kind->what);
+    orl_checksum_of(h, offsetof(struct header, of_header), sum);
+    if (memcmp(sum, h->of_header, sizeof sum) != 0 || h->size != file->size ||
+        memcmp(h->content, content, ORL_CHECKED_FILE_CONTENT) != 0)
+        return orl_error_set(err, ORL_ERR_CORRUPT,
+                             "the kept %s '%s' is cut, damaged or of another file", kind->what,
+                             path);
+    sum_body(file, sum);
+    if (memcmp(sum, h->checksum, sizeof sum) != 0)
+        return orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' fails its checksum",
+                             kind->what, path);
+    return 0;
+}
+
+int orl_checked_file_open(const struct orl_checked_file_kind *kind, const char *path,
+                          const unsigned char content[ORL_CHECKED_FILE_CONTENT],
+                          struct orl_checked_file *ret_file, struct orl_error *err)
+{
+    struct orl_checked_file file = {0};
+    int code = map_file(kind, path, &file, err);
+    if (!file.data)
+        return code;
+    if (code == 0)
+        code = check_contents(kind, &file, content, path, err);
+    if (code == 0)
+        *ret_file = file;
+    else
+        orl_checked_file_close(&file);
+    return code;
+}
+
+void orl_checked_file_close(struct orl_checked_file *file)
+{
+    if (file->data)
+        munmap(file->data, file->size);
+    *file = (struct orl_checked_file){0};
+}

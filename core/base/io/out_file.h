@@ -1,0 +1,28 @@
+/*
+ * Writes files so that they are whole or absent: path.part, sync, rename. Devices and pipes, such
+ * as /dev/stdout, are written to directly.
+ */
+#ifndef ORL_BASE_IO_OUT_FILE_H
+#define ORL_BASE_IO_OUT_FILE_H
+
+#include <stdio.h>
+
+#include <oriel/base/error.h>
+#include <oriel/base/thread_pool.h>
+
+struct orl_out_file {
+    FILE *stream;
+    const atomic_bool *cancel; /* set by the caller after opening; or NULL */
+    char path[4096], part[4104];
+};
+
+int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *err);
+/* Returns false once the file's cancel flag is set, so that long loops of writes can end. */
+bool orl_out_continues(const struct orl_out_file *file);
+/* Writes n floats, and polls the cancel flag between blocks. */
+void orl_out_floats(const struct orl_out_file *file, const float *values, size_t n);
+/* Commits the file if code is 0 and it is not cancelled; otherwise removes it. Returns code,
+ * ORL_ERR_CANCELLED, or ORL_ERR_IO if the commit failed. */
+int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err);
+
+#endif

@@ -1,0 +1,22 @@
+/*
+ * Parses numbers of scene files and commands: [+-]digits[.digits][e[+-]digits], correctly rounded,
+ * independent of the locale in the common case, and several times faster than strtod.
+ */
+#ifndef ORL_BASE_TEXT_NUMBER_H
+#define ORL_BASE_TEXT_NUMBER_H
+
+#include <stddef.h>
+
+enum orl_number_fault {
+    ORL_NUMBER_OK = 0,
+    ORL_NUMBER_INVALID,  /* not of that form */
+    ORL_NUMBER_INFINITE, /* "nan", "inf", or too large for a double */
+};
+
+/* Reads the whole word. ret_value is untouched unless the result is ORL_NUMBER_OK. */
+enum orl_number_fault orl_number_read(const char *text, size_t length, double *ret_value);
+
+/* Reads a decimal integer in [-2000000000, 2000000000]; larger ones give ORL_NUMBER_INFINITE. */
+enum orl_number_fault orl_number_read_int(const char *text, size_t length, int *ret_value);
+
+#endif

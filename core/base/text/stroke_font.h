@@ -1,0 +1,50 @@
+/*
+ * Draws text and lines into pixels, without a library and without allocating memory.
+ *
+ * The font was made for Oriel. Each letter is a few strokes of a round pen along straight lines and
+ * parabolas (stroke_glyphs.c). The coverage of a pixel is computed from the distance of its middle
+ * to the stroke, so edges are smooth at any size. The same calls give the same bytes.
+ *
+ * Texts are UTF-8. The font has ASCII, Latin-1, and some characters for pictures and charts (– − ×
+ * ± ≤ ≥ Δ √); other characters are drawn as an empty box.
+ *
+ * Frame: pixels from the upper left corner of the picture, x to the right and y down; the middle of
+ * the first pixel is (0.5, 0.5). Content outside the picture is clipped.
+ */
+#ifndef ORL_BASE_TEXT_STROKE_FONT_H
+#define ORL_BASE_TEXT_STROKE_FONT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* RGB picture with three bytes per pixel, red first, rows from the top without gaps. */
+struct orl_raster {
+    unsigned char *rgb;
+    uint32_t width, height;
+};
+
+struct orl_pen {
+    double size;   /* height of capitals, pixels; small x has 0.7 of it, and descenders reach 0.3
+                      below */
+    double weight; /* width of strokes, pixels; 0: chosen by the size */
+    double turn;   /* direction of the line, radians anticlockwise; 0: to the right */
+    unsigned char rgb[3];
+};
+
+/* Returns the length of the text along its line, pixels. */
+double orl_stroke_text_width(const char *text, double size);
+
+/* Draws the text from (x, y), the left end of its baseline. */
+void orl_stroke_text_draw(const struct orl_raster *raster, const struct orl_pen *pen, double x,
+                          double y, const char *text);
+
+/* Draws a straight line with round ends in the pen's weight (1 if that is 0) and colour. */
+void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen, double x0,
+                     double y0, double x1, double y1);
+
+/* Fills a rectangle: all pixels whose middle lies in it. */
+void orl_raster_fill(const struct orl_raster *raster, double x0, double y0, double x1, double y1,
+                     const unsigned char rgb[3]);
+
+#endif

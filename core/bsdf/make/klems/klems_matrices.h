@@ -1,0 +1,14 @@
+/* Measures matrices of a panel in a Klems basis: rounds of paths until the accuracy is reached. */
+#ifndef ORL_BSDF_MAKE_KLEMS_KLEMS_MATRICES_H
+#define ORL_BSDF_MAKE_KLEMS_KLEMS_MATRICES_H
+
+#include "base/sampling/sobol.h"
+#include "bsdf/make/panel/panel_sample.h"
+
+/* Like orl_bsdf_make; fills all of *made, or only a part of it after an error. */
+int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
+                         const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
+                         const struct orl_sobol *sobol, struct orl_bsdf_make_result *result,
+                         struct orl_error *err);
+
+#endif

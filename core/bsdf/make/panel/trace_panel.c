@@ -1,0 +1,118 @@
+#include "bsdf/make/panel/trace_panel.h"
+
+enum { MOST_SURFACES = 4096, SOBOL_SCATTERINGS = 4, MOST_BRANCHES = 16 };
+
+/* Weights below which paths end by Russian roulette, and below which paths are not split. */
+static const double least_weight = 0.02, least_branch = 0.005;
+
+/* A path in progress, and the number of surfaces it has hit. */
+struct branch {
+    struct orl_path path;
+    int surfaces;
+};
+
+struct panel_tracer {
+    const struct orl_gonio_sample *sample;
+    struct orl_gonio_sampler *sampler;
+    struct branch pending[MOST_BRANCHES];
+    int n_pending;
+};
+
+static void next_sample(struct orl_gonio_sampler *sampler, int scattering, double ret_u[3])
+{
+    if (scattering < SOBOL_SCATTERINGS) {
+        const uint64_t step = 0x9e3779b97f4a7c15ULL * ((uint64_t)scattering + 1);
+        orl_sobol_point(sampler->sobol, sampler->index, (uint32_t)orl_mix64(sampler->seed + step),
+                        3, ret_u);
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        ret_u[i] = orl_random_uniform(&sampler->random);
+}
+
+/* Scatters the path by one of the lobes; returns false if it ends. */
+static bool scatter_by_lobes(const struct panel_tracer *j, struct branch *b,
+                             const struct orl_hit *hit, enum orl_lobes lobes, const double u[3])
+{
+    const struct orl_lit_scene *lit_scene = j->sample->lit_scene;
+    const struct orl_material *material = orl_lit_scene_material(lit_scene, hit);
+    const struct orl_surface_sample sample = orl_material_sample_at(
+        material, hit, orl_path_back(&b->path), ORL_TRANSPORT_LIGHT, lobes, u);
+    if (sample.event == ORL_EVENT_ABSORBED)
+        return false;
+    b->path.weight = orl_rgb_mul(b->path.weight, sample.weight);
+    b->surfaces++;
+    const double most = orl_rgb_max(b->path.weight);
+    if (most < least_weight &&
+        !orl_path_roulette(&b->path, most / least_weight, &j->sampler->random))
+        return false;
+    orl_path_spawn_ray(&b->path, lit_scene, hit, &sample);
+    return true;
+}
+
+/* Returns true if the reflected and the transmitted part are both worth tracing. */
+static bool is_split(const struct panel_tracer *j, const struct branch *b,
+                     const struct orl_hit *hit)
+{
+    const struct orl_material *m = orl_lit_scene_material(j->sample->lit_scene, hit);
+    if ((m->kind != ORL_MATERIAL_DIELECTRIC && m->kind != ORL_MATERIAL_GLASS) ||
+        j->n_pending == MOST_BRANCHES)
+        return false;
+    const struct orl_vec3 from = orl_path_back(&b->path);
+    const struct orl_rgb w = b->path.weight;
+    const struct orl_rgb mirrored = orl_material_mirrored(m, hit, from);
+    const struct orl_rgb through = m->kind == ORL_MATERIAL_GLASS
+                                       ? orl_material_straight(m, hit, from)
+                                       : orl_gray(1 - mirrored.r);
+    return orl_rgb_max(orl_rgb_mul(w, mirrored)) > least_branch &&
+           orl_rgb_max(orl_rgb_mul(w, through)) > least_branch;
+}
+
+/* Scatters the path at a surface. If it is split, the reflected part is queued. Returns false if
+ * the path ends. */
+static bool handle_hit(struct panel_tracer *j, struct branch *b, const struct orl_hit *hit)
+{
+    double u[3];
+    orl_path_attenuate(&b->path, orl_lit_scene_material(j->sample->lit_scene, hit), hit);
+    next_sample(j->sampler, b->surfaces, u);
+    if (!is_split(j, b, hit))
+        return scatter_by_lobes(j, b, hit, ORL_LOBE_ALL, u);
+    struct branch mirrored = *b;
+    if (scatter_by_lobes(j, &mirrored, hit, ORL_LOBE_DIFFUSE | ORL_LOBE_REFLECTED, u))
+        j->pending[j->n_pending++] = mirrored;
+    return scatter_by_lobes(j, b, hit, ORL_LOBE_TRANSMITTED, u);
+}
+
+/* Traces one branch to its end. */
+static void trace_branch(struct panel_tracer *j, struct branch b, orl_gonio_on_exit *on_exit,
+                         void *ctx)
+{
+    struct orl_gonio_exit exit = {.end = ORL_GONIO_PATH_CUT};
+    while (b.surfaces < MOST_SURFACES) {
+        struct orl_hit hit;
+        const enum orl_gonio_crossing meeting =
+            orl_gonio_unit_cell_intersect(&j->sample->cell, j->sample->lit_scene, &b.path, &hit);
+        if (meeting == ORL_GONIO_HIT_SURFACE) {
+            if (!handle_hit(j, &b, &hit))
+                return;
+            continue;
+        }
+        if (meeting != ORL_GONIO_MANY_CROSSINGS) {
+            exit.end = ORL_GONIO_PATH_LEFT;
+            exit.front = meeting == ORL_GONIO_LEFT_FRONT;
+        }
+        break;
+    }
+    exit.direction = b.path.direction;
+    exit.weight = b.path.weight;
+    on_exit(ctx, &exit);
+}
+
+void orl_gonio_trace(const struct orl_gonio_sample *sample, struct orl_path path,
+                     struct orl_gonio_sampler *sampler, orl_gonio_on_exit *on_exit, void *ctx)
+{
+    struct panel_tracer j = {.sample = sample, .sampler = sampler, .n_pending = 1};
+    j.pending[0] = (struct branch){path, 0};
+    while (j.n_pending > 0)
+        trace_branch(&j, j.pending[--j.n_pending], on_exit, ctx);
+}

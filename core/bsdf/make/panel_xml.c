@@ -1,0 +1,160 @@
+#include "bsdf/make/panel_xml.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/base/version.h>
+
+const enum orl_component_kind orl_gonio_component_of[2][2] = {
+    {ORL_COMPONENT_REFLECTION_FRONT, ORL_COMPONENT_TRANSMISSION_FRONT},
+    {ORL_COMPONENT_REFLECTION_BACK, ORL_COMPONENT_TRANSMISSION_BACK}};
+
+/* ---- The comment ---------------------------------------------------------------------------- */
+
+static void write_sources(const struct orl_gonio_sample *sample, FILE *out)
+{
+    const struct orl_parsed_scene *d = &sample->lit_scene->scene->parsed_scene;
+    fputs("From:", out);
+    for (size_t i = 0; i < d->n_files; i++)
+        fprintf(out, " %s", d->files[i]);
+    fputs("\nSHA-256 of these, each behind its length: ", out);
+    for (size_t i = 0; i < sizeof d->digest; i++)
+        fprintf(out, "%02x", d->digest[i]);
+    putc('\n', out);
+}
+
+static void write_settings(const struct orl_bsdf_make_request *r,
+                           const struct orl_bsdf_make_result *result, FILE *out)
+{
+    static const char *const mirrors[] = {"none", "left and right", "up and down", "both"};
+    fprintf(out,
+            "Cell, repeated without end: x %.6g to %.6g, y %.6g to %.6g; z %.6g to %.6g\n"
+            "Seed %llu, paths %llu, symmetry %s",
+            result->cell[0], result->cell[1], result->cell[2], result->cell[3], result->depth[0],
+            result->depth[1], (unsigned long long)r->seed, (unsigned long long)result->paths,
+            mirrors[r->symmetry]);
+    if (orl_bsdf_basis_is_tree(r->basis))
+        fprintf(out, ", cells as one where within %g of their mean, or %g of the light", r->cull,
+                r->cull_fraction);
+    if (r->accuracy > 0)
+        fprintf(out, ", accuracy %g%s", r->accuracy, result->reached ? "" : " (not reached)");
+    putc('\n', out);
+}
+
+static void write_error_figures(const struct orl_bsdf_make_result *result, FILE *out)
+{
+    static const char *const sides[2] = {"outside", "inside"};
+    for (int front = 0; front < 2; front++) {
+        const struct orl_bsdf_share *s = result->diffuse[front];
+        fprintf(out,
+                "Diffuse light from the %s: transmitted %.5f, standard error %.1e; reflected %.5f, "
+                "%.1e\n",
+                sides[front], s[1].value, s[1].error, s[0].value, s[0].error);
+    }
+    fprintf(out,
+            "Largest standard error of values above a hundredth of their part's peak: %.2g of the "
+            "value\n",
+            result->worst);
+    if (result->merge_error > 0)
+        fprintf(out, "Largest that cells joined are off by from their mean, as rms: %.2g of it\n",
+                result->merge_error);
+    fprintf(out, "Light given up inside: %.2g", result->lost);
+}
+
+static void write_conversion(const struct orl_gonio_sample *sample,
+                             const struct orl_bsdf_make_request *r, FILE *out)
+{
+    fprintf(out, "Converted by Oriel " ORL_VERSION "\nFrom: %s", sample->source);
+    if (orl_bsdf_basis_is_tree(r->basis))
+        fprintf(out, "\nCells as one where within %g of their mean, or %g of the light", r->cull,
+                r->cull_fraction);
+}
+
+static char *write_provenance(const struct orl_gonio_sample *sample,
+                              const struct orl_bsdf_make_request *request,
+                              const struct orl_bsdf_make_result *result, bool errors)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    if (errors)
+        fputs("Standard errors in place of values: no BSDF. Of these it is said:\n", out);
+    if (sample->file) {
+        write_conversion(sample, request, out);
+    } else {
+        fputs("Made of geometry and materials by Oriel " ORL_VERSION "\n", out);
+        write_sources(sample, out);
+        write_settings(request, result, out);
+        write_error_figures(result, out);
+    }
+    const bool failed = ferror(out);
+    if (fclose(out) == 0 && !failed)
+        return text;
+    free(text);
+    return NULL;
+}
+
+/* ---- The file -------------------------------------------------------------------------------- */
+
+static int write_out(const struct orl_document *document, const struct orl_bsdf_labels *labels,
+                     char **ret_xml, size_t *ret_size)
+{
+    FILE *out = open_memstream(ret_xml, ret_size);
+    if (!out)
+        return ORL_ERR_NOMEM;
+    orl_document_write(document, labels, out);
+    const bool failed = ferror(out);
+    return fclose(out) == 0 && !failed ? 0 : ORL_ERR_NOMEM;
+}
+
+/* Contents and destination of a file. */
+struct xml_file {
+    bool errors;
+    char **xml;
+    size_t *size;
+    orl_bsdf_write_part *write_part;
+    void *ctx;
+};
+
+static int write_xml_file(struct orl_document *document, const struct xml_file *xml_file,
+                          const struct orl_gonio_sample *sample,
+                          const struct orl_bsdf_make_request *request,
+                          const struct orl_bsdf_make_result *result)
+{
+    char *comment = write_provenance(sample, request, result, xml_file->errors);
+    const struct orl_bsdf_labels labels = {.manufacturer = sample->file ? "converted" : "simulated",
+                                           .width_m = result->cell[1] - result->cell[0],
+                                           .height_m = result->cell[3] - result->cell[2],
+                                           .comment = comment,
+                                           .write_part = xml_file->write_part,
+                                           .ctx = xml_file->ctx};
+    int code = comment ? 0 : ORL_ERR_NOMEM;
+    document->thickness_m = result->depth[1] - result->depth[0];
+    snprintf(document->name, sizeof document->name, "%s%s",
+             request->name ? request->name : request->files[0], xml_file->errors ? ", errors" : "");
+    if (code == 0)
+        code = write_out(document, &labels, xml_file->xml, xml_file->size);
+    free(comment);
+    return code;
+}
+
+int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
+                    const struct orl_gonio_sample *sample,
+                    const struct orl_bsdf_make_request *request,
+                    struct orl_bsdf_make_result *result)
+{
+    const struct xml_file xml_file = {false, &result->xml, &result->xml_size, write_part, ctx};
+    return write_xml_file(document, &xml_file, sample, request, result);
+}
+
+int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
+                           void *ctx, const struct orl_gonio_sample *sample,
+                           const struct orl_bsdf_make_request *request,
+                           struct orl_bsdf_make_result *result)
+{
+    const struct xml_file xml_file = {true, &result->errors_xml, &result->errors_xml_size,
+                                      write_part, ctx};
+    return write_xml_file(document, &xml_file, sample, request, result);
+}

@@ -1,0 +1,110 @@
+/*
+ * State shared by expat's callbacks (xml.c) and the readers of single elements (xml_fields.c). For
+ * the reader of BSDF files only.
+ *
+ * The first error is kept with its place; the parser is stopped and later callbacks do nothing.
+ */
+#ifndef ORL_BSDF_XML_XML_H
+#define ORL_BSDF_XML_XML_H
+
+#include <expat.h>
+#include <oriel/base/limits.h>
+
+#include "bsdf/document.h"
+#include "bsdf/xml/data_text.h"
+#include "bsdf/xml/xml_tree_blocks.h"
+
+/* Elements that are read, by their place in the document. */
+enum orl_xml_element {
+    EL_OTHER, /* also everything below it */
+    EL_DOCUMENT,
+    EL_WINDOW,
+    EL_FILE_TYPE,
+    EL_OPTICAL,
+    EL_LAYER,
+    EL_MATERIAL,
+    EL_NAME,
+    EL_THICKNESS,
+    EL_DEFINITION,
+    EL_STRUCTURE,
+    EL_BASIS,
+    EL_BASIS_NAME,
+    EL_RING,
+    EL_RING_CELLS,
+    EL_RING_BOUNDS,
+    EL_RING_LOWER,
+    EL_RING_UPPER,
+    EL_WAVELENGTH_DATA,
+    EL_WAVELENGTH,
+    EL_BLOCK,
+    EL_DIRECTION,
+    EL_COLUMN_BASIS,
+    EL_ROW_BASIS,
+    EL_TREE_BASIS,
+    EL_DATA,
+};
+
+enum { ORL_XML_BASES_MAX = 8, ORL_XML_TEXT_MAX = 256 };
+
+struct orl_xml_reader {
+    XML_Parser parser;
+    struct orl_document *document;
+    struct orl_error *err;
+    const char *file;
+    int code; /* the first error; nothing is done after it */
+    enum orl_xml_element path[ORL_LIMIT_XML_DEPTH];
+    unsigned depth;
+    unsigned layers;
+    const char *fed_to;  /* end of the piece that expat is processing */
+    bool plain;          /* true if that piece ends inside data, in plain text that has been read */
+    size_t passed_lines; /* lines that expat does not see (xml.c), except those of blocks */
+    char text[ORL_XML_TEXT_MAX]; /* text of the current element, if short */
+    size_t text_length;
+    double thickness_unit;
+    struct orl_basis bases[ORL_XML_BASES_MAX]; /* bases defined in the file */
+    unsigned n_bases;
+    double ring_cells, ring_lower, ring_upper;
+    /* The current WavelengthData and its block. */
+    int channel; /* -1: a channel that is not read; 0: Visible; 1, 2: first and second of colour */
+    int part;    /* an enum orl_component_kind, or -1 */
+    bool tree_basis;
+    struct orl_basis basis[2];
+    bool have_basis[2];
+    bool reading;   /* true inside ScatteringData that are read */
+    bool deferring; /* true if the rest of the data is in the last block, to be read later */
+    struct orl_blocks blocks;
+    struct orl_tree_text tree_text;
+    struct orl_matrix_text matrix_text;
+};
+
+/* Records an error with its place and stops the parser. The message must be in reader->err. */
+void orl_xml_fail(struct orl_xml_reader *reader, int code);
+
+/* Returns the element of that name within the parent (EL_DOCUMENT for the root), or EL_OTHER
+ * (xml_names.c). */
+enum orl_xml_element orl_xml_element_in(enum orl_xml_element parent, const char *name);
+/* Returns the name of an element that is read, or "". */
+const char *orl_xml_element_name(enum orl_xml_element element);
+
+/* Returns the unit in an element's attribute "unit", m; 1 if missing or unknown (xml_fields.c). */
+double orl_xml_unit_m(const char **attributes);
+
+/* ---- Readers of elements (xml_fields.c) ------------------------------------------------------ */
+
+/* Begins an element; attributes as expat gives them. */
+void orl_xml_begin(struct orl_xml_reader *reader, enum orl_xml_element element,
+                   const char **attributes);
+/* Parses a piece of ScatteringData. Returns 0, or an error with its place in the text. */
+int orl_xml_feed(struct orl_xml_reader *reader, const char *text, size_t length,
+                 const char **ret_place);
+/* orl_xml_may_defer: true if the plain text that follows may be deferred. orl_xml_defer: defers
+ * the text from begin to end to a block. */
+bool orl_xml_may_defer(const struct orl_xml_reader *reader);
+void orl_xml_defer(struct orl_xml_reader *reader, size_t begin, size_t end);
+/* Reads the last block now, because its data continue with text that is not plain. Returns 0, or
+ * the code of an error that has been recorded. */
+int orl_xml_read_deferred(struct orl_xml_reader *reader);
+/* Ends an element; reader->text holds its trimmed text if it is short. */
+void orl_xml_end(struct orl_xml_reader *reader, enum orl_xml_element element);
+
+#endif

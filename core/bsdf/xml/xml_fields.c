@@ -1,0 +1,379 @@
+/* Readers of the single elements of a BSDF file. */
+#include "bsdf/xml/xml.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
+
+/* Writes the place of the reader for a message: the block with its direction, or the element. */
+static void name_place(const struct orl_xml_reader *r, char *ret_name, size_t size)
+{
+    const enum orl_xml_element here = r->depth > 0 ? r->path[r->depth - 1] : EL_DOCUMENT;
+    if (here >= EL_BLOCK && r->part >= 0)
+        orl_block_name(r->part, ret_name, size);
+    else
+        snprintf(ret_name, size, "%s", orl_xml_element_name(here));
+}
+
+/* Returns the current line, without the lines in blocks. */
+static size_t line_of(const struct orl_xml_reader *r)
+{
+    return XML_GetCurrentLineNumber(r->parser) + r->passed_lines;
+}
+
+void orl_xml_fail(struct orl_xml_reader *r, int code)
+{
+    char place[ORL_ERROR_NAME_MAX];
+    if (r->code < 0)
+        return;
+    r->code = code;
+    name_place(r, place, sizeof place);
+    orl_error_at(r->err, r->file, (int)(line_of(r) + orl_blocks_lines(&r->blocks, r->blocks.count)),
+                 place);
+    XML_StopParser(r->parser, XML_FALSE);
+}
+
+double orl_xml_unit_m(const char **attributes)
+{
+    static const struct {
+        const char *name;
+        double m;
+    } units[] = {{"Meter", 1},
+                 {"Millimeter", 0.001},
+                 {"Centimeter", 0.01},
+                 {"Inch", 0.0254},
+                 {"Foot", 0.3048}};
+    for (; attributes[0]; attributes += 2)
+        for (size_t i = 0; !strcmp(attributes[0], "unit") && i < sizeof units / sizeof *units; i++)
+            if (!strcasecmp(attributes[1], units[i].name))
+                return units[i].m;
+    return 1;
+}
+
+/* ---- Short elements -------------------------------------------------------------------------- */
+
+static void read_structure(struct orl_xml_reader *r)
+{
+    struct orl_document *d = r->document;
+    if (d->structure != ORL_STRUCTURE_NONE)
+        FAIL(r, ORL_ERR_SYNTAX, "IncidentDataStructure is given twice");
+    else if (!strcasecmp(r->text, "TensorTree4"))
+        d->structure = ORL_STRUCTURE_TREE4;
+    else if (!strcasecmp(r->text, "TensorTree3"))
+        d->structure = ORL_STRUCTURE_TREE3;
+    else if (!strcasecmp(r->text, "Columns") || !strcasecmp(r->text, "Rows"))
+        d->structure = ORL_STRUCTURE_MATRIX;
+    else
+        FAIL(r, ORL_ERR_UNSUPPORTED,
+             "IncidentDataStructure '%s' is none of TensorTree3, TensorTree4, Columns and Rows",
+             r->text);
+    d->by_rows = !strcasecmp(r->text, "Rows");
+}
+
+static void read_thickness(struct orl_xml_reader *r)
+{
+    double value = 0;
+    if (r->text[0] == '\0')
+        return;
+    if (orl_number_parse(r->text, r->text_length, &value, r->err) < 0 || value < 0) {
+        FAIL(r, ORL_ERR_RANGE, "thickness '%s' is not a number of at least 0", r->text);
+        return;
+    }
+    r->document->thickness_m = value * r->thickness_unit;
+}
+
+static void read_number(struct orl_xml_reader *r, double *ret_value)
+{
+    const int code = orl_number_parse(r->text, r->text_length, ret_value, r->err);
+    if (code < 0)
+        orl_xml_fail(r, code);
+}
+
+/* Returns the flag that is set once the part has that channel. */
+static bool *given_flag(struct orl_component *component, int channel)
+{
+    return channel == 0 ? &component->present : &component->chroma.given[channel - 1];
+}
+
+/* Fails and returns true if the part already has data of the channel. Called where the direction is
+ * named, and again before the data: the channel may be named in between, and a block may hold data
+ * twice. */
+static bool is_given(struct orl_xml_reader *r)
+{
+    if (r->channel < 0 || !*given_flag(&r->document->parts[r->part], r->channel))
+        return false;
+    FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for %s", orl_component_names[r->part],
+         r->channel == 0 ? "Visible" : "the same channel of colour");
+    return true;
+}
+
+static void read_part(struct orl_xml_reader *r)
+{
+    for (int i = 0; i < ORL_COMPONENT_COUNT; i++)
+        if (!strcasecmp(r->text, orl_component_names[i]))
+            r->part = i;
+    if (r->part < 0)
+        FAIL(r, ORL_ERR_SYNTAX, "unknown WavelengthDataDirection '%s'", r->text);
+    else
+        is_given(r);
+}
+
+static void read_basis_name(struct orl_xml_reader *r, enum orl_tree_axis axis)
+{
+    for (unsigned i = 0; i < r->n_bases; i++) {
+        if (!strcasecmp(r->bases[i].name, r->text) && r->bases[i].n_rings > 0) {
+            r->basis[axis] = r->bases[i];
+            r->have_basis[axis] = true;
+            return;
+        }
+    }
+    r->have_basis[axis] = orl_basis_standard(r->text, &r->basis[axis]) == 0;
+    if (!r->have_basis[axis])
+        FAIL(r, ORL_ERR_UNSUPPORTED, "angle basis '%s' is neither defined here nor a standard one",
+             r->text);
+}
+
+static void add_ring(struct orl_xml_reader *r)
+{
+    const int code = orl_basis_add_ring(&r->bases[r->n_bases - 1], r->ring_lower, r->ring_upper,
+                                        r->ring_cells, r->err);
+    if (code < 0)
+        orl_xml_fail(r, code);
+}
+
+/* ---- Scattering data ------------------------------------------------------------------------- */
+
+/* Colour is only evaluated, so its trees need no sums. */
+static int begin_tree(struct orl_xml_reader *r, struct orl_component *component)
+{
+    const int k = r->channel - 1;
+    struct orl_tree *tree = k < 0 ? &component->tree : &component->chroma.tree[k];
+    struct orl_iso *iso = k < 0 ? &component->iso : &component->chroma.iso[k];
+    int code;
+    if (!r->tree_basis)
+        return orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without its AngleBasis");
+    if (r->document->structure == ORL_STRUCTURE_TREE4) {
+        orl_tree_text_init(&r->tree_text, tree);
+        tree->eval_only = k >= 0;
+        return 0;
+    }
+    orl_tree_text_init_iso(&r->tree_text, iso);
+    code = orl_iso_init(iso, r->err);
+    iso->eval_only = k >= 0;
+    return code;
+}
+
+static int begin_matrix(struct orl_xml_reader *r, struct orl_component *component)
+{
+    struct orl_matrix *matrix =
+        r->channel == 0 ? &component->matrix : &component->chroma.matrix[r->channel - 1];
+    if (!r->have_basis[0] || !r->have_basis[1])
+        return orl_error_set(r->err, ORL_ERR_SYNTAX,
+                             "a matrix without its ColumnAngleBasis and RowAngleBasis");
+    orl_matrix_text_init(&r->matrix_text, matrix, r->document->by_rows);
+    return orl_matrix_init(matrix, &r->basis[0], &r->basis[1], r->err);
+}
+
+static void begin_data(struct orl_xml_reader *r)
+{
+    struct orl_component *component;
+    int code = 0;
+    r->reading = false;
+    if (r->channel < 0)
+        return;
+    if (r->part < 0) {
+        FAIL(r, ORL_ERR_SYNTAX, "ScatteringData before its WavelengthDataDirection");
+        return;
+    }
+    if (is_given(r))
+        return;
+    component = &r->document->parts[r->part];
+    switch (r->document->structure) {
+    case ORL_STRUCTURE_TREE3:
+    case ORL_STRUCTURE_TREE4:
+        code = begin_tree(r, component);
+        break;
+    case ORL_STRUCTURE_MATRIX:
+        code = begin_matrix(r, component);
+        break;
+    default:
+        code = orl_error_set(r->err, ORL_ERR_SYNTAX, "data before the IncidentDataStructure");
+        break;
+    }
+    if (code < 0)
+        orl_xml_fail(r, code);
+    else
+        r->reading = *given_flag(component, r->channel) = true;
+}
+
+bool orl_xml_may_defer(const struct orl_xml_reader *r)
+{
+    return r->document->structure != ORL_STRUCTURE_MATRIX && r->blocks.count < ORL_BLOCKS_MAX;
+}
+
+void orl_xml_defer(struct orl_xml_reader *r, size_t begin, size_t end)
+{
+    r->blocks.blocks[r->blocks.count++] = (struct orl_block){
+        .text = r->tree_text, .begin = begin, .end = end, .line = line_of(r), .part = r->part};
+    r->tree_text.grid = NULL; /* now owned by the block */
+    r->deferring = true;
+}
+
+int orl_xml_read_deferred(struct orl_xml_reader *r)
+{
+    const size_t last = r->blocks.count - 1;
+    struct orl_block *block = &r->blocks.blocks[last];
+    const char *const data = r->blocks.xml->data;
+    const int code = orl_block_read(&r->blocks, last, r->err);
+    if (code < 0) {
+        r->code = code;
+        XML_StopParser(r->parser, XML_FALSE);
+        return code;
+    }
+    r->tree_text = block->text;
+    r->passed_lines += orl_count_lines(data + block->begin, data + block->end);
+    r->deferring = false;
+    r->blocks.count = last;
+    return 0;
+}
+
+int orl_xml_feed(struct orl_xml_reader *r, const char *text, size_t length, const char **ret_place)
+{
+    const bool matrix = r->document->structure == ORL_STRUCTURE_MATRIX;
+    const int code = matrix ? orl_matrix_text_feed(&r->matrix_text, text, length, r->err)
+                            : orl_tree_text_feed(&r->tree_text, text, length, r->err);
+    *ret_place = matrix ? r->matrix_text.scan.next : r->tree_text.scan.next;
+    return code;
+}
+
+static void end_data(struct orl_xml_reader *r)
+{
+    int code;
+    if (!r->reading)
+        return;
+    r->reading = false;
+    if (r->deferring) {
+        r->blocks.blocks[r->blocks.count - 1].ended = true;
+        r->deferring = false;
+        return;
+    }
+    code = r->document->structure == ORL_STRUCTURE_MATRIX
+               ? orl_matrix_text_finish(&r->matrix_text, r->err)
+               : orl_tree_text_finish(&r->tree_text, r->err);
+    orl_tree_text_done(&r->tree_text);
+    if (code < 0)
+        orl_xml_fail(r, code);
+}
+
+/* ---- Beginnings and ends --------------------------------------------------------------------- */
+
+void orl_xml_begin(struct orl_xml_reader *r, enum orl_xml_element element, const char **attributes)
+{
+    if (element == EL_THICKNESS) {
+        r->thickness_unit = orl_xml_unit_m(attributes);
+    } else if (element == EL_BASIS) {
+        if (r->n_bases == ORL_XML_BASES_MAX)
+            FAIL(r, ORL_ERR_LIMIT, "more than %d angle bases", ORL_XML_BASES_MAX);
+        else
+            orl_basis_init(&r->bases[r->n_bases++], "");
+    } else if (element == EL_RING) {
+        r->ring_cells = r->ring_lower = r->ring_upper = 0;
+    } else if (element == EL_WAVELENGTH_DATA) {
+        r->channel = -1;
+    } else if (element == EL_BLOCK) {
+        r->part = -1;
+        r->tree_basis = r->have_basis[0] = r->have_basis[1] = false;
+    } else if (element == EL_DATA) {
+        begin_data(r);
+    }
+}
+
+static void read_file_type(struct orl_xml_reader *r)
+{
+    if (strcmp(r->text, "BSDF") != 0)
+        FAIL(r, ORL_ERR_SYNTAX, "FileType is '%s', not 'BSDF'", r->text);
+}
+
+static void read_name(struct orl_xml_reader *r)
+{
+    snprintf(r->document->name, sizeof r->document->name, "%.*s", (int)sizeof r->document->name - 1,
+             r->text);
+}
+
+static void read_basis_title(struct orl_xml_reader *r)
+{
+    snprintf(r->bases[r->n_bases - 1].name, ORL_BASIS_NAME_MAX, "%.*s", ORL_BASIS_NAME_MAX - 1,
+             r->text);
+}
+
+static void read_ring_cells(struct orl_xml_reader *r)
+{
+    read_number(r, &r->ring_cells);
+}
+
+static void read_ring_lower(struct orl_xml_reader *r)
+{
+    read_number(r, &r->ring_lower);
+}
+
+static void read_ring_upper(struct orl_xml_reader *r)
+{
+    read_number(r, &r->ring_upper);
+}
+
+static void read_wavelength(struct orl_xml_reader *r)
+{
+    const bool matrix = r->document->structure == ORL_STRUCTURE_MATRIX;
+    if (!strcasecmp(r->text, "Visible"))
+        r->channel = 0;
+    else if (!strcasecmp(r->text, matrix ? "CIE-X" : "CIE-u"))
+        r->channel = 1;
+    else if (!strcasecmp(r->text, matrix ? "CIE-Z" : "CIE-v"))
+        r->channel = 2;
+    else
+        r->channel = -1;
+}
+
+static void read_column_basis(struct orl_xml_reader *r)
+{
+    if (r->channel >= 0)
+        read_basis_name(r, ORL_AXIS_A);
+}
+
+static void read_row_basis(struct orl_xml_reader *r)
+{
+    if (r->channel >= 0)
+        read_basis_name(r, ORL_AXIS_B);
+}
+
+static void read_tree_basis(struct orl_xml_reader *r)
+{
+    r->tree_basis = !strcasecmp(r->text, "LBNL/Shirley-Chiu");
+    if (r->channel >= 0 && !r->tree_basis)
+        FAIL(r, ORL_ERR_UNSUPPORTED, "angle basis '%s' of a tensor tree", r->text);
+}
+
+void orl_xml_end(struct orl_xml_reader *r, enum orl_xml_element element)
+{
+    static void (*const ends[])(struct orl_xml_reader *) = {
+        [EL_FILE_TYPE] = read_file_type,
+        [EL_NAME] = read_name,
+        [EL_THICKNESS] = read_thickness,
+        [EL_STRUCTURE] = read_structure,
+        [EL_BASIS_NAME] = read_basis_title,
+        [EL_RING_CELLS] = read_ring_cells,
+        [EL_RING_LOWER] = read_ring_lower,
+        [EL_RING_UPPER] = read_ring_upper,
+        [EL_RING] = add_ring,
+        [EL_WAVELENGTH] = read_wavelength,
+        [EL_DIRECTION] = read_part,
+        [EL_COLUMN_BASIS] = read_column_basis,
+        [EL_ROW_BASIS] = read_row_basis,
+        [EL_TREE_BASIS] = read_tree_basis,
+        [EL_DATA] = end_data,
+    };
+    if (ends[element])
+        ends[element](r);
+}

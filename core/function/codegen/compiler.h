@@ -1,0 +1,57 @@
+/*
+ * Compiler from trees to programs: dependencies of an expression (analyse_program.c), its
+ * instructions (emit_code.c), and one array of all instructions (compile.c). Inside of
+ * core/function only.
+ */
+#ifndef ORL_FUNCTION_CODEGEN_COMPILER_H
+#define ORL_FUNCTION_CODEGEN_COMPILER_H
+
+#include "function/interpreter/machine.h"
+#include "function/language/definitions.h"
+
+/* State of one compilation. Bodies and segments are indexed by slots; the expressions come
+ * first. */
+struct orl_compiler {
+    struct orl_functions *functions;
+    const struct orl_function_request *request;
+    uint32_t number; /* id of the compilation: bodies with it have a slot */
+    struct orl_formula **bodies;
+    size_t n_bodies, bodies_room;
+    /* One per body, followed by the segments of constants being folded. */
+    struct orl_segment *segments;
+    size_t n_segments, segments_room;
+    struct orl_call_site *sites;
+    size_t n_sites, sites_room;
+    struct orl_argument *arguments;
+    size_t n_arguments, arguments_room;
+    double *tables;
+    size_t n_tables, tables_room;
+    uint32_t *waiting; /* slots that are referenced, but not compiled yet */
+    size_t n_waiting, waiting_room;
+    uint32_t *used; /* slots in the program whose references are not processed yet */
+    size_t n_used, used_room;
+    struct orl_function_scratch *scratch;
+    size_t n_instructions;
+    uint32_t n_variables, folding; /* folding: operations left for constant folding */
+    uint32_t depth;                /* recursion depth of emission */
+    bool plain; /* true: constants are not folded, since the whole expression is being folded */
+    uint64_t inputs, fixed_inputs;
+    const char *file; /* file of the body being compiled */
+    struct orl_error *err;
+};
+
+/* Finds the bodies that the expressions need, and the constant nodes. */
+int orl_compiler_analyse(struct orl_compiler *c);
+
+/* Compiles a body unless it is already compiled. */
+int orl_emit_body(struct orl_compiler *c, uint32_t slot);
+/* Compiles the bodies that were added to `waiting` after its first `base` entries; bodies with
+ * errors stay uncompiled. */
+int orl_emit_waiting(struct orl_compiler *c, size_t base);
+
+/* Returns true if the segment is a single number. */
+bool orl_segment_is_number(const struct orl_segment *segment, double *ret_number);
+
+int orl_compiler_no_memory(struct orl_compiler *c);
+
+#endif

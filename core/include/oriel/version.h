@@ -1,7 +1,0 @@
-/* Version of the programs, in one place; must match api/openapi.yaml. */
-#ifndef ORIEL_VERSION_H
-#define ORIEL_VERSION_H
-
-#define ORL_VERSION "0.1.0"
-
-#endif

@@ -1,0 +1,416 @@
+#include "light/virtual_lamps.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "light/lit_scene.h"
+#include "scene/material/bounds.h"
+
+/* Limit of pairs, beyond which they are left out: testing that many takes some tenths of a
+ * second. */
+static const uint64_t most_pairs = 4000000;
+/* Limit of mirrors for which rays test whether they are inside. Mirrors beyond it are left out. */
+enum { MOST_MIRRORS_LOOKED_AT = 4096 };
+/* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
+enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
+/* Limit of mirrors for the estimate of light by two mirrors. Scenes with more of them have pairs
+ * left out, too (images->left_out). */
+enum { MOST_TWICE = 64 };
+
+/* A lamp and a mirror. */
+struct pair {
+    struct orl_virtual_lamp image;
+    double strength; /* upper bound of the lamp's flux that the mirror reflects */
+};
+
+/* A min-heap of the strongest pairs so far. */
+struct pairs {
+    struct pair kept[MOST_PAIRS];
+    size_t n, most;
+    double left_out;  /* sum of the strengths of pairs that are not kept */
+    bool overflown;   /* there are pairs that were not tested */
+    size_t looked_at; /* mirrors from which rays were traced */
+};
+
+/* ---- Mirrors --------------------------------------------------------------------------------- */
+
+static bool is_plane(const struct orl_facet *f)
+{
+    return f->area > 0 &&
+           (f->kind == ORL_SURFACE_RING || (f->kind == ORL_SURFACE_POLYGON && !f->nonplanar));
+}
+
+static bool is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *f)
+{
+    const struct orl_material *m = &lit_scene->materials[f->material];
+    return is_plane(f) && !m->texture && orl_material_is_mirror(m);
+}
+
+/* Computes the bounding sphere of a polygon or a ring. */
+static void find_sphere(const struct orl_geometry *g, const struct orl_facet *f,
+                        struct orl_virtual_lamp *image)
+{
+    struct orl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+    if (f->kind == ORL_SURFACE_RING) {
+        image->center = f->quadric->center[0];
+        image->radius = orl_larger(f->quadric->radius[0], f->quadric->radius[1]);
+        return;
+    }
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_get(g, orl_facet_triangle(f, i));
+        const struct orl_vec3 corners[3] = {t.a, t.b, t.c};
+        for (int k = 0; k < 3; k++) {
+            low = orl_v3(fmin(low.x, corners[k].x), fmin(low.y, corners[k].y),
+                         fmin(low.z, corners[k].z));
+            high = orl_v3(fmax(high.x, corners[k].x), fmax(high.y, corners[k].y),
+                          fmax(high.z, corners[k].z));
+        }
+    }
+    const struct orl_triangle first = orl_triangle_get(g, orl_facet_triangle(f, 0));
+    const struct orl_vec3 middle = orl_scale(orl_add(low, high), 0.5);
+    image->radius = orl_length(orl_sub(high, low)) / 2 + f->offset;
+    image->center = orl_madd(middle, f->normal, -orl_dot(orl_sub(middle, first.a), f->normal));
+}
+
+/* ---- Pairs ----------------------------------------------------------------------------------- */
+
+/* A lamp, approximated by a point. */
+struct spot {
+    uint32_t emitter, facet;
+    struct orl_vec3 middle;
+    double area, power; /* power: area times radiance */
+};
+
+/* Lists the lamps that shadow rays sample; returns their number. */
+static size_t list_spots(const struct orl_lit_scene *lit_scene, struct spot *ret_spots)
+{
+    static const double half[2] = {0.5, 0.5};
+    size_t n = 0;
+    for (size_t i = 0; i < lit_scene->n_emitters; i++) {
+        const struct orl_emitter *emitter = &lit_scene->emitters[i];
+        struct orl_vec3 normal;
+        if (!emitter->direct)
+            continue;
+        struct spot *spot = &ret_spots[n++];
+        spot->emitter = (uint32_t)i;
+        spot->facet = emitter->facet;
+        spot->area = orl_facet_area(lit_scene->geometry, emitter->facet);
+        spot->power = spot->area * orl_luma(emitter->most);
+        orl_facet_sample(lit_scene->geometry, emitter->facet, half, &spot->middle, &normal);
+    }
+    return n;
+}
+
+/* A mirror, with its reflectance at 60 degrees of incidence for its front and its back. */
+struct mirror {
+    struct orl_virtual_lamp image;
+    double area, reflectance[2];
+};
+
+/* Returns the flux of the lamp, times the share of it that may hit the mirror, times the
+ * mirror's reflectance. */
+static double strength_of(const struct spot *spot, const struct mirror *mirror)
+{
+    const struct orl_vec3 way = orl_sub(spot->middle, mirror->image.center);
+    const double d2 = orl_dot(way, way) + spot->area;
+    const bool front = orl_dot(way, mirror->image.normal) > 0;
+    return spot->power * fmin(mirror->area / (ORL_PI * d2), 1) * mirror->reflectance[!front];
+}
+
+/* Moves a pair down the heap, until the pairs below it are stronger. */
+static void sift_down(struct pairs *pairs, size_t at)
+{
+    const struct pair moved = pairs->kept[at];
+    for (size_t next = 2 * at + 1; next < pairs->n; next = 2 * at + 1) {
+        if (next + 1 < pairs->n && pairs->kept[next + 1].strength < pairs->kept[next].strength)
+            next++;
+        if (moved.strength <= pairs->kept[next].strength)
+            break;
+        pairs->kept[at] = pairs->kept[next];
+        at = next;
+    }
+    pairs->kept[at] = moved;
+}
+
+/* Moves the last pair of the heap up, until the pair above it is weaker. */
+static void sift_up(struct pairs *pairs)
+{
+    size_t at = pairs->n - 1;
+    const struct pair moved = pairs->kept[at];
+    for (; at > 0 && moved.strength < pairs->kept[(at - 1) / 2].strength; at = (at - 1) / 2)
+        pairs->kept[at] = pairs->kept[(at - 1) / 2];
+    pairs->kept[at] = moved;
+}
+
+/* Returns true if a pair of that strength would be among the strongest. */
+static bool is_strong(const struct pairs *pairs, double strength)
+{
+    return strength > 0 && (pairs->n < pairs->most || strength > pairs->kept[0].strength);
+}
+
+/* Adds a pair for which is_strong is true; in a full heap it replaces the weakest. */
+static void add_pair(struct pairs *pairs, const struct orl_virtual_lamp *image, double strength)
+{
+    if (pairs->n < pairs->most) {
+        pairs->kept[pairs->n++] = (struct pair){*image, strength};
+        sift_up(pairs);
+        return;
+    }
+    pairs->left_out += pairs->kept[0].strength;
+    pairs->kept[0] = (struct pair){*image, strength};
+    sift_down(pairs, 0);
+}
+
+/* Returns true if at least one side of a mirror is inside, or the scene is open. Paths outdoors
+ * do not use images of lamps. */
+static bool is_inside(const struct orl_lit_scene *lit_scene, uint32_t facet)
+{
+    static const double middle[2] = {0.5, 0.5};
+    struct orl_vec3 point, normal;
+    if (lit_scene->open)
+        return true;
+    orl_facet_sample(lit_scene->geometry, facet, middle, &point, &normal);
+    return !orl_lit_scene_is_outside(lit_scene, orl_facet_ray_origin(lit_scene->geometry, facet,
+                                                                     point, normal, normal)) ||
+           !orl_lit_scene_is_outside(
+               lit_scene,
+               orl_facet_ray_origin(lit_scene->geometry, facet, point, normal, orl_neg(normal)));
+}
+
+static struct mirror mirror_of(const struct orl_lit_scene *lit_scene, const struct orl_facet *f,
+                               uint32_t facet)
+{
+    const struct orl_material *m = &lit_scene->materials[f->material];
+    struct mirror mirror = {.image = {.mirror = facet, .normal = f->normal},
+                            .area = f->area,
+                            .reflectance = {orl_material_max_mirrored(m, true, 0.5),
+                                            orl_material_max_mirrored(m, false, 0.5)}};
+    find_sphere(lit_scene->geometry, f, &mirror.image);
+    return mirror;
+}
+
+/* Pairs a mirror with the lamps. Rays test whether the mirror is inside once one of its pairs is
+ * strong. */
+static void pair_mirror(struct pairs *pairs, const struct orl_lit_scene *lit_scene,
+                        const struct mirror *mirror, const struct spot *spots, size_t n_spots)
+{
+    struct orl_virtual_lamp image = mirror->image;
+    bool known_inside = false;
+    for (size_t i = 0; i < n_spots; i++) {
+        const double strength = strength_of(&spots[i], mirror);
+        if (spots[i].facet == image.mirror)
+            continue;
+        if (!is_strong(pairs, strength)) {
+            pairs->left_out += strength;
+            continue;
+        }
+        if (!known_inside && pairs->looked_at++ >= MOST_MIRRORS_LOOKED_AT) {
+            pairs->overflown = true;
+            return;
+        }
+        if (!known_inside && !is_inside(lit_scene, image.mirror))
+            return;
+        known_inside = true;
+        image.emitter = spots[i].emitter;
+        image.lamp = spots[i].facet;
+        add_pair(pairs, &image, strength);
+    }
+}
+
+/* Finds the strongest pairs of all mirrors and lamps. Returns 0 or ORL_ERR_CANCELLED. */
+static int find_pairs(struct pairs *pairs, const struct orl_lit_scene *lit_scene,
+                      const struct spot *spots, size_t n_spots, const struct orl_thread_pool *pool)
+{
+    uint64_t looked_at = 0;
+    for (size_t i = 0; i < lit_scene->geometry->n_facets && n_spots > 0; i++) {
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_get_own(lit_scene->geometry, i, &own);
+        if (!is_flat_mirror(lit_scene, f))
+            continue;
+        if (orl_thread_pool_cancelled(pool))
+            return ORL_ERR_CANCELLED;
+        looked_at += n_spots;
+        if (looked_at > most_pairs) {
+            pairs->overflown = true;
+            break;
+        }
+        const struct mirror mirror = mirror_of(lit_scene, f, (uint32_t)i);
+        pair_mirror(pairs, lit_scene, &mirror, spots, n_spots);
+    }
+    return 0;
+}
+
+/* Orders images by mirror, then by lamp. */
+static int compare_images(const void *a, const void *b)
+{
+    const struct orl_virtual_lamp *x = a, *y = b;
+    const int by_mirror = (x->mirror > y->mirror) - (x->mirror < y->mirror);
+    return by_mirror ? by_mirror : (x->lamp > y->lamp) - (x->lamp < y->lamp);
+}
+
+static int keep_images(struct orl_virtual_lamps *images, const struct pairs *pairs)
+{
+    double kept = 0;
+    images->images = calloc(pairs->n + 1, sizeof *images->images);
+    if (!images->images)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < pairs->n; i++) {
+        images->images[images->n_images++] = pairs->kept[i].image;
+        kept += pairs->kept[i].strength;
+    }
+    qsort(images->images, images->n_images, sizeof *images->images, compare_images);
+    images->left_out = pairs->overflown      ? 1
+                       : pairs->left_out > 0 ? pairs->left_out / (pairs->left_out + kept)
+                                             : 0;
+    return 0;
+}
+
+/* ---- Two mirrors ----------------------------------------------------------------------------- */
+
+/* The image of a lamp in a mirror: a spot behind the mirror. */
+struct mirrored_spot {
+    const struct orl_virtual_lamp *image;
+    struct spot spot; /* power: the lamp's times the mirror's reflectance */
+};
+
+/* Returns true if a mirror may reflect the lamp's light to another mirror. The ray from the
+ * image of the lamp to the other's middle must pass the mirror and meet nothing after it. */
+static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct mirrored_spot *from,
+                           const struct mirror *to)
+{
+    const struct orl_virtual_lamp *image = from->image;
+    const struct orl_vec3 way = orl_sub(to->image.center, from->spot.middle);
+    const double height = orl_dot(orl_sub(image->center, from->spot.middle), image->normal);
+    const double climb = orl_dot(way, image->normal), share = height / climb;
+    if (!(climb * height > 0) || !(share < 1))
+        return false;
+    const struct orl_vec3 at = orl_madd(from->spot.middle, way, share);
+    const struct orl_vec3 off = orl_sub(at, image->center), ahead = orl_normalize(way);
+    const double length = (1 - share) * orl_length(way);
+    const double wide = image->radius + to->image.radius;
+    struct orl_facet own;
+    const double offset = orl_facet_get_own(lit_scene->geometry, image->mirror, &own)->offset;
+    return orl_dot(off, off) < wide * wide && length > 4 * offset &&
+           !orl_geometry_occluded(lit_scene->geometry, orl_madd(at, ahead, 2 * offset), ahead,
+                                  length - 4 * offset);
+}
+
+/* Lists the mirrors that have images, each once, in the order of the images; returns their
+ * number. */
+static size_t list_mirrors(const struct orl_virtual_lamps *images,
+                           const struct orl_lit_scene *lit_scene, struct mirror *ret_mirrors)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < images->n_images && n < MOST_TWICE; i++) {
+        const uint32_t facet = images->images[i].mirror;
+        struct orl_facet own;
+        if (n == 0 || ret_mirrors[n - 1].image.mirror != facet)
+            ret_mirrors[n++] =
+                mirror_of(lit_scene, orl_facet_get_own(lit_scene->geometry, facet, &own), facet);
+    }
+    return n;
+}
+
+static struct mirrored_spot mirror_spot(const struct orl_virtual_lamp *image,
+                                        const struct spot *spot, const struct mirror *mirror)
+{
+    struct mirrored_spot mirrored = {image, *spot};
+    const bool front = orl_virtual_lamp_height(image, spot->middle) > 0;
+    mirrored.spot.middle = orl_virtual_lamp_mirror_point(image, spot->middle);
+    mirrored.spot.power *= mirror->reflectance[!front];
+    return mirrored;
+}
+
+static const struct spot *find_spot(const struct spot *spots, size_t n, uint32_t facet)
+{
+    for (size_t i = 0; i < n; i++)
+        if (spots[i].facet == facet)
+            return &spots[i];
+    return NULL;
+}
+
+/* Estimates images->twice. */
+static void estimate_two_mirrors(struct orl_virtual_lamps *images,
+                                 const struct orl_lit_scene *lit_scene, const struct spot *spots,
+                                 size_t n_spots)
+{
+    struct mirror mirrors[MOST_TWICE];
+    const size_t n = list_mirrors(images, lit_scene, mirrors);
+    double two_mirror_share = 0, power = 0;
+    size_t at = 0;
+    for (size_t i = 0; i < n_spots; i++)
+        power += spots[i].power;
+    for (size_t i = 0; i < images->n_images && n > 1; i++) {
+        const struct orl_virtual_lamp *image = &images->images[i];
+        const struct spot *spot = find_spot(spots, n_spots, image->lamp);
+        while (at < n && mirrors[at].image.mirror != image->mirror)
+            at++;
+        if (at == n || !spot)
+            break;
+        const struct mirrored_spot from = mirror_spot(image, spot, &mirrors[at]);
+        for (size_t k = 0; k < n; k++)
+            if (k != at && reaches_mirror(lit_scene, &from, &mirrors[k]))
+                two_mirror_share += strength_of(&from.spot, &mirrors[k]);
+    }
+    images->two_mirror_share = power > 0 ? two_mirror_share / power : 0;
+}
+
+int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_lit_scene *lit_scene,
+                            const struct orl_thread_pool *pool)
+{
+    *images = (struct orl_virtual_lamps){.n_images = 0};
+    struct pairs *const pairs = calloc(1, sizeof *pairs);
+    struct spot *const spots = calloc(lit_scene->n_emitters + 1, sizeof *spots);
+    int code = pairs && spots ? 0 : ORL_ERR_NOMEM;
+    if (code == 0) {
+        const size_t n_spots = list_spots(lit_scene, spots), wanted = PAIRS_A_LAMP * n_spots;
+        pairs->most = wanted < LEAST_PAIRS  ? LEAST_PAIRS
+                      : wanted < MOST_PAIRS ? wanted
+                                            : MOST_PAIRS;
+        code = find_pairs(pairs, lit_scene, spots, n_spots, pool);
+    }
+    if (code == 0)
+        code = keep_images(images, pairs);
+    if (code == 0)
+        estimate_two_mirrors(images, lit_scene, spots, list_spots(lit_scene, spots));
+    free(spots);
+    free(pairs);
+    return code;
+}
+
+void orl_virtual_lamps_done(struct orl_virtual_lamps *images)
+{
+    free(images->images);
+    *images = (struct orl_virtual_lamps){.n_images = 0};
+}
+
+/* Returns the index of the first image that is not before the given mirror and lamp; n_images if
+ * there is none. */
+static size_t find_image(const struct orl_virtual_lamps *images, uint32_t mirror, uint32_t lamp)
+{
+    const struct orl_virtual_lamp wanted = {.mirror = mirror, .lamp = lamp};
+    size_t low = 0, high = images->n_images;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (compare_images(&images->images[middle], &wanted) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+const struct orl_virtual_lamp *orl_virtual_lamps_in_mirror(const struct orl_virtual_lamps *images,
+                                                           uint32_t mirror)
+{
+    const size_t i = find_image(images, mirror, 0);
+    return i < images->n_images && images->images[i].mirror == mirror ? &images->images[i] : NULL;
+}
+
+bool orl_virtual_lamps_contain(const struct orl_virtual_lamps *images, uint32_t lamp,
+                               uint32_t mirror)
+{
+    const size_t i = find_image(images, mirror, lamp);
+    return i < images->n_images && images->images[i].mirror == mirror &&
+           images->images[i].lamp == lamp;
+}

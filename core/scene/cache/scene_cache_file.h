@@ -1,0 +1,45 @@
+/*
+ * On-disk cache of a settled description (parsed_scene.h): the scene files are parsed once, and
+ * later jobs and tasks map the cache file.
+ *
+ * The file is a sealed file (base/io/checked_file.h). It lists every file that the scene was read
+ * from, with the digest of its content, and every name that was looked for in vain. It opens only
+ * if the caller's files still match. BSDFs are loaded from their own files. Outlines of surfaces
+ * are used in place from the mapping; everything else is copied.
+ *
+ * The result is identical, to the bit, to what the same program would parse from the scene files.
+ * Another build may parse them differently, so callers must key the cache by build
+ * (base/program_id.h).
+ */
+#ifndef ORL_SCENE_CACHE_SCENE_CACHE_FILE_H
+#define ORL_SCENE_CACHE_SCENE_CACHE_FILE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <oriel/base/files.h>
+
+#include "base/io/checked_file.h"
+#include "scene/parse/sources.h"
+#include "scene/parsed_scene.h"
+
+/* Returns false if there are too many names looked for in vain to be listed. */
+bool orl_parsed_scene_is_cacheable(const struct orl_parsed_scene *parsed_scene);
+
+/* Writes the whole file, not synced. content: the key of the file. Returns 0, ORL_ERR_IO, _FULL or
+ * _NOMEM. */
+int orl_parsed_scene_save(const struct orl_parsed_scene *parsed_scene,
+                          const unsigned char content[ORL_CHECKED_FILE_CONTENT], const char *path,
+                          uint64_t *ret_bytes, struct orl_error *err);
+
+/*
+ * Fills *ret_description, which the caller passes to orl_parsed_scene_done. Returns ORL_ERR_VERSION
+ * if scene files have changed or the file has another version; ORL_ERR_CORRUPT, _IO, _NOMEM, or the
+ * error of loading a BSDF. The file may be deleted while the description is in use. sources: as for
+ * orl_scene_parse_opened; taken over, also on failure.
+ */
+int orl_parsed_scene_load(const char *path, const unsigned char content[ORL_CHECKED_FILE_CONTENT],
+                          struct orl_sources *sources, struct orl_parsed_scene *ret_parsed_scene,
+                          struct orl_error *err);
+
+#endif

@@ -1,0 +1,69 @@
+/*
+ * Antimatter: volumes that remove surfaces of certain materials, like holes cut into walls. Where
+ * the volume's own surface lies inside the material that is cut, it is the hole's lining.
+ *
+ * Cuts are decided at the hit point, whatever way the ray came. A surface that is cut is absent
+ * where the volume is on either of its sides. The volume's surface is present only from within, and
+ * only where the next cut surface behind it shows its back. Radiance (m_clip) counts the volumes
+ * that a ray entered, which fails for an eye or a reflection inside one.
+ *
+ * Volumes must be closed with normals pointing outwards; others are refused. The area of a facet
+ * includes its cut parts.
+ *
+ * Included only by geometry.c and copies.c, which build and free holes, hits.c and linings.c.
+ * Ownership: reference-counted, shared by a geometry and its subsets. Threads: immutable once
+ * built.
+ */
+#ifndef ORL_SCENE_GEOMETRY_ANTIMATTER_ANTIMATTER_H
+#define ORL_SCENE_GEOMETRY_ANTIMATTER_ANTIMATTER_H
+
+#include <stdatomic.h>
+
+#include "scene/geometry/geometry.h"
+
+/* One antimatter material. shell: geometry of its volume's surfaces; matter: geometry of the
+ * surfaces that it cuts. */
+struct orl_hole {
+    struct orl_geometry *shell, *matter;
+    bool *cuts; /* by material: true if it is cut */
+    uint32_t material;
+    /* lined: it has a lining; left_away: the lining is omitted (linings.h) */
+    bool has_lining, lining_omitted;
+};
+
+struct orl_holes {
+    atomic_size_t references;
+    struct orl_hole *items;
+    size_t n;
+    int32_t *of_facet; /* by facet: the hole whose volume it bounds, or one of the values below */
+};
+
+/* NONE: a facet that may be cut, but bounds no volume. UNTOUCHED: neither. */
+enum { ORL_HOLE_NONE = -1, ORL_HOLE_UNTOUCHED = -2 };
+
+/* antimatter_build.c: builds the holes of a geometry that has none yet. Lined facets get the
+ * lining's material. Returns 0, ORL_ERR_NOMEM, ORL_ERR_RANGE, ORL_ERR_LIMIT. */
+int orl_holes_build(struct orl_geometry *geometry, const struct orl_parsed_scene *parsed_scene,
+                    struct orl_error *err);
+
+/* copies.c */
+struct orl_holes *orl_holes_ref(struct orl_holes *holes); /* NULL is allowed */
+void orl_holes_unref(struct orl_holes *holes);            /* NULL is allowed */
+
+/* Returns the exits from the volume along a ray, less the entries: above 0 if the point is
+ * inside. */
+int orl_hole_winding_number(const struct orl_geometry *shell, struct orl_vec3 point,
+                            struct orl_vec3 direction);
+/* An arbitrary direction that no surface is likely to be parallel to. */
+extern const struct orl_vec3 orl_hole_skew;
+
+bool orl_hole_is_inside(const struct orl_hole *hole, struct orl_vec3 point);
+/* Returns true if a hit on the volume's surface lies in material that the volume cuts, and in no
+ * other volume. */
+bool orl_hole_is_lining(const struct orl_geometry *geometry, const struct orl_hole *hole,
+                        const struct orl_hit *hit);
+
+/* Returns true if the hit facet is present at the hit point. */
+bool orl_holes_hit_remains(const struct orl_geometry *geometry, const struct orl_hit *hit);
+
+#endif

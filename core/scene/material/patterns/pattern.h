@@ -1,0 +1,171 @@
+/*
+ * Patterns: factors of a material's colour that vary over its surface. They are functions
+ * (brightfunc, colorfunc), or values on grids (brightdata, colordata, colorpict), of the place, the
+ * normal and, for emitters, the direction. A pattern may modify another: their factors multiply.
+ *
+ * A mixture of two materials that differ only in colours and patterns is a pattern too. Its
+ * function's value, clamped to 0..1, is the first's share of the colour; where it has no value, the
+ * share is 1. For two materials of different kinds (scatter.h) the pattern's factor is the first's
+ * share, by the same rule.
+ *
+ * A reflector's colour with its pattern is clamped to 0..1 in each channel; Radiance would let a
+ * surface reflect more than it gets, or less than nothing. Where a function has no value
+ * (function.h) or takes too long, the colour is left unchanged.
+ *
+ * Mean and maximum come from evaluation at 1 024 places of equal area, fewer if there are very many
+ * patterns, towards cosine-distributed directions; the planners' bound of a patterned surface is
+ * this maximum. For patterns used only by distant light, mean and maximum are over its directions.
+ * Rays find such light by chance: a warning is given where a thousandth of all directions has more
+ * than a fourth of the light.
+ *
+ * Spectra (spectrum, specfile, specfunc, specdata) are converted by the standard observer
+ * (observer.h): constant ones when they are read, others at every hit, band by band.
+ *
+ * Texts have two factors, in letters and around them (lettering.h); as mixtures their share is 1 or
+ * 0.
+ *
+ * A texture (texture.h) is a pattern whose three values perturb the normal; patterns and textures
+ * may modify each other.
+ *
+ * Frames: hits are in the geometry's moved coordinates, functions in their own. Patterns on
+ * instances (instances.h) are evaluated where the prototype was read.
+ * Ownership: a description owns its patterns. Threads: immutable once settled; each thread has its
+ * own scratch.
+ */
+#ifndef ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
+#define ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
+
+#include "function/function.h"
+#include "scene/geometry/geometry.h"
+#include "scene/grid/grid.h"
+#include "scene/material/function_brdf/function_brdf.h"
+#include "scene/material/patterns/observer.h"
+
+/* limit of function evaluations of one pattern with all it depends on */
+enum { ORL_PATTERN_STEPS = 64 };
+
+/* One of the two components of a mixture. */
+struct orl_mixed {
+    struct orl_rgb color;
+    const struct orl_pattern *pattern; /* or NULL */
+};
+
+struct orl_lettering;
+
+/* Sampling table of lobes on flat surfaces with that normal. */
+struct orl_lobe_table {
+    struct orl_vec3 normal;
+    float *values;
+};
+
+struct orl_pattern {
+    const char *name; /* name in messages: "brightfunc dirt" */
+    const char *file; /* file of the definition */
+    int line;
+    const unsigned char *key; /* contents of its definition; patterns with equal keys are one */
+    size_t key_size;
+    /* owned; gives one factor, or three; with grids, their coordinates */
+    struct orl_function *function;
+    const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* borrowed from the description */
+    uint32_t n_grids;                                /* 1 for a picture with all channels */
+    struct orl_function *values;     /* owned; factors from the grids' values; NULL without grids */
+    const struct orl_pattern *under; /* pattern of the same sort that modifies this one; or NULL */
+    const struct orl_pattern *other; /* first of the other sort that modifies this one; or NULL */
+    bool texture;                    /* its values perturb the normal (texture.h) */
+    /* a texture from a mesh's corner normals, without a function */
+    bool smooth;
+    bool fixed; /* the factor is constant: no function */
+    struct orl_rgb factor;
+    const struct orl_lettering
+        *text; /* in the arena: `factor` in its letters, `around` elsewhere; or NULL */
+    struct orl_rgb around;
+    const struct orl_spectral_band
+        *bands; /* bands of a spectrum, in the arena: `values` is evaluated for each; or NULL */
+    uint32_t n_bands;
+    enum orl_function_brdf_kind own; /* not a pattern, but functions of a material */
+    uint32_t n_own;                  /* number of these functions */
+    bool sided; /* lobes: the front is the surface's, not the eye's side (BRTDfunc) */
+    struct orl_lobe_table *lobe_table; /* owned; lobes: tables by normal (function_lobes.h) */
+    uint32_t n_lobe_tables;
+    bool narrow;         /* lobes: too narrow for the sampling tables (function_lobes.h) */
+    bool opaque;         /* lobes: none transmits light */
+    double integrals[2]; /* lobes: mean integrals, reflected and transmitted */
+    bool mixture;
+    struct orl_mixed mixed[2];
+    uint32_t steps;         /* upper bound of function evaluations */
+    bool is_rgb;            /* three factors, one per channel */
+    bool coloured;          /* true if it or a pattern under it has three factors */
+    bool directed;          /* it or a pattern under it depends on the ray's direction */
+    bool uses_mesh_uv;      /* it uses a mesh's coordinates (Lu Lv) */
+    uint32_t index;         /* in the description */
+    struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
+    struct orl_vec3 offset;
+    double scale;                        /* length of the function's unit in the files' units */
+    struct orl_vec3 center;              /* the geometry's centre */
+    const struct orl_geometry *geometry; /* NULL until geometry is built */
+    const struct orl_parsed_scene *parsed_scene; /* the description that owns it */
+    struct orl_rgb mean, maximum;
+};
+
+void orl_pattern_free(struct orl_pattern *pattern); /* NULL is allowed */
+
+/* Lists a material's patterns and textures, including those of mixed materials; returns their
+ * number. */
+enum { ORL_MIXED_MAX = 8, ORL_MATERIAL_PATTERNS = 5 * ORL_MIXED_MAX };
+size_t orl_patterns_of(const struct orl_material *material,
+                       struct orl_pattern *ret_patterns[ORL_MATERIAL_PATTERNS]);
+
+/*
+ * Returns the factor at a hit; the mean at orl_hit_surface_mean. It is clamped to 0 from below
+ * only. towards: unit direction in which the light leaves the surface.
+ */
+struct orl_rgb orl_pattern_towards(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                                   struct orl_vec3 towards);
+/* orl_pattern_towards for patterns that do not depend on the direction. */
+static inline struct orl_rgb orl_pattern_at(const struct orl_pattern *pattern,
+                                            const struct orl_hit *hit)
+{
+    return orl_pattern_towards(pattern, hit, hit->normal);
+}
+
+/* Returns the function's values, three or one, without the patterns under it; false where it has
+ * none. */
+bool orl_pattern_values(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                        struct orl_vec3 towards, double ret_values[3]);
+
+/* Returns the values of a glazing's functions (glazing.c) at that cosine to the front normal; false
+ * where one has no value. */
+enum { ORL_PATTERN_ANGLES = 6 };
+bool orl_pattern_of_angle(const struct orl_pattern *pattern, double cosine,
+                          double ret_values[ORL_PATTERN_ANGLES]);
+
+/* Returns the surface that was hit as it was read, if it belongs to a mesh; others are not kept.
+ * orl_pattern_corners: barycentric coordinates of corners b and c at a hit. */
+const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
+                                              const struct orl_hit *hit);
+void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                         double *ret_b, double *ret_c);
+
+/* Makes a spectrum that does not depend on the place a constant factor. */
+void orl_pattern_make_constant(struct orl_pattern *pattern);
+
+/* Returns the factor for distant light from a unit direction. As in Radiance the place is 1e10 away
+ * and the normal points at the observer. */
+struct orl_rgb orl_pattern_of_sky(const struct orl_pattern *pattern, struct orl_vec3 direction);
+
+/* A colour times a factor, clamped to 1. */
+static inline struct orl_rgb orl_patterned(struct orl_rgb color, struct orl_rgb factor)
+{
+    const struct orl_rgb product = orl_rgb_mul(color, factor);
+    return (struct orl_rgb){fmin(product.r, 1), fmin(product.g, 1), fmin(product.b, 1)};
+}
+
+/*
+ * Evaluates all patterns over their surfaces and sets the fields that depend on geometry. Warns of
+ * patterns without a value somewhere. Returns 0; ORL_ERR_LIMIT with file and line if one takes too
+ * long; or ORL_ERR_NOMEM.
+ */
+int orl_patterns_measure(struct orl_parsed_scene *parsed_scene, const struct orl_geometry *geometry,
+                         struct orl_error *err);
+
+#endif

@@ -1,0 +1,61 @@
+/*
+ * Reader for files of oconv and obj2mesh: a text header, then integers (big-endian, signed),
+ * numbers (four bytes of mantissa, one of exponent) and NUL-terminated strings, read from front to
+ * back.
+ * Reference: "Radiance File Formats" (Ward, 2019), octrees and compiled meshes.
+ *
+ * A read beyond the end returns zeros and sets `ended`; callers must test it before they use
+ * values. Nothing is copied: strings point into the data.
+ */
+#ifndef ORL_SCENE_PARSE_INSTANCE_BINARY_READER_H
+#define ORL_SCENE_PARSE_INSTANCE_BINARY_READER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/base/error.h>
+
+struct orl_binary_reader {
+    const unsigned char *data;
+    size_t size, at;
+    bool ended; /* a read went beyond the end */
+};
+
+/* Skips the header; ORL_ERR_SYNTAX unless its FORMAT is the given one. */
+int orl_binary_open(const char *data, size_t size, const char *format,
+                    struct orl_binary_reader *ret, struct orl_error *err);
+
+/* Reads an integer of 1 to 8 bytes. */
+int64_t orl_binary_int(struct orl_binary_reader *reader, unsigned bytes);
+double orl_binary_number(struct orl_binary_reader *reader);
+/* Returns "" beyond the end, or if the string is longer than Radiance allows. */
+const char *orl_binary_string(struct orl_binary_reader *reader);
+void orl_binary_skip(struct orl_binary_reader *reader, uint64_t bytes);
+
+/* Skips an octree whose leaves are sets of integers of that size in bytes. */
+int orl_binary_skip_octree(struct orl_binary_reader *reader, unsigned bytes, struct orl_error *err);
+
+/* Sets the error: "it ends too early" if data ended, else `what`. Returns ORL_ERR_SYNTAX. */
+int orl_binary_fail(const struct orl_binary_reader *reader, const char *what,
+                    struct orl_error *err);
+
+/* Names of primitives in order, pointing into the data. The caller frees the array. */
+struct orl_binary_names {
+    const char **at;
+    size_t count, room;
+};
+
+/*
+ * Converts primitives to scene text: calls take with pieces of text, each of whole primitives, in
+ * order. In the file primitives refer to each other by number, in the text by name, which is
+ * equivalent unless a name is defined twice. Fills names meanwhile. Returns 0, ORL_ERR_SYNTAX,
+ * _NOMEM, or take's error.
+ */
+int orl_binary_primitives(struct orl_binary_reader *reader, unsigned bytes,
+                          struct orl_binary_names *names,
+                          int (*take)(void *ctx, const char *text, size_t size,
+                                      struct orl_error *err),
+                          void *ctx, struct orl_error *err);
+
+#endif

@@ -1,0 +1,452 @@
+#include "scene/parse/material/material_readers.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/text/number.h"
+
+struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i)
+{
+    const double *r = parser->primitive.reals + i;
+    return (struct orl_rgb){r[0], r[1], r[2]};
+}
+
+static double rgb_min(struct orl_rgb c)
+{
+    return fmin(c.r, fmin(c.g, c.b));
+}
+
+int orl_material_check_range(struct orl_parser *parser, const struct orl_scope *scope,
+                             struct orl_rgb c, bool closed, const char *what, struct orl_error *err)
+{
+    if (rgb_min(c) >= 0 && (orl_rgb_max(c) < 1 || (closed && orl_rgb_max(c) <= 1)))
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its %s (%g %g %g) is not from 0 to %s1",
+                    what, c.r, c.g, c.b, closed ? "" : "below ");
+    if (rgb_min(c) < 0)
+        orl_error_hint(err, "shares of light are not negative: is 0 meant?");
+    else
+        orl_error_hint(err, "a surface that returns all light, or more, has no answer");
+    return ORL_ERR_RANGE;
+}
+
+int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                        double *ret_value, struct orl_error *err)
+{
+    const char *text = orl_primitive_string(&parser->primitive, i);
+    if (orl_number_read(text, strlen(text), ret_value) == ORL_NUMBER_OK)
+        return 0;
+    orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED, "'%.60s' is not a number", text);
+    orl_error_hint(err, "expressions are not evaluated: write the number itself");
+    return ORL_ERR_UNSUPPORTED;
+}
+
+int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                             struct orl_error *err)
+{
+    const char *text = orl_primitive_string(&parser->primitive, i);
+    if (strcmp(text, ".") == 0)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                           "function files ('%.60s') are not read: '.' must stand there", text);
+}
+
+bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
+{
+    switch (kind) {
+    case ORL_MATERIAL_PLASTIC:
+    case ORL_MATERIAL_METAL:
+    case ORL_MATERIAL_TRANS:
+    case ORL_MATERIAL_ASHIKHMIN:
+    case ORL_MATERIAL_FUNCTION_LOBES:
+    case ORL_MATERIAL_GLASS:
+    case ORL_MATERIAL_MIRROR:
+        return !directed;
+    case ORL_MATERIAL_LIGHT:
+    case ORL_MATERIAL_GLOW:
+    case ORL_MATERIAL_SPOTLIGHT:
+    case ORL_MATERIAL_ILLUM:
+        return true;
+    default:
+        return false;
+    }
+}
+
+int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
+                           int32_t *ret_seen_as, struct orl_error *err)
+{
+    const char *name = orl_primitive_string(&parser->primitive, 0);
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
+    if (strcmp(name, "void") == 0) {
+        *ret_seen_as = ORL_SEEN_AS_NOTHING;
+        return 0;
+    }
+    if (!symbol || symbol->kind != ORL_SYMBOL_MATERIAL)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
+                               "'%.100s', which it is to be seen as, is no material defined before",
+                               name);
+    const struct orl_material *m = parser->out->materials + symbol->index;
+    *ret_seen_as = m->kind == ORL_MATERIAL_ILLUM ? m->seen_as : (int32_t)symbol->index;
+    return 0;
+}
+
+static int check_index(struct orl_parser *parser, const struct orl_scope *scope, double index,
+                       struct orl_error *err)
+{
+    if (index >= 1 && index <= 10)
+        return 0;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                           "its index of refraction %g is not from 1 to 10", index);
+}
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+/* Tolerance: rounding and white paint may exceed 1, and colours from spectra may be below 0, by
+ * this much. Beyond it is an error. */
+static const double slack = 0.01;
+/* Upper bound of a reflectance, so that paths end after some thousand reflections. */
+static const double most_returned = 0.999;
+/* Limit of ashik2's exponents: a lobe of a hundredth of a degree. */
+static const double most_power = 1e8;
+
+static bool clamp_share(double *share, double from, double most)
+{
+    const bool over = *share >= from && *share <= 1 + slack;
+    *share = over ? fmin(*share, most) : *share;
+    return over;
+}
+
+static bool clamp_rgb(struct orl_rgb *c, double from, double most)
+{
+    const bool r = clamp_share(&c->r, from, most), g = clamp_share(&c->g, from, most);
+    return clamp_share(&c->b, from, most) || r || g;
+}
+
+static bool lift_negative(double *share)
+{
+    const bool below = *share < 0 && *share >= -slack;
+    *share = below ? 0 : *share;
+    return below;
+}
+
+static void lift_negative_rgb(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *c)
+{
+    const bool r = lift_negative(&c->r), g = lift_negative(&c->g);
+    if (lift_negative(&c->b) || r || g)
+        orl_parser_tally(parser, scope, &parser->below);
+}
+
+/* Clamps shares. Light that is transmitted straight without loss leaves the scene somewhere, but
+ * light that is reflected without loss may never end. For metal and trans, mirrored light has the
+ * colour, or a share is lost. */
+static void clamp_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *m)
+{
+    const double above = nextafter(1, 2);
+    const bool clear = m->transmitted >= 1 && m->transmitted_specular >= 1;
+    bool white = clamp_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
+    if (m->kind == ORL_MATERIAL_PLASTIC)
+        white |= clamp_share(&m->specular, 1, most_returned);
+    else
+        white |= clamp_share(&m->specular, above, 1);
+    white |= clamp_share(&m->transmitted, above, 1);
+    white |= clamp_share(&m->transmitted_specular, above, 1);
+    if (white)
+        orl_parser_tally(parser, scope, &parser->white);
+}
+
+/* Clamps a transmissivity or a mirror's reflectance to at most 1. */
+void orl_material_clamp_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *share)
+{
+    lift_negative_rgb(parser, scope, share);
+    if (clamp_rgb(share, nextafter(1, 2), 1))
+        orl_parser_tally(parser, scope, &parser->white);
+}
+
+/* A specularity of 1 makes metal a mirror; for plastic and trans, whose highlight is white, it is
+ * clamped. */
+int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *m, struct orl_error *err)
+{
+    lift_negative_rgb(parser, scope, &m->color);
+    clamp_reflector(parser, scope, m);
+    int code = orl_material_check_range(parser, scope, m->color, true, "reflectance", err);
+    if (code == 0)
+        code = orl_material_check_range(parser, scope, orl_gray(m->specular), true, "specularity",
+                                        err);
+    if (code == 0)
+        code = orl_material_check_range(parser, scope, orl_gray(m->transmitted), true,
+                                        "transmission", err);
+    if (code == 0)
+        code = orl_material_check_range(parser, scope, orl_gray(m->transmitted_specular), true,
+                                        "transmitted specularity", err);
+    for (int i = 0; i < 2 && code == 0; i++)
+        if (!(m->roughness[i] >= 0 && m->roughness[i] <= 1))
+            code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                                   "its roughness %g is not from 0 to 1", m->roughness[i]);
+    return code;
+}
+
+int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    const bool trans = material->kind == ORL_MATERIAL_TRANS;
+    const double *r = parser->primitive.reals;
+    const int code = orl_parser_expect(parser, scope, 0, trans ? 7 : 5, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    material->specular = r[3];
+    material->roughness[0] = material->roughness[1] = r[4];
+    material->transmitted = trans ? r[5] : 0;
+    material->transmitted_specular = trans ? r[6] : 0;
+    return orl_material_check_reflector(parser, scope, material, err);
+}
+
+/* Reads the direction of the anisotropy axis: three numbers, '.', and a transform. */
+static int read_anisotropy_axis(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    struct orl_xform xform;
+    double anisotropy_axis[3] = {0, 0, 0};
+    int code = 0;
+    if (parser->primitive.n_strings < 4)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "%s takes four string arguments: the grain's x y z, and '.'; here "
+                               "are %zu",
+                               parser->primitive.type, parser->primitive.n_strings);
+    for (size_t i = 0; i < 3 && code == 0; i++)
+        code = orl_material_number(parser, scope, i, anisotropy_axis + i, err);
+    if (code == 0)
+        code = orl_material_no_function(parser, scope, 3, err);
+    if (code == 0)
+        code = orl_parser_string_xform(parser, scope, 4, &xform, err);
+    if (code < 0)
+        return code;
+    material->anisotropy_axis = orl_xform_vector(
+        &xform, orl_v3(anisotropy_axis[0], anisotropy_axis[1], anisotropy_axis[2]));
+    if (!(orl_length(material->anisotropy_axis) > 0) ||
+        !isfinite(orl_length(material->anisotropy_axis)))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its grain has no length");
+    material->anisotropy_axis = orl_normalize(material->anisotropy_axis);
+    return 0;
+}
+
+int orl_material_read_anisotropic(struct orl_parser *parser, const struct orl_scope *scope,
+                                  struct orl_material *material, struct orl_error *err)
+{
+    const bool trans = material->kind == ORL_MATERIAL_TRANS;
+    const size_t n_strings = parser->primitive.n_strings;
+    const double *r = parser->primitive.reals;
+    int code = orl_parser_expect(parser, scope, n_strings, trans ? 8 : 6, err);
+    if (code == 0)
+        code = read_anisotropy_axis(parser, scope, material, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    material->specular = r[3];
+    material->roughness[0] = r[4];
+    material->roughness[1] = r[5];
+    material->transmitted = trans ? r[6] : 0;
+    material->transmitted_specular = trans ? r[7] : 0;
+    code = orl_material_check_reflector(parser, scope, material, err);
+    if (code == 0 && !(r[4] >= 1e-6 && r[5] >= 1e-6)) {
+        code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its roughness is too small: %g along the grain, %g across", r[4],
+                               r[5]);
+        orl_error_hint(err, "what is smooth has no grain: use %s",
+                       trans                                  ? "trans"
+                       : material->kind == ORL_MATERIAL_METAL ? "metal"
+                                                              : "plastic");
+    }
+    return code;
+}
+
+int orl_material_read_ashikhmin(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    int code = orl_parser_expect(parser, scope, parser->primitive.n_strings, 8, err);
+    if (code == 0)
+        code = read_anisotropy_axis(parser, scope, material, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    material->gloss = orl_material_rgb(parser, 3);
+    material->power[0] = r[6];
+    material->power[1] = r[7];
+    code =
+        orl_material_check_range(parser, scope, material->color, true, "diffuse reflectance", err);
+    if (code == 0)
+        code = orl_material_check_range(parser, scope, material->gloss, true,
+                                        "specular reflectance", err);
+    if (code == 0)
+        code =
+            orl_material_check_range(parser, scope, orl_rgb_add(material->color, material->gloss),
+                                     false, "diffuse and specular reflectance together", err);
+    if (code == 0 && !(r[6] >= 0 && r[7] >= 0 && r[6] <= most_power && r[7] <= most_power))
+        code =
+            orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                            "its powers, %g and %g, are not from 0 to %g", r[6], r[7], most_power);
+    return code;
+}
+
+int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err)
+{
+    const bool has_index = parser->primitive.n_reals == 4;
+    int code = orl_parser_expect(parser, scope, 0, has_index ? 4 : 3, err);
+    if (code < 0)
+        return code;
+    material->transmissivity = orl_material_rgb(parser, 0);
+    material->ior = has_index ? parser->primitive.reals[3] : 1.52;
+    orl_material_clamp_clear(parser, scope, &material->transmissivity);
+    code = orl_material_check_range(parser, scope, material->transmissivity, true, "transmissivity",
+                                    err);
+    if (code == ORL_ERR_RANGE)
+        orl_error_hint(err, "transmissivity excludes reflection: clear glass that transmits 0.88 "
+                            "has 0.96");
+    return code == 0 ? check_index(parser, scope, material->ior, err) : code;
+}
+
+/* Reads a medium at index i of the numbers. Transmissivity is per unit of length, which a transform
+ * scales. */
+static int read_medium(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                       struct orl_medium *medium, struct orl_error *err)
+{
+    const struct orl_rgb t = orl_material_rgb(parser, i);
+    const double power = 1 / scope->xform.scale;
+    int code = orl_material_check_range(parser, scope, t, true, "transmissivity", err);
+    medium->transmissivity = (struct orl_rgb){pow(t.r, power), pow(t.g, power), pow(t.b, power)};
+    medium->ior = parser->primitive.reals[i + 3];
+    return code == 0 ? check_index(parser, scope, medium->ior, err) : code;
+}
+
+int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    int code = orl_parser_expect(parser, scope, 0, 5, err);
+    if (code == 0)
+        code = read_medium(parser, scope, 0, &material->media[0], err);
+    if (code < 0)
+        return code;
+    material->media[1] = (struct orl_medium){orl_gray(1), 1};
+    if (r[4] != 0)
+        orl_parser_warn(parser,
+                        "dielectric %.100s at %.200s:%d: its Hartmann constant %g is ignored: "
+                        "dispersion is not simulated",
+                        parser->primitive.id, scope->file, parser->primitive.line, r[4]);
+    return 0;
+}
+
+int orl_material_read_interface(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    int code = orl_parser_expect(parser, scope, 0, 8, err);
+    for (size_t i = 0; i < 2 && code == 0; i++)
+        code = read_medium(parser, scope, 4 * i, &material->media[i], err);
+    return code;
+}
+
+/* Reads extinction, albedo and asymmetry. The sources that mist may name are a hint for Radiance's
+ * sampling, and ignored. Transforms scale lengths. */
+int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *material, struct orl_error *err)
+{
+    const size_t n = parser->primitive.n_reals;
+    const double per_length = 1 / scope->xform.scale;
+    if (n != 0 && n != 3 && n != 6 && n != 7)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "mist takes no numbers, or three of extinction, then perhaps three "
+                               "of albedo, and one of what is scattered forward; here are %zu",
+                               n);
+    const struct orl_rgb extinction = n >= 3 ? orl_material_rgb(parser, 0) : orl_gray(0);
+    const struct orl_rgb albedo = n >= 6 ? orl_material_rgb(parser, 3) : orl_gray(0);
+    material->asymmetry = n == 7 ? parser->primitive.reals[6] : 0;
+    if (!(rgb_min(extinction) >= 0) || !(orl_rgb_max(extinction) * per_length <= 1e9))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its extinction is not from 0 to 1e9 per unit of length");
+    const int code = orl_material_check_range(parser, scope, albedo, true, "albedo", err);
+    if (code < 0)
+        return code;
+    if (!(fabs(material->asymmetry) < 1))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its eccentricity %g is not between -1 and 1", material->asymmetry);
+    material->extinction = orl_rgb_scale(extinction, per_length);
+    material->scattered = orl_rgb_mul(material->extinction, albedo);
+    return 0;
+}
+
+/* ---- Lights ---------------------------------------------------------------------------------- */
+
+static int check_radiance(struct orl_parser *parser, const struct orl_scope *scope,
+                          struct orl_rgb radiance, struct orl_error *err)
+{
+    if (rgb_min(radiance) < 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is negative");
+    if (orl_rgb_max(radiance) > 1e30) /* the sun's is 1e7; sums must stay finite */
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radiance is too large");
+    return 0;
+}
+
+int orl_material_read_light(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err)
+{
+    const bool glow = material->kind == ORL_MATERIAL_GLOW;
+    const int code = orl_parser_expect(parser, scope, 0, glow ? 4 : 3, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    if (glow)
+        material->max_radius = parser->primitive.reals[3] * scope->xform.scale;
+    return check_radiance(parser, scope, material->color, err);
+}
+
+int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err)
+{
+    const size_t n_strings = parser->primitive.n_strings;
+    int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
+    material->seen_as = ORL_SEEN_AS_NOTHING;
+    if (code == 0 && n_strings > 0)
+        code = orl_material_alternate(parser, scope, &material->seen_as, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    const struct orl_material *const seen =
+        material->seen_as >= 0 ? &parser->out->materials[material->seen_as] : NULL;
+    const bool glass = seen && seen->kind == ORL_MATERIAL_GLASS && !seen->pattern;
+    material->transmissivity = glass ? seen->transmissivity : orl_gray(seen ? 0 : 1);
+    material->ior = glass ? seen->ior : 1;
+    orl_parser_warn(parser,
+                    "illum %.100s at %.200s:%d: it shines in place of the sky and all else behind "
+                    "it, of which %s",
+                    parser->primitive.id, scope->file, parser->primitive.line,
+                    seen && !glass ? "nothing passes" : "suns and lamps alone pass");
+    return check_radiance(parser, scope, material->color, err);
+}
+
+/* The length of the aim vector is the distance of the focus behind the lamp. */
+int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err)
+{
+    const double *r = parser->primitive.reals;
+    const int code = orl_parser_expect(parser, scope, 0, 7, err);
+    if (code < 0)
+        return code;
+    material->color = orl_material_rgb(parser, 0);
+    if (!(r[3] > 0 && r[3] <= 360))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its cone's angle %g is not between 0 and 360 degrees", r[3]);
+    const struct orl_vec3 beam_axis = orl_xform_vector(&scope->xform, orl_v3(r[4], r[5], r[6]));
+    material->focus = orl_length(beam_axis);
+    material->beam_axis = orl_normalize(beam_axis);
+    material->cos_cone = cos(0.5 * r[3] * ORL_DEG_TO_RAD);
+    if (!(fabs(orl_length(material->beam_axis) - 1) < 1e-6) || !isfinite(material->focus))
+        return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                               "its direction (%g %g %g) has no length", r[4], r[5], r[6]);
+    return check_radiance(parser, scope, material->color, err);
+}

@@ -1,0 +1,107 @@
+/*
+ * Readers for the arguments of each type of material, and their helpers.
+ * A reader fills the fields of material that its type's arguments give; kind is set before.
+ * Internal to the parser; errors as in parser.h.
+ */
+#ifndef ORL_SCENE_PARSE_MATERIAL_MATERIAL_READERS_H
+#define ORL_SCENE_PARSE_MATERIAL_MATERIAL_READERS_H
+
+#include "scene/parse/parser.h"
+
+typedef int (*orl_material_reader)(struct orl_parser *parser, const struct orl_scope *scope,
+                                   struct orl_material *material, struct orl_error *err);
+
+/* material_readers.c; reflector: plastic, metal, trans; grained: plastic2, metal2, trans2 */
+int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
+int orl_material_read_anisotropic(struct orl_parser *parser, const struct orl_scope *scope,
+                                  struct orl_material *material, struct orl_error *err);
+int orl_material_read_ashikhmin(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
+int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err);
+int orl_material_read_interface(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
+int orl_material_read_light(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
+                                struct orl_material *material, struct orl_error *err);
+
+/* mixtures.c: mixfunc, mixdata, mixpict of materials; sets kind, too. */
+int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
+                   struct orl_material *ret_material, struct orl_error *err);
+/* Gives the mixed materials, in copies, the mixture's texture. */
+int orl_parser_texture_mixture(struct orl_parser *parser, const struct orl_scope *scope,
+                               struct orl_material *mixture, struct orl_error *err);
+
+int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *material, struct orl_error *err);
+
+/* mirror_material.c */
+int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
+                             struct orl_material *material, struct orl_error *err);
+
+/* wgmd_material.c */
+int orl_material_read_wgmd(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *material, struct orl_error *err);
+
+/* glazing_material.c */
+int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *material, struct orl_error *err);
+
+/* function_brdf_reader.c */
+int orl_material_read_prism(struct orl_parser *parser, const struct orl_scope *scope,
+                            struct orl_material *material, struct orl_error *err);
+
+int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl_scope *scope,
+                                     struct orl_material *material, struct orl_error *err);
+
+/* antimatter_material.c */
+int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err);
+
+/* bsdf_reader.c; the caller drops the reference in material->bsdf, also on failure. */
+int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *material, struct orl_error *err);
+
+/* ---- Helpers, material_readers.c ------------------------------------------------------------- */
+
+/* Returns true if the kind may have a pattern; directed: one that depends on the ray's
+ * direction. */
+bool orl_material_is_patterned(enum orl_material_kind kind, bool directed);
+
+/* Finds the material that the first string argument names, for views: its index, or that of the
+ * material it is seen as, or ORL_SEEN_AS_NOTHING. */
+int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
+                           int32_t *ret_seen_as, struct orl_error *err);
+
+/* Clamps a transmissivity or a mirror's reflectance that is slightly above 1, with a warning. */
+void orl_material_clamp_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_rgb *c);
+
+/* Returns three number arguments from index i on. */
+struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i);
+
+/* Fails unless all channels are in [0, 1), or [0, 1] if closed. */
+int orl_material_check_range(struct orl_parser *parser, const struct orl_scope *scope,
+                             struct orl_rgb c, bool closed, const char *what,
+                             struct orl_error *err);
+
+/* Checks colour, specularity, transmission and roughness; clamps values slightly above 1. */
+int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                                 struct orl_material *material, struct orl_error *err);
+
+/* Reads a string argument that must be a number: expressions of function files are not
+ * evaluated. */
+int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                        double *ret_value, struct orl_error *err);
+
+/* Checks that a string argument is '.', where Radiance's types name a function file. */
+int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                             struct orl_error *err);
+
+#endif

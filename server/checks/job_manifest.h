@@ -1,0 +1,50 @@
+/*
+ * The parts of a job document that the daemon needs to accept it. A large document is read in a
+ * child (child_checks.h), others in the daemon.
+ */
+#ifndef ORL_SERVER_CHECKS_JOB_MANIFEST_H
+#define ORL_SERVER_CHECKS_JOB_MANIFEST_H
+
+#include <jansson.h>
+
+#include <oriel/base/files.h>
+
+#include "job/job_request_json.h"
+#include "runner/estimate/job_memory.h"
+#include "store/files/folders.h"
+
+/* A file that the document names (job_request_json.h). Owns its strings. */
+struct orl_named_file {
+    enum orl_file_role role;
+    char *name, *location;
+    char *entry; /* NULL if none is given */
+};
+
+struct orl_job_manifest {
+    enum orl_job_request_kind kind;
+    int priority;
+    struct orl_labels labels;
+    char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_dedup.h */
+    uint64_t result_bytes;                          /* estimate, without the following two */
+    uint64_t sensor_bytes,
+        hour_bytes;               /* result bytes for each sensor of a file, each daylight hour */
+    struct orl_job_memory needs;  /* estimated from the document alone */
+    bool whole_scene;             /* checked with all of the scene's files (child_document.h) */
+    struct orl_named_file *files; /* owned */
+    size_t n_files, capacity;
+};
+
+/* Frees a manifest. NULL and all zeros are allowed. */
+void orl_job_manifest_done(struct orl_job_manifest *manifest);
+
+/* Reads a document. Errors are those of orl_job_read. */
+int orl_job_manifest_read(const struct orl_file *document, struct orl_job_manifest *ret_manifest,
+                          struct orl_error *err);
+
+/* Returns a new reference; NULL: out of memory. */
+json_t *orl_job_manifest_to_json(const struct orl_job_manifest *manifest);
+/* Reads a manifest from JSON. ORL_ERR_INTERNAL if the JSON is not one. */
+int orl_job_manifest_from_json(const json_t *json, struct orl_job_manifest *ret_manifest,
+                               struct orl_error *err);
+
+#endif

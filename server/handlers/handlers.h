@@ -1,0 +1,66 @@
+/*
+ * The handlers, one file per resource (handle_*.c). Each is called on the loop thread when the
+ * request's body is complete, and ends by replying or by sending work to the pool.
+ */
+#ifndef ORL_SERVER_HANDLERS_HANDLERS_H
+#define ORL_SERVER_HANDLERS_HANDLERS_H
+
+#include "http/request/request.h"
+
+/* handle_service.c: the daemon's index, state, limits and contract */
+void orl_handle_index(struct orl_request *request);
+void orl_handle_health(struct orl_request *request);
+void orl_handle_ready(struct orl_request *request);
+void orl_handle_metrics(struct orl_request *request); /* handle_metrics.c */
+void orl_handle_openapi(struct orl_request *request);
+void orl_handle_limits(struct orl_request *request);
+
+/* handle_dashboard.c: is_wanted returns true if the client prefers the page to the index */
+bool orl_dashboard_is_wanted(const struct orl_request *request);
+void orl_dashboard_reply(struct orl_request *request);
+void orl_handle_dashboard_file(struct orl_request *request);
+
+/* handle_scenes.c, handle_bsdfs.c: uploads; handle_stored_lists.c: lists of them */
+void orl_handle_scene_list(struct orl_request *request);
+void orl_handle_bsdf_list(struct orl_request *request);
+void orl_handle_scene_post(struct orl_request *request);
+void orl_handle_scene_get(struct orl_request *request);
+void orl_handle_scene_delete(struct orl_request *request);
+void orl_handle_bsdf_post(struct orl_request *request);
+void orl_handle_bsdf_get(struct orl_request *request);
+void orl_handle_bsdf_delete(struct orl_request *request);
+
+/* handle_previews.c: previews: a scene's floor plan, directions of light from a BSDF */
+void orl_handle_scene_outline(struct orl_request *request);
+void orl_handle_bsdf_polar(struct orl_request *request);
+
+/* handle_jobs.c: submitting, status, cancelling, removing; handle_results.c: results */
+void orl_handle_job_post(struct orl_request *request);
+void orl_handle_job_list(struct orl_request *request);
+void orl_handle_job_get(struct orl_request *request);
+void orl_handle_job_cancel(struct orl_request *request);
+void orl_handle_job_delete(struct orl_request *request);
+void orl_handle_job_result(struct orl_request *request);
+void orl_handle_job_file(struct orl_request *request);
+
+/* handle_job_document.c: the job's document */
+void orl_handle_job_document(struct orl_request *request);
+
+/* handle_plans.c */
+void orl_handle_plan_post(struct orl_request *request);
+
+/* handle_session.c, handle_links.c: for browsers, which do not send tokens */
+void orl_handle_session_get(struct orl_request *request);
+void orl_handle_session_post(struct orl_request *request);
+void orl_handle_session_delete(struct orl_request *request);
+void orl_handle_job_links(struct orl_request *request);
+
+/* handle_events.c: changes of jobs' states */
+void orl_handle_job_events(struct orl_request *request);
+void orl_handle_all_events(struct orl_request *request);
+
+/* handle_maps.c */
+void orl_handle_map_list(struct orl_request *request);
+void orl_handle_map_delete(struct orl_request *request);
+
+#endif

@@ -1,0 +1,69 @@
+#include "http/access/signed_links.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "http/context.h"
+#include "http/router.h"
+#include "process/limits.h"
+#include "process/times.h"
+
+enum { MAC_BYTES = 32, MAC_TEXT = 44 };
+
+static void sign_link(const unsigned char key[ORL_LINK_KEY_BYTES],
+                      const struct orl_token_row *token, const char *job, const char *file,
+                      int64_t until_s, char ret_signature[MAC_TEXT])
+{
+    unsigned char mac[MAC_BYTES];
+    char text[ORL_PARAM_MAX * 2 + sizeof token->id + sizeof token->hash + 80];
+    /* Fields end with a newline, which no id or file name contains. The file still comes last. */
+    const int size = snprintf(text, sizeof text, "oriel-link 2\n%s\n%s\n%s\n%lld\n%s", token->id,
+                              token->hash, job, (long long)until_s, file);
+    crypto_generichash(mac, sizeof mac, (const unsigned char *)text, (unsigned long long)size, key,
+                       ORL_LINK_KEY_BYTES);
+    sodium_bin2base64(ret_signature, MAC_TEXT, mac, sizeof mac,
+                      sodium_base64_VARIANT_URLSAFE_NO_PADDING);
+}
+
+void orl_link_sign(const struct orl_request *request, const char *job, const char *file,
+                   int64_t until_s, char ret_arguments[ORL_LINK_ARGUMENTS])
+{
+    const struct orl_token_row *token = &request->token_row;
+    char signature[MAC_TEXT];
+    sign_link(request->context->link_key, token, job, file, until_s, signature);
+    snprintf(ret_arguments, ORL_LINK_ARGUMENTS, "by=%s&until=%lld&signature=%s", token->id,
+             (long long)until_s, signature);
+}
+
+bool orl_link_is_present(const struct orl_request *request)
+{
+    return request->route->by_link && orl_request_query(request, "signature");
+}
+
+int orl_link_check(const struct orl_request *request, struct orl_token_row *ret_token,
+                   bool *ret_good, struct orl_error *err)
+{
+    const struct orl_http_context *context = request->context;
+    const char *by = orl_request_query(request, "by");
+    const char *until = orl_request_query(request, "until");
+    const char *signature = orl_request_query(request, "signature");
+    char wanted[MAC_TEXT];
+    bool found = false;
+    *ret_good = false;
+    if (!by || strlen(by) != ORL_TOKEN_ID - 1 || !until || !*until || strlen(until) > 15 ||
+        until[strspn(until, "0123456789")] || strlen(signature) != MAC_TEXT - 1)
+        return 0;
+    const int rc =
+        orl_token_row_find(context->db, context->token_statement, by, ret_token, &found, err);
+    if (rc || !found)
+        return rc;
+    const int64_t until_s = strtoll(until, NULL, 10);
+    sign_link(context->link_key, ret_token, request->params[0], request->params[1], until_s,
+              wanted);
+    const int64_t left_ms = 1000 * until_s - orl_time_now_ms();
+    *ret_good = sodium_memcmp(wanted, signature, MAC_TEXT - 1) == 0 && left_ms > 0 &&
+                left_ms <= 1000 * (int64_t)ORL_SERVER_LINK_S;
+    return 0;
+}

@@ -1,0 +1,83 @@
+/*
+ * Open connections, and time limits for slow clients.
+ *
+ * libmicrohttpd closes a connection that is silent for the idle timeout. A client that sends a byte
+ * now and then is never silent, so two more limits hold. Headers must be complete within
+ * ORL_SERVER_HEADER_S of the connection's start; after an earlier answer, within the idle timeout.
+ * Once the idle timeout is over, a body must arrive at ORL_SERVER_BODY_RATE or faster on average. A
+ * slower client is cut off without an answer.
+ *
+ * A client that sends something other than a body is also cut off. An example is a chunk's first
+ * line that is longer than libmicrohttpd's buffer. libmicrohttpd would parse its 32 kB again and
+ * again and keep the loop busy, so that connection is cut at once (orl_connections_cut_stuck).
+ *
+ * While a client waits for an answer or receives one, only silence and the number of connections
+ * are bounded. The time that a body waits for the daemon does not count against its client.
+ *
+ * Threads: the loop thread only.
+ */
+#ifndef ORL_SERVER_HTTP_CONNECTION_CONNECTIONS_H
+#define ORL_SERVER_HTTP_CONNECTION_CONNECTIONS_H
+
+#include <microhttpd.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/socket.h>
+
+enum { ORL_ADDRESS_BUCKETS = 256 };
+
+struct orl_connections {
+    struct orl_connection *first;
+    struct orl_address *addresses[ORL_ADDRESS_BUCKETS]; /* addresses with open connections */
+    unsigned most;                                      /* maximum of one address */
+    size_t open, unwatched;   /* unwatched: opened without memory for an entry */
+    uint64_t started;         /* total so far; the serial number of the newest connection */
+    uint64_t cut;             /* total cut off for slowness */
+    double idle_s, checked_s; /* looked_s: time of the last orl_connections_cut_stuck */
+};
+
+/* MHD's connection callback; the closure is the struct orl_connections. */
+void orl_connections_notify(void *connections, struct MHD_Connection *connection, void **context,
+                            enum MHD_ConnectionNotificationCode code);
+
+/*
+ * Returns the smallest serial number of a connection that has not sent a request yet: its TLS
+ * handshake may be under way. If there is none, returns one more than the newest connection's
+ * number. 0: unknown.
+ */
+uint64_t orl_connections_oldest_handshake(const struct orl_connections *connections);
+
+/* MHD's accept callback: returns MHD_YES if the address may open another connection. IPv6 addresses
+ * count by their /64 network. */
+enum MHD_Result orl_connections_allow(void *connections, const struct sockaddr *address,
+                                      socklen_t size);
+
+/* A request's headers are complete; the body is awaited, if any. */
+void orl_connection_headers_complete(struct MHD_Connection *connection);
+/* Counts received bytes of the body. */
+void orl_connection_received(struct MHD_Connection *connection, size_t bytes);
+/* hold: the connection is suspended and waits for the daemon. go_on: it resumes. */
+void orl_connection_suspend(struct MHD_Connection *connection);
+void orl_connection_resume(struct MHD_Connection *connection);
+/* The body is complete; nothing more is awaited. */
+void orl_connection_body_complete(struct MHD_Connection *connection);
+/* Ends a connection at once: its data would get no answer from libmicrohttpd. */
+void orl_connection_cut(struct MHD_Connection *connection);
+/*
+ * Answers a request whose headers libmicrohttpd cannot parse. Call it when libmicrohttpd logs a
+ * message. Versions before 1.0 answer such complete headers (a Content-Length that is no number,
+ * cookies beyond their memory) with two header blocks in one response. The connection gets this
+ * answer instead, and nothing more can be sent to it.
+ */
+void orl_connections_refuse_unparsed(struct orl_connections *connections);
+/* The request is complete; the connection may send another. */
+void orl_connection_end_request(struct MHD_Connection *connection);
+
+/* Cuts off clients whose data does not fit libmicrohttpd's buffer: it was not read between two
+ * looks. Call it from a loop that stays busy, after everything that is ready has run once. */
+void orl_connections_cut_stuck(struct orl_connections *connections);
+
+/* Cuts off clients that are too slow or have disconnected. Called about every second. */
+void orl_connections_sweep(struct orl_connections *connections);
+
+#endif

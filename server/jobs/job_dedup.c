@@ -1,0 +1,106 @@
+#include "jobs/job_dedup.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "json/decode.h"
+#include "json/encode.h"
+
+void orl_dedup_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX])
+{
+    json_t *doc = NULL;
+    ret_identity[0] = '\0';
+    if (orl_json_parse(NULL, text, size, &doc, NULL))
+        return;
+    const char *kind = json_string_value(json_object_get(doc, "kind"));
+    json_object_del(doc, "priority");
+    if (!kind || strncmp(kind, "bsdf_", 5) != 0) /* the name is part of such a job's BSDFs */
+        json_object_del(doc, "name");
+    json_object_del(doc, "tags");
+    char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
+    if (plain)
+        orl_sha256_hex(plain, strlen(plain), ret_identity);
+    free(plain);
+    json_decref(doc);
+}
+
+void orl_dedup_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &leader->followers;
+    while (*at)
+        at = &(*at)->next_follower;
+    *at = job;
+    job->leader = leader;
+    job->next_follower = NULL;
+}
+
+void orl_dedup_leave(struct orl_jobs_job *job)
+{
+    struct orl_jobs_job **at = &job->leader->followers;
+    while (*at != job)
+        at = &(*at)->next_follower;
+    *at = job->next_follower;
+    job->leader = NULL;
+    job->next_follower = NULL;
+}
+
+static int link_below(const char *from, const char *to, struct orl_error *err);
+
+/* Links a file, or a folder with all its contents. */
+static int link_entry(const struct dirent *entry, const char *from, const char *to,
+                      struct orl_error *err)
+{
+    char source[ORL_PATH_MAX + 256], target[ORL_PATH_MAX + 256];
+    snprintf(source, sizeof source, "%s/%s", from, entry->d_name);
+    snprintf(target, sizeof target, "%s/%s", to, entry->d_name);
+    struct stat st;
+    if (lstat(source, &st) == 0 && S_ISDIR(st.st_mode) && mkdir(target, 0777) == 0) {
+        const int rc = link_below(source, target, err);
+        return rc ? rc : orl_sync_path(target, err);
+    }
+    if (link(source, target) == 0)
+        return 0;
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                         strerror(errno));
+}
+
+static int link_below(const char *from, const char *to, struct orl_error *err)
+{
+    DIR *folder = opendir(from);
+    int rc = 0;
+    if (!folder)
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot share the results: %s",
+                             strerror(errno));
+    for (const struct dirent *entry; rc == 0 && (entry = readdir(folder));)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            rc = link_entry(entry, from, to, err);
+    closedir(folder);
+    return rc;
+}
+
+int orl_dedup_link_results(const struct orl_folders *folders, const char *from, const char *to,
+                           struct orl_error *err)
+{
+    char source[ORL_PATH_MAX], target[ORL_PATH_MAX], temporary[ORL_PATH_MAX];
+    orl_folders_path(folders, source, "results/%s", from);
+    orl_folders_path(folders, target, "results/%s", to);
+    orl_folders_temporary(folders, temporary);
+    if (mkdir(temporary, 0777) != 0)
+        return orl_error_set(err, orl_err_of_errno(errno),
+                             "cannot make a folder for the results: %s", strerror(errno));
+    int rc = link_below(source, temporary, err);
+    if (rc == 0)
+        rc = orl_sync_path(temporary, err);
+    if (rc == 0)
+        rc = orl_remove_tree(target, err); /* left by an earlier attempt */
+    if (rc == 0)
+        rc = orl_rename_synced(temporary, target, err);
+    if (rc)
+        orl_remove_tree(temporary, NULL);
+    return rc;
+}

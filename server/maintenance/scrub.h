@@ -1,0 +1,50 @@
+/*
+ * Scrubbing: reads every stored file and checks it against its digest or checksum, to find damage
+ * early. `orield scrub` does so at once. The daemon does so slowly and repeatedly, in a thread with
+ * the lowest priority and its own database handle.
+ *
+ * A damaged map is removed, and made again when it is needed. A damaged blob stays: an equal upload
+ * repairs it. Damaged results are lost; submitting the document again reproduces them. The log
+ * names each.
+ */
+#ifndef ORL_SERVER_MAINTENANCE_SCRUB_H
+#define ORL_SERVER_MAINTENANCE_SCRUB_H
+
+#include <stdint.h>
+
+#include "cache/map_cache.h"
+#include "process/log.h"
+#include "store/files/stored_files.h"
+
+struct orl_scrub_totals {
+    uint64_t files, bytes, damaged; /* damaged: including missing files */
+};
+
+struct orl_scrubber {
+    /* found: called for each damaged file. go_on: called after each file; false ends the scrub. */
+    void (*found)(void *ctx, const struct orl_stored_file *file, const struct orl_error *why);
+    bool (*should_continue)(void *ctx, uint64_t bytes);
+    void *ctx;
+};
+
+/* Scrubs all files once. Errors are those of the database. */
+int orl_scrub(struct orl_db *db, const struct orl_folders *folders,
+              const struct orl_scrubber *scrubber, struct orl_scrub_totals *totals,
+              struct orl_error *err);
+
+/* ---- In the daemon -------------------------------------------------------------------------- */
+
+struct orl_scrub_thread;
+
+/* Starts scrubbing, at most so many bytes a second; 0: never. Borrows log and maps. Loop thread,
+ * like the others. */
+struct orl_scrub_thread *orl_scrub_thread_start(const struct orl_folders *folders,
+                                                const struct orl_log *log,
+                                                struct orl_map_cache *maps, uint64_t bytes_per_s);
+void orl_scrub_thread_stop(struct orl_scrub_thread *scrub_thread); /* NULL is allowed */
+/* Logs the findings, and removes damaged maps. Called about every second. */
+void orl_scrub_thread_poll(struct orl_scrub_thread *scrub_thread);
+/* Returns the totals since the start. */
+struct orl_scrub_totals orl_scrub_thread_totals(struct orl_scrub_thread *scrub_thread);
+
+#endif

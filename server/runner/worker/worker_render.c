@@ -1,0 +1,234 @@
+/* A running render job: its progress, and its parts as they are finished. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "process/times.h"
+#include "runner/checkpoints.h"
+#include "runner/worker/worker_run.h"
+#include "json/encode.h"
+
+static double now_s(void *ctx)
+{
+    (void)ctx;
+    return orl_time_steady_s();
+}
+
+static int to_ppm(double fraction)
+{
+    return fraction >= 1 ? ORL_WORKER_WHOLE : fraction > 0 ? (int)(fraction * ORL_WORKER_WHOLE) : 0;
+}
+
+void orl_worker_set_eta(struct orl_worker *worker, double left_s)
+{
+    pthread_mutex_lock(&worker->news_mutex);
+    orl_eta_update(&worker->eta, left_s, orl_time_steady_s());
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, double job_fraction,
+                        double left_s)
+{
+    struct orl_worker *worker = ctx;
+    atomic_store(&worker->stage, (int)stage);
+    atomic_store(&worker->stage_ppm, to_ppm(stage_fraction));
+    atomic_store(&worker->job_ppm, to_ppm(job_fraction));
+    orl_worker_set_eta(worker, left_s);
+}
+
+static void on_plan_ready(void *ctx, const struct orl_plan *plan)
+{
+    struct orl_worker *worker = ctx;
+    atomic_store(&worker->technique, (int)plan->technique);
+}
+
+static void on_warned(void *ctx, const char *warning)
+{
+    struct orl_worker *worker = ctx;
+    bool known = worker->n_warnings == ORL_WORKER_WARNINGS; /* the result has all warnings */
+    for (size_t i = 0; i < worker->n_warnings; i++)
+        known = known || strcmp(worker->warnings[i], warning) == 0;
+    char *text = known ? NULL : strdup(warning);
+    pthread_mutex_lock(&worker->news_mutex);
+    if (text)
+        worker->warnings[worker->n_warnings++] = text;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+static void on_map_ready(void *ctx, const struct orl_map_info *info)
+{
+    struct orl_worker *worker = ctx;
+    pthread_mutex_lock(&worker->news_mutex);
+    if (worker->n_maps < sizeof worker->maps / sizeof *worker->maps)
+        worker->maps[worker->n_maps++] = *info;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* Publishes a summary, and takes ownership of it. NULL keeps the previous one. */
+static void publish_intermediate(struct orl_worker *worker, char *summary)
+{
+    pthread_mutex_lock(&worker->news_mutex);
+    char *before = worker->results;
+    if (summary)
+        worker->results = summary;
+    pthread_mutex_unlock(&worker->news_mutex);
+    if (summary)
+        free(before);
+}
+
+void orl_worker_publish_files(struct orl_worker *worker)
+{
+    json_t *summary = json_pack("{s:O}", "files", worker->files);
+    char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
+    json_decref(summary);
+    publish_intermediate(worker, text);
+}
+
+/* ---- Parts ----------------------------------------------------------------------------------- */
+
+/* Writes the name of a part: the prefix of its sky followed by the name. */
+static void name_part(const struct orl_worker *worker, const char *name, char ret_part[256])
+{
+    snprintf(ret_part, 256, "%.80s%.160s", worker->part.prefix, name);
+}
+
+/* Adds files of a view that can be fetched. */
+static void add_view_files(struct orl_worker *worker, json_t *files)
+{
+    json_array_extend(worker->part.files, files);
+    if (worker->part.files != worker->files)
+        json_array_extend(worker->files, files);
+    orl_worker_publish_files(worker);
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->n_views++;
+    pthread_mutex_unlock(&worker->news_mutex);
+}
+
+/* Writes the view's note, best effort: without it the view is rendered again after a restart. */
+static void on_view_written(void *ctx, size_t index, const struct orl_view_result *view)
+{
+    struct orl_worker *worker = ctx;
+    char part[256];
+    json_t *files = json_array();
+    (void)index;
+    name_part(worker, view->name, part);
+    if (orl_job_output_list_view(view, worker->output, files, &worker->part.lost) == 0) {
+        orl_checkpoint_add(worker->output, part, files, orl_checkpoint_view_to_json(view), NULL);
+        add_view_files(worker, files);
+    }
+    json_decref(files);
+}
+
+static bool on_view_kept(void *ctx, size_t index, struct orl_view_result *ret_view)
+{
+    struct orl_worker *worker = ctx;
+    char part[256];
+    json_t *files, *about;
+    name_part(worker, worker->part.job->views[index].name, part);
+    if (!orl_checkpoint_find(worker->output, part, &files, &about))
+        return false;
+    const bool kept = orl_checkpoint_view_from_json(about, ret_view);
+    if (kept)
+        add_view_files(worker, files);
+    json_decref(files);
+    json_decref(about);
+    return kept;
+}
+
+/* Users' files have no such name. */
+static const char sensors_part[] = "+sensors";
+
+static void on_sensors_done(void *ctx, const struct orl_result *result)
+{
+    struct orl_worker *worker = ctx;
+    char part[256];
+    json_t *files = json_array();
+    name_part(worker, sensors_part, part);
+    if (orl_checkpoint_sensors_write(worker->output, part, result, NULL) == 0 &&
+        orl_job_output_list(part, worker->output, files, NULL) == 0)
+        orl_checkpoint_add(worker->output, part, files, json_object(), NULL);
+    json_decref(files);
+}
+
+static bool on_sensors_kept(void *ctx, struct orl_result *result)
+{
+    struct orl_worker *worker = ctx;
+    char part[256];
+    json_t *files, *about;
+    name_part(worker, sensors_part, part);
+    if (!orl_checkpoint_find(worker->output, part, &files, &about))
+        return false;
+    json_decref(files);
+    json_decref(about);
+    return orl_checkpoint_sensors_read(worker->output, part, result);
+}
+
+/* Publishes the results of a round. Intermediate results are best effort. */
+static void on_round_ready(void *ctx, const struct orl_result *result)
+{
+    struct orl_worker *worker = ctx;
+    char *summary = NULL;
+    if (worker->n_skies == 0)
+        orl_job_output_write(result, "running", worker->output, &summary, NULL);
+    pthread_mutex_lock(&worker->news_mutex);
+    worker->rounds = result->outcome;
+    pthread_mutex_unlock(&worker->news_mutex);
+    publish_intermediate(worker, summary);
+}
+
+/* ---- The job --------------------------------------------------------------------------------- */
+
+void orl_worker_add_health(void *ctx, const struct orl_result *spent)
+{
+    struct orl_worker *worker = ctx;
+    orl_health_add(&worker->outcome.tally.health, &spent->health);
+}
+
+struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_files *files)
+{
+    return (struct orl_run_env){
+        .pool = worker->pool,
+        .files = files,
+        .store = worker->in_parts ? &worker->distributed.store : &worker->spec.maps,
+        .tasks = worker->in_parts ? &worker->distributed.tasks : NULL,
+        .memory_cache = worker->spec.memory_cache,
+        .files_id = worker->spec.scene,
+        .output_folder = worker->output,
+        .cancel = &worker->cancel,
+        .now_s = now_s,
+        .progress = on_progress,
+        .plan_ready = on_plan_ready,
+        .warned = on_warned,
+        .map_ready = on_map_ready,
+        .view_kept = on_view_kept,
+        .view_written = on_view_written,
+        .sensors_kept = on_sensors_kept,
+        .sensors_done = on_sensors_done,
+        .round_ready = on_round_ready,
+        .spent = orl_worker_add_health,
+        .ctx = worker,
+    };
+}
+
+void orl_worker_add_times(struct orl_worker *worker, const struct orl_result *result)
+{
+    for (int i = 0; i < ORL_STAGE_COUNT; i++)
+        worker->outcome.tally.stages_s[i] += result->timings_s[i];
+}
+
+int orl_worker_render(struct orl_worker *worker, const struct orl_job *job,
+                      const struct orl_files *files, struct orl_error *err)
+{
+    const struct orl_run_env env = orl_worker_env(worker, files);
+    struct orl_result result = {0};
+    worker->files = json_array();
+    worker->part = (struct orl_worker_part){.job = job, .prefix = "", .files = worker->files};
+    int rc = orl_run(job, &env, &result, err);
+    json_decref(worker->files);
+    if (rc)
+        return rc;
+    orl_worker_add_times(worker, &result);
+    rc = orl_job_output_write(&result, "succeeded", worker->output, &worker->outcome.summary, err);
+    orl_result_done(&result);
+    return rc;
+}

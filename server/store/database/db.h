@@ -1,0 +1,66 @@
+/*
+ * The SQLite database of one data folder: opening, pragmas, statements.
+ *
+ * Invariants: WAL, foreign keys on, synchronous=FULL, so that a committed row survives a power cut;
+ * but see orl_db_serve. Rows name files; a row is written only when its file is in place. Threads:
+ * the loop thread only. Errors: ORL_ERR_IO with SQLite's message; ORL_ERR_VERSION for a database of
+ * a later Oriel.
+ */
+#ifndef ORL_STORE_DATABASE_DB_H
+#define ORL_STORE_DATABASE_DB_H
+
+#include <sqlite3.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <oriel/base/error.h>
+
+struct orl_db {
+    sqlite3 *handle;
+};
+
+/* Opens or creates path. Does not migrate. ORL_ERR_CORRUPT if the file is damaged. */
+int orl_db_open(struct orl_db *db, const char *path, struct orl_error *err);
+/* Opens an existing database. */
+int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *err);
+/* Reads the whole database. ORL_ERR_CORRUPT if it is damaged. */
+int orl_db_check(struct orl_db *db, struct orl_error *err);
+/*
+ * Prepares the database of a daemon that is about to serve. Refuses a damaged database
+ * (ORL_ERR_CORRUPT). From then on calls wait only briefly for another program's lock, and not for
+ * the disk, since they block the loop. A commit survives the end of the program, and a power cut
+ * once it is durable (wal_sync.h).
+ */
+int orl_db_serve(struct orl_db *db, struct orl_error *err);
+void orl_db_close(struct orl_db *db); /* a zeroed struct is allowed */
+
+/* Fills err with SQLite's message; returns ORL_ERR_IO. */
+int orl_db_error(struct orl_db *db, const char *what, struct orl_error *err);
+
+/* Returns true if the last call failed because the file is damaged or not a database. */
+bool orl_db_is_damaged(const struct orl_db *db);
+
+/* Runs one or more statements without arguments. */
+int orl_db_exec(struct orl_db *db, const char *sql, struct orl_error *err);
+
+/* Begins a transaction. */
+int orl_db_begin(struct orl_db *db, struct orl_error *err);
+/* Ends the transaction: commits if rc is 0, otherwise rolls back. Returns rc, or the error of the
+ * commit. */
+int orl_db_end(struct orl_db *db, int rc, struct orl_error *err);
+
+/*
+ * Prepares sql and binds its arguments, one letter of types each: 's' const char * (NULL binds
+ * NULL; copied), 'i' int64_t, 'd' double. NULL on failure. The caller steps and finalizes.
+ */
+sqlite3_stmt *orl_db_prepare(struct orl_db *db, struct orl_error *err, const char *sql,
+                             const char *types, ...);
+
+/* Runs orl_db_prepare, one step that must yield no row, and finalize. *ret_changes may be NULL. */
+int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const char *sql,
+               const char *types, ...);
+
+/* Returns a column as text; "" for NULL. Valid until the next step. */
+const char *orl_db_text(sqlite3_stmt *stmt, int column);
+
+#endif

@@ -1,0 +1,165 @@
+#include "store/files/stored_files.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <oriel/base/json_read.h>
+
+#include "store/rows/scenes.h"
+
+/* Names, one per row: two columns, of which the second may be empty. */
+struct names {
+    struct name {
+        char a[ORL_SHA_HEX], b[ORL_SHA_HEX];
+    } * names;
+    size_t count, capacity;
+};
+
+static int add_name(struct names *names, const char *a, const char *b, struct orl_error *err)
+{
+    if (names->count == names->capacity) {
+        const size_t capacity = names->capacity ? 2 * names->capacity : 256;
+        struct name *grown = realloc(names->names, capacity * sizeof *grown);
+        if (!grown)
+            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        names->names = grown;
+        names->capacity = capacity;
+    }
+    struct name *name = &names->names[names->count++];
+    snprintf(name->a, sizeof name->a, "%s", a);
+    snprintf(name->b, sizeof name->b, "%s", b);
+    return 0;
+}
+
+static int gather_names(struct orl_db *db, const char *sql, struct names *names,
+                        struct orl_error *err)
+{
+    sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "");
+    if (!stmt)
+        return ORL_ERR_IO;
+    int rc = 0, step;
+    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW)
+        rc = add_name(names, orl_db_text(stmt, 0), orl_db_text(stmt, 1), err);
+    if (rc == 0 && step != SQLITE_DONE)
+        rc = orl_db_error(db, "cannot list what is kept", err);
+    sqlite3_finalize(stmt);
+    return rc;
+}
+
+static int visit_blob(const struct name *name, orl_stored_file_visit visit, void *ctx,
+                      struct orl_error *err)
+{
+    struct orl_stored_file file = {.kind = ORL_STORED_FILE_BLOB};
+    snprintf(file.path, sizeof file.path, "blobs/%.2s/%s", name->a, name->a);
+    memcpy(file.sha, name->a, sizeof file.sha);
+    return visit(ctx, &file, err);
+}
+
+static int visit_map(const struct name *name, orl_stored_file_visit visit, void *ctx,
+                     struct orl_error *err)
+{
+    struct orl_stored_file file = {.kind = ORL_STORED_FILE_MAP};
+    snprintf(file.map_kind, sizeof file.map_kind, "%.15s", name->a);
+    memcpy(file.map_key, name->b, sizeof file.map_key);
+    snprintf(file.path, sizeof file.path, "maps/%s-%s.opm", file.map_kind, file.map_key);
+    return visit(ctx, &file, err);
+}
+
+/* Reads the list of a job's files; NULL if the job was removed meanwhile. */
+static int read_outcome(struct orl_db *db, const char *job, json_t **ret_outcome,
+                        struct orl_error *err)
+{
+    const char *text = NULL;
+    sqlite3_stmt *stmt = orl_db_prepare(
+        db, err, "SELECT outcome FROM jobs WHERE id = ? AND evicted_ms IS NULL", "s", job);
+    int rc = stmt ? 0 : ORL_ERR_INTERNAL;
+    if (stmt && sqlite3_step(stmt) == SQLITE_ROW)
+        text = orl_db_text(stmt, 0);
+    *ret_outcome = orl_json_read_stored(text);
+    if (text && !*ret_outcome)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    sqlite3_finalize(stmt);
+    return rc;
+}
+
+static int visit_results(struct orl_db *db, const struct name *name, orl_stored_file_visit visit,
+                         void *ctx, struct orl_error *err)
+{
+    json_t *outcome = NULL;
+    const json_t *entry;
+    size_t i;
+    int rc = read_outcome(db, name->a, &outcome, err);
+    json_array_foreach(json_object_get(outcome, "files"), i, entry)
+    {
+        const char *one = json_string_value(json_object_get(entry, "name"));
+        const char *sha = json_string_value(json_object_get(entry, "sha256"));
+        struct orl_stored_file file = {.kind = ORL_STORED_FILE_RESULT};
+        if (rc || !one || !sha)
+            break;
+        memcpy(file.job, name->a, sizeof file.job);
+        snprintf(file.sha, sizeof file.sha, "%.64s", sha);
+        snprintf(file.path, sizeof file.path, "results/%s/%.255s", name->a, one);
+        rc = visit(ctx, &file, err);
+    }
+    json_decref(outcome);
+    return rc;
+}
+
+int orl_stored_files_visit(struct orl_db *db, orl_stored_file_visit visit, void *ctx,
+                           struct orl_error *err)
+{
+    struct names blobs = {0}, jobs = {0}, maps = {0};
+    int rc = gather_names(db,
+                          "SELECT blob, '' FROM scene_files UNION SELECT id, '' FROM bsdfs UNION "
+                          "SELECT document, '' FROM jobs",
+                          &blobs, err);
+    if (rc == 0)
+        rc =
+            gather_names(db,
+                         "SELECT id, '' FROM jobs WHERE outcome IS NOT NULL AND evicted_ms IS NULL "
+                         "AND state IN ('succeeded', 'cancelled')",
+                         &jobs, err);
+    if (rc == 0)
+        rc = gather_names(db, "SELECT kind, key FROM maps", &maps, err);
+    for (size_t i = 0; i < blobs.count && rc == 0; i++)
+        rc = visit_blob(&blobs.names[i], visit, ctx, err);
+    for (size_t i = 0; i < jobs.count && rc == 0; i++)
+        rc = visit_results(db, &jobs.names[i], visit, ctx, err);
+    for (size_t i = 0; i < maps.count && rc == 0; i++)
+        rc = visit_map(&maps.names[i], visit, ctx, err);
+    free(blobs.names);
+    free(jobs.names);
+    free(maps.names);
+    return rc;
+}
+
+static int is_there(struct orl_db *db, sqlite3_stmt *stmt, bool *ret_there, struct orl_error *err)
+{
+    if (!stmt)
+        return ORL_ERR_IO;
+    const int step = sqlite3_step(stmt);
+    const int rc =
+        step == SQLITE_ROW || step == SQLITE_DONE ? 0 : orl_db_error(db, "cannot look", err);
+    sqlite3_finalize(stmt);
+    *ret_there = step == SQLITE_ROW;
+    return rc;
+}
+
+int orl_stored_file_is_referenced(struct orl_db *db, const struct orl_stored_file *file,
+                                  bool *ret_named, struct orl_error *err)
+{
+    if (file->kind == ORL_STORED_FILE_BLOB)
+        return orl_blob_is_referenced(db, file->sha, ret_named, err);
+    if (file->kind == ORL_STORED_FILE_RESULT)
+        return is_there(db,
+                        orl_db_prepare(db, err,
+                                       "SELECT 1 FROM jobs WHERE id = ? AND evicted_ms IS NULL",
+                                       "s", file->job),
+                        ret_named, err);
+    return is_there(db,
+                    orl_db_prepare(db, err, "SELECT 1 FROM maps WHERE kind = ? AND key = ?", "ss",
+                                   file->map_kind, file->map_key),
+                    ret_named, err);
+}

@@ -1,0 +1,37 @@
+/*
+ * Iterates over all files that rows name: blobs, result files, maps. The daemon, maybe in another
+ * process, continues meanwhile. So names are collected first, and no transaction stays open. A file
+ * that is missing may have been removed since.
+ *
+ * Threads: one for each database handle.
+ */
+#ifndef ORL_STORE_FILES_STORED_FILES_H
+#define ORL_STORE_FILES_STORED_FILES_H
+
+#include <stdbool.h>
+
+#include "store/database/db.h"
+#include "store/files/folders.h"
+
+enum orl_stored_file_kind { ORL_STORED_FILE_BLOB, ORL_STORED_FILE_RESULT, ORL_STORED_FILE_MAP };
+
+struct orl_stored_file {
+    enum orl_stored_file_kind kind;
+    char path[ORL_PATH_MAX / 2]; /* relative to the data folder */
+    char sha[ORL_SHA_HEX];       /* its digest; "" for maps */
+    char job[ORL_SHA_HEX];       /* job of a result file */
+    char map_kind[16], map_key[ORL_SHA_HEX];
+};
+
+/* Called for each file. The iteration stops at the first visit that does not return 0, and returns
+ * that. */
+typedef int (*orl_stored_file_visit)(void *ctx, const struct orl_stored_file *file,
+                                     struct orl_error *err);
+int orl_stored_files_visit(struct orl_db *db, orl_stored_file_visit visit, void *ctx,
+                           struct orl_error *err);
+
+/* Returns true in *ret_named if a row still names the file. */
+int orl_stored_file_is_referenced(struct orl_db *db, const struct orl_stored_file *file,
+                                  bool *ret_named, struct orl_error *err);
+
+#endif
