@@ -13,7 +13,7 @@
 #include "annual/sky/hours.h"
 #include "base/memory/array.h"
 #include "light/weather.h"
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 

@@ -2,7 +2,7 @@
 
 #include "annual/shades/shaded_scene.h"
 #include "run/cache/scene_cache.h"
-#include "run/stages.h"
+#include "run/run_state.h"
 
 int orl_unshaded_scene_load(const struct orl_annual_request *request,
                             const struct orl_run_env *given, struct orl_scene **ret_scene,

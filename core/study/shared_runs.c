@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "run/distributed/task_work.h"
+#include "run/estimate/run_cost.h"
 #include "study/speed.h"
 #include "study/study_cost.h"
 #include "study/study_request.h"

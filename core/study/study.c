@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 #include "study/error_model.h"
 #include "study/series.h"
 #include "study/shared_runs.h"

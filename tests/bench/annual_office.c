@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/io/checksum.h"
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
             glazing[] = "glazing.rad", glass[] = "upper_glass.rad", panel[] = "panel.rad",

@@ -19,7 +19,7 @@
 #include "job/job_json.h"
 #include "job/study_json.h"
 #include "light/weather.h"
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
 #include "support/zip.h"

@@ -20,7 +20,7 @@
 #include "light/weather.h"
 #include "project/frads.h"
 #include "project/rif.h"
-#include "run/stages.h"
+#include "run/run_state.h"
 #include "scene/generate/mgf/mgf.h"
 #include "scene/grid/ies.h"
 #include "scene/parse/luminaire/lamp_table.h"

@@ -18,7 +18,7 @@
 #include "annual_job/annual_view_out_json.h"
 #include "job/sensors_json.h"
 #include "render/film/view.h"
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 
 static const char *const absurd[] = {"1e300", "-1e300", "1.01e12"};
 enum { ABSURD = sizeof absurd / sizeof *absurd };

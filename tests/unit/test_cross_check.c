@@ -14,7 +14,8 @@
 
 #include <oriel/job/paths.h>
 
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/run_state.h"
 #include "support/brute.h"
 #include "support/path_cells.h"
 #include "support/scene_text.h"

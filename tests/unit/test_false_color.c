@@ -19,7 +19,7 @@
 #include "base/statistics/nth_element.h"
 #include "render/picture/false_color.h"
 #include "render/picture/isolines.h"
-#include "run/stages.h"
+#include "run/request/view_lines.h"
 #include "support/scratch.h"
 
 static void assert_near(double value, double expected, double tolerance)

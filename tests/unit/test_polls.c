@@ -21,7 +21,7 @@
 #include "base/memory/sort.h"
 #include "bsdf/make/trees/tree_builder.h"
 #include "photon/map/map.h"
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 #include "scene/generate/solid/solids.h"
 #include "scene/geometry/coincidence/coincident.h"
 #include "support/scratch.h"

@@ -12,6 +12,7 @@
 #include "base/sampling/random.h"
 #include "run/estimate/round_cost.h"
 #include "run/goals/pooled_estimates.h"
+#include "run/run_state.h"
 
 /* Returns a standard normal number, by Box and Muller. */
 static double normal(struct orl_random *random)

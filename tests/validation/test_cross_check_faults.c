@@ -14,7 +14,8 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/run_state.h"
 #include "support/extent.h"
 #include "support/scene_text.h"
 

@@ -13,6 +13,8 @@
 
 #include <cmocka.h>
 
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 #include "run/stages/sensor_run.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"

@@ -6,6 +6,8 @@
 #include "annual/coefficients/sensor_chunks.h"
 #include "annual/year/year_inputs.h"
 #include "run/cache/scene_cache.h"
+#include "run/diagnostics/sensor_places.h"
+#include "run/run_state.h"
 
 /* Half an hour: a patch of sun moves by a quarter of its distance from the window. */
 static const struct orl_sun_spacing spacing = {4, 7.5};

@@ -8,7 +8,7 @@
 
 #include "light/night_light.h"
 #include "light/time_shift.h"
-#include "run/stages.h"
+#include "run/estimate/stage_progress.h"
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
 {

@@ -1,4 +1,6 @@
 #include "run/cache/file_cache.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 
 #include <stdio.h>
 #include <string.h>

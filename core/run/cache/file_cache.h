@@ -8,7 +8,7 @@
 #ifndef ORL_RUN_CACHE_FILE_CACHE_H
 #define ORL_RUN_CACHE_FILE_CACHE_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 struct orl_file_cache_entry {
     const char *kind, *key;  /* names in the store */

@@ -8,6 +8,8 @@
 
 #include "bsdf/compiled_bsdf.h"
 #include "run/cache/file_cache.h"
+#include "run/estimate/stage_progress.h"
+#include "run/run_state.h"
 
 enum { LEAST_BYTES = 1 << 20 };
 

@@ -6,7 +6,7 @@
 #ifndef ORL_RUN_CACHE_LOADED_BSDF_CACHE_H
 #define ORL_RUN_CACHE_LOADED_BSDF_CACHE_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 #include "scene/parse/sources.h"
 
 /* Returns a loader that borrows the state, which must outlive it. */

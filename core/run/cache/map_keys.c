@@ -4,6 +4,7 @@
 #include <oriel/base/sha256.h>
 
 #include "run/cache/map_keys.h"
+#include "run/run_state.h"
 
 /* Version of photon tracing; raised when photons change for the same scene. */
 static const char recipe[] = "oriel photons 22";

@@ -5,7 +5,7 @@
 #ifndef ORL_RUN_CACHE_MAP_KEYS_H
 #define ORL_RUN_CACHE_MAP_KEYS_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 struct orl_map_name {
     char key[ORL_DIGEST_HEX + 1];

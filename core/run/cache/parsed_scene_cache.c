@@ -6,6 +6,7 @@
 #include "base/program_id.h"
 #include "run/cache/file_cache.h"
 #include "run/cache/loaded_bsdf_cache.h"
+#include "run/run_state.h"
 #include "scene/built/scene.h"
 #include "scene/cache/scene_cache_file.h"
 #include "scene/parse/parse.h"

@@ -7,7 +7,7 @@
 #ifndef ORL_RUN_CACHE_PARSED_SCENE_CACHE_H
 #define ORL_RUN_CACHE_PARSED_SCENE_CACHE_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* Reads the job's scene, resolved, with the state's swaps. Errors are the parser's
  * (scene/parse/parse.h). */

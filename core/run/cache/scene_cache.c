@@ -8,11 +8,18 @@
 #include <oriel/base/sha256.h>
 
 #include "base/memory/memory_cache.h"
+#include "render/film/view.h"
 #include "run/cache/parsed_scene_cache.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/estimate/stage_progress.h"
+#include "run/request/requested_sky.h"
+#include "run/run_state.h"
 #include "scene/built/scene.h"
 #include "scene/geometry/antimatter/linings.h"
 
-/* ---- The cache ------------------------------------------------------------------------------- */
+/* ---- The cache
+   ------------------------------------------------------------------------------- */
 
 static void *reference_scene(void *scene)
 {

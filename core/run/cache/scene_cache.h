@@ -6,7 +6,7 @@
 #ifndef ORL_RUN_CACHE_SCENE_CACHE_H
 #define ORL_RUN_CACHE_SCENE_CACHE_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /*
  * Runs the load and bvh stages: sets state->scene, and state->lights with the job's sky. Faults of

@@ -9,6 +9,7 @@
 #include "light/weather.h"
 #include "render/heat_map/section.h"
 #include "run/cache/scene_cache.h"
+#include "run/request/view_lines.h"
 #include "scene/built/scene.h"
 #include "scene/geometry/instances.h"
 #include "scene/parse/parse.h"

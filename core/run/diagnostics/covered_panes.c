@@ -4,6 +4,9 @@
 
 #include "base/sampling/random.h"
 #include "run/cache/scene_cache.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 #include "scene/built/scene.h"
 
 enum { POINTS = 8, MOST_PANES = 20000 };

@@ -16,7 +16,9 @@
 #include "plan/decide.h"
 #include "run/diagnostics/cross_check_path.h"
 #include "run/diagnostics/cross_check_verdict.h"
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/run_state.h"
+#include "run/stages/sensor_results.h"
 #include "scene/geometry/surface_offset.h"
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11 };

@@ -3,6 +3,9 @@
 #include <math.h>
 
 #include "plan/decide.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 
 static const double least_effective = 30; /* effective number of samples */
 /* A difference counts beyond so many joint standard errors, and such a share of the light. */

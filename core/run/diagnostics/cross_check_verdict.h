@@ -17,7 +17,7 @@
 #ifndef ORL_RUN_DIAGNOSTICS_CROSS_CHECK_VERDICT_H
 #define ORL_RUN_DIAGNOSTICS_CROSS_CHECK_VERDICT_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* Neighbouring sensors, of which every stride-th was traced by paths. */
 struct orl_plain_group {

@@ -1,7 +1,9 @@
 /* Results without light: a warning if some are black, an error if all are. */
 #include <stdio.h>
 
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 
 /* Numbers of black results. */
 struct dark_counts {

@@ -3,7 +3,10 @@
 #include <stdlib.h>
 
 #include "light/reachability.h"
-#include "run/stages.h"
+#include "render/film/view.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 #include "scene/geometry/surface_offset.h"
 
 enum { QUERY_PATHS = 16384, VIEW_PATHS = 2048 };

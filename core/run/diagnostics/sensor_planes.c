@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "run/stages.h"
+#include "run/diagnostics/sensor_places.h"
 #include "scene/built/scene.h"
 #include "scene/geometry/surface_offset.h"
 

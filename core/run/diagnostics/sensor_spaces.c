@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "light/enclosures.h"
-#include "run/stages.h"
+#include "run/diagnostics/sensor_places.h"
 #include "scene/geometry/instances.h"
 #include "scene/geometry/surface_offset.h"
 

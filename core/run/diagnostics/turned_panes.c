@@ -6,6 +6,9 @@
 #include <oriel/bsdf/bsdf.h>
 
 #include "run/cache/scene_cache.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 #include "scene/built/scene.h"
 #include "scene/material/hemisphere.h"
 

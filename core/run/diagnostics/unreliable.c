@@ -2,7 +2,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/run_state.h"
 
 const char *orl_doubt_name(enum orl_doubt doubt)
 {

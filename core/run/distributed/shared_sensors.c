@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/run_state.h"
 #include "run/stages/rendering.h"
+#include "run/stages/sensor_results.h"
 
 /* Layout of a chunk's file: this header, the results of the sensors and, in rounds by backward,
  * their batches. */

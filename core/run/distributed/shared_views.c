@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "run/estimate/stage_progress.h"
+#include "run/run_state.h"
 #include "run/stages/rendering.h"
 
 /* Context of the task callbacks. */

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "run/cache/word_file.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
 
 /* Version of the tasks' content and file layout; raised when either changes. */
 static const char recipe[] = "oriel pieces 4";

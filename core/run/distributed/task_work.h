@@ -6,7 +6,7 @@
 #include <oriel/base/sha256.h>
 #include <oriel/job/job_tasks.h>
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* Memory in bytes: of a photon while its map is built; of a pixel with its error and the data for
  * its files. */

@@ -9,6 +9,7 @@
 #include <oriel/job/paths.h>
 
 #include "run/goals/rounds.h"
+#include "run/run_state.h"
 #include "scene/material/function_brdf/function_lobes.h"
 
 enum { MOST_SENSORS = 64, MOST_PIXELS = 4096, MOST_PIXELS_OF_MAPS = 16384 };

@@ -7,7 +7,7 @@
 #ifndef ORL_RUN_ESTIMATE_ACCURACY_CURVE_H
 #define ORL_RUN_ESTIMATE_ACCURACY_CURVE_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 enum { ORL_PILOT_ROUNDS = 2 };
 

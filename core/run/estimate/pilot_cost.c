@@ -1,7 +1,9 @@
 #include <math.h>
 
 #include "render/gather/sensor_flux.h"
-#include "run/stages.h"
+#include "run/estimate/run_cost.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 /* Returns an upper bound of the time for photons to sensors in mid-air; their number is only known
  * at run time. */

@@ -5,7 +5,11 @@
 
 #include <oriel/base/limits.h>
 
+#include "render/film/film.h"
+#include "run/estimate/run_cost.h"
 #include "run/goals/sample_allocation.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 enum { HALVINGS = 40 };
 

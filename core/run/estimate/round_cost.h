@@ -14,7 +14,7 @@
 #define ORL_RUN_ESTIMATE_ROUND_COST_H
 
 #include "run/goals/percentile.h"
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* The work that a number of samples causes in one job. */
 struct orl_work {

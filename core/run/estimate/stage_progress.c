@@ -1,13 +1,9 @@
-/* The current stage: its clock, progress and warnings; and helpers for several stages. */
+/* The clock and the progress of a run's stages. */
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "run/estimate/remaining_time.h"
+#include "run/estimate/stage_progress.h"
 #include "run/goals/deadline.h"
-#include "run/stages.h"
 
 static double left_s(const struct orl_run_state *state, double fraction, double now)
 {
@@ -98,53 +94,4 @@ void orl_run_begin_stage(struct orl_run_state *state, enum orl_stage stage)
     orl_run_begin_phase(state, 0, 0);
     state->stage = stage;
     orl_run_report_progress(state, 0);
-}
-
-enum { WARNING_SIZE = 1024 };
-
-static void add_warning(struct orl_run_state *state, const char *text)
-{
-    struct orl_result *r = state->result;
-    if (state->env->warned)
-        state->env->warned(state->env->ctx, text);
-    char **grown = realloc(r->warnings, (r->n_warnings + 1) * sizeof *grown);
-    if (!grown)
-        return;
-    r->warnings = grown;
-    grown[r->n_warnings] = strdup(text);
-    if (grown[r->n_warnings])
-        r->n_warnings++;
-}
-
-void orl_run_warn(struct orl_run_state *state, const char *format, ...)
-{
-    char text[WARNING_SIZE];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    add_warning(state, text);
-}
-
-void orl_run_warn_once(struct orl_run_state *state, const char *format, ...)
-{
-    char text[WARNING_SIZE];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    for (size_t i = 0; i < state->result->n_warnings; i++)
-        if (strcmp(state->result->warnings[i], text) == 0)
-            return;
-    add_warning(state, text);
-}
-
-int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err)
-{
-    const enum orl_photon_use use = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD
-                                        ? ORL_PHOTONS_FOR_VPLS
-                                        : ORL_PHOTONS_FOR_MAPS;
-    return state->emission ? 0
-                           : orl_emission_new(state->lit_scene, use, state->job->seed,
-                                              state->env->pool, &state->emission, err);
 }

@@ -5,6 +5,8 @@
 #include "run/distributed/task_work.h"
 #include "run/estimate/accuracy_curve.h"
 #include "run/estimate/goal_samples.h"
+#include "run/estimate/run_cost.h"
+#include "run/run_state.h"
 
 /*
  * Rough costs in microseconds on one core. Photons: one traced (without a pilot), one virtual light

@@ -8,6 +8,7 @@
 
 #include "run/estimate/goal_samples.h"
 #include "run/goals/deadline.h"
+#include "run/run_state.h"
 
 /* A job ends early if it would need this multiple of the allowed work. */
 static const double abandon_factor = 2;

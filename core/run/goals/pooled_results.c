@@ -1,4 +1,8 @@
 #include "run/goals/pooled_results.h"
+#include "run/output/output_files.h"
+#include "run/run_state.h"
+#include "run/stages/sensor_results.h"
+#include "run/stages/view_glare.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 #include "metrics/view_batches.h"
 #include "run/goals/percentile.h"
 #include "run/goals/pooled_estimates.h"
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* Results of the sensors, or of one view. */
 struct orl_pooled_output {

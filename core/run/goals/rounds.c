@@ -6,11 +6,15 @@
 #include <string.h>
 
 #include "base/sampling/random.h"
+#include "run/diagnostics/run_warnings.h"
 #include "run/distributed/task_work.h"
 #include "run/estimate/accuracy_curve.h"
+#include "run/estimate/stage_progress.h"
 #include "run/goals/deadline.h"
 #include "run/goals/next_round.h"
 #include "run/goals/sample_allocation.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 /* Factor of the smallest rounds with a deadline, for sensors and for views' photons: small rounds
  * fill the remaining time. */

@@ -25,7 +25,7 @@
 #ifndef ORL_RUN_GOALS_ROUNDS_H
 #define ORL_RUN_GOALS_ROUNDS_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* Runs the photons, maps and render stages of a job in rounds. */
 int orl_run_rounds(struct orl_run_state *state, struct orl_error *err);

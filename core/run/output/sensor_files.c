@@ -5,7 +5,9 @@
 
 #include "base/io/out_file.h"
 #include "render/heat_map/heat_map.h"
-#include "run/stages.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/output/output_files.h"
+#include "run/run_state.h"
 
 /* Makes a name with the run's prefix, owned by the caller, and its path. */
 static int name_file(const struct orl_run_state *state, const char *name, char **ret_name,

@@ -6,7 +6,10 @@
 #include "render/film/exr.h"
 #include "render/picture/error_map.h"
 #include "render/picture/false_color.h"
-#include "run/stages.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/output/output_files.h"
+#include "run/run_state.h"
+#include "run/stages/view_glare.h"
 
 /* Context of files written in parallel, and their results. */
 struct view_writer {

@@ -11,6 +11,8 @@
 #include <oriel/base/npy.h>
 
 #include "base/io/out_file.h"
+#include "run/request/sensors_file.h"
+#include "run/run_state.h"
 
 enum { NAME_MAX_BYTES = 200, PATH_SIZE = 4096 };
 

@@ -6,7 +6,7 @@
 #ifndef ORL_RUN_REQUEST_GRIDS_H
 #define ORL_RUN_REQUEST_GRIDS_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 /* Checks the names, and that sensors and grids agree. */
 int orl_grids_validate(const struct orl_job *job, struct orl_error *err);

@@ -12,7 +12,7 @@
 #include "metrics/glare.h"
 #include "render/film/view.h"
 #include "run/request/grids.h"
-#include "run/stages.h"
+#include "run/run_state.h"
 
 void orl_sky_request_init(struct orl_sky_request *request)
 {

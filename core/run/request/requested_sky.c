@@ -3,8 +3,9 @@
 
 #include "light/daylight.h"
 #include "light/time_shift.h"
+#include "run/diagnostics/run_warnings.h"
 #include "run/request/requested_sky.h"
-#include "run/stages.h"
+#include "run/run_state.h"
 
 void orl_weather_cache_done(struct orl_weather_cache *weather)
 {

@@ -19,4 +19,9 @@ int orl_run_find_sky(const struct orl_files *files, const struct orl_sky_request
                      struct orl_weather_cache *weather, struct orl_daylight *ret_daylight,
                      struct orl_error *err);
 
+/* Load stage: returns the sky that the job requests, if any; sets result->sky_given. Returns
+ * ORL_ERR_INVALID if the scene then has distant sources of its own. */
+int orl_run_load_sky(struct orl_run_state *state, const struct orl_parsed_scene *parsed_scene,
+                     struct orl_daylight *ret_daylight, struct orl_error *err);
+
 #endif

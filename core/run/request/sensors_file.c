@@ -4,7 +4,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 
 enum { NUMBERS = 6, POLL_LINES = 4096 };
 

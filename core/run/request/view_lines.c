@@ -6,7 +6,9 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 
-#include "run/stages.h"
+#include "render/film/view.h"
+#include "run/request/view_lines.h"
+#include "run/stages/view_glare.h"
 
 enum { LINE_MAX_BYTES = 4096, NAME_MAX_BYTES = 64 };
 

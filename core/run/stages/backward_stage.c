@@ -3,7 +3,10 @@
 #include <stdlib.h>
 
 #include "render/backward/backward.h"
-#include "run/stages.h"
+#include "run/estimate/stage_progress.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
+#include "run/stages/sensor_results.h"
 
 static void photon_progress(void *ctx, double fraction)
 {

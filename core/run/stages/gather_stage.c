@@ -1,5 +1,10 @@
 /* A job by the techniques of photon maps: maps first, then sensors and views from them. */
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/estimate/run_cost.h"
+#include "run/estimate/stage_progress.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
+#include "run/stages/sensor_results.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,11 +4,25 @@
 
 #include "photon/density/precomputed_irradiance.h"
 #include "run/cache/map_keys.h"
+#include "run/diagnostics/run_warnings.h"
 #include "run/distributed/task_work.h"
+#include "run/estimate/stage_progress.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 /* Warn if fewer than one photon per FEW_PHOTONS emissions is stored and there were more than
  * MANY_EMISSIONS. */
 enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
+
+int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err)
+{
+    const enum orl_photon_use use = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD
+                                        ? ORL_PHOTONS_FOR_VPLS
+                                        : ORL_PHOTONS_FOR_MAPS;
+    return state->emission ? 0
+                           : orl_emission_new(state->lit_scene, use, state->job->seed,
+                                              state->env->pool, &state->emission, err);
+}
 
 struct map_work {
     uint64_t target;

@@ -1,5 +1,6 @@
 /* Samples per pixel, and the number of rounds. */
-#include "run/stages.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
 {

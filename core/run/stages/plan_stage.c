@@ -5,7 +5,12 @@
 #include <stdlib.h>
 
 #include "plan/budget.h"
-#include "run/stages.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/diagnostics/sensor_places.h"
+#include "run/estimate/run_cost.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 /* Largest effect of an omission that causes no warning. */
 static const double tolerable_lx = 0.01, tolerable_share = 1e-3;

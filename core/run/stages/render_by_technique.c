@@ -1,4 +1,5 @@
-#include "run/stages.h"
+#include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 int orl_run_technique(struct orl_run_state *state, struct orl_error *err)
 {

@@ -8,6 +8,7 @@
 #include "base/sampling/golden_order.h"
 #include "render/film/film.h"
 #include "run/distributed/task_work.h"
+#include "run/stages/sensor_results.h"
 
 /* Maximum sensors of a chunk; cancelling is polled between chunks. */
 enum { ORL_SENSOR_CHUNK = 128 };

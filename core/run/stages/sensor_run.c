@@ -1,4 +1,8 @@
 #include "run/stages/sensor_run.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/estimate/run_cost.h"
+#include "run/estimate/stage_progress.h"
+#include "run/run_state.h"
 
 #include <math.h>
 #include <stdio.h>

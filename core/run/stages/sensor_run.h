@@ -6,7 +6,7 @@
 #ifndef ORL_RUN_STAGES_SENSOR_RUN_H
 #define ORL_RUN_STAGES_SENSOR_RUN_H
 
-#include "run/stages.h"
+#include "run/run_state.h"
 
 struct orl_sensor_run {
     bool is_separate;              /* false: sensors and views have the same technique */

@@ -8,9 +8,10 @@
 
 #include "run/cache/scene_cache.h"
 #include "run/distributed/task_work.h"
+#include "run/estimate/run_cost.h"
 #include "run/request/grids.h"
 #include "run/request/requested_sky.h"
-#include "run/stages.h"
+#include "run/request/sensors_file.h"
 
 /* Rough time under a sky without light, relative to others; for progress only. */
 static const double dark_share = 0.1;

@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "metrics/view_batches.h"
-#include "run/stages.h"
+#include "run/diagnostics/run_warnings.h"
+#include "run/run_state.h"
+#include "run/stages/view_glare.h"
 
 /* A view that covers less than this share of the hemisphere lacks light at the eye. */
 static const double almost_all = 0.98;
