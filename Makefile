@@ -341,9 +341,9 @@ fuzz: deps-fuzz
 	@tests/fuzz/run $(BUILD)/fuzz $(SECONDS) $(JOBS) $(FUZZ_TARGETS)
 # What of the daemon reads hostile bytes by itself.
 FUZZ_SERVER_OBJ := $(patsubst %,$(BUILD)/obj/server/%.o,uploads/unzip uploads/incoming \
-	uploads/multipart http/quota/quota http/request/framing http/response/range http/router http/request/query http/access/origin_policy http/access/tokens \
-	process/origin process/times process/embedded_files store/files/scene_bundle store/files/folders store/files/mapped_file store/database/db store/database/migrate \
-	store/database/schema_check store/rows/stored_tokens)
+	uploads/multipart http/quota/quota http/request/parse_request http/router http/access/origin_policy \
+	http/access/tokens process/origin process/times process/embedded_files store/files/scene_bundle \
+	store/files/folders store/database/db store/database/migrate store/rows/stored_tokens)
 fuzzers: $(FUZZ_TARGETS:%=$(BUILD)/%)
 $(FUZZ_TARGETS:%=$(BUILD)/obj/tests/fuzz/driver_%.o): $(BUILD)/obj/tests/fuzz/driver_%.o: \
 		tests/fuzz/driver.c $(BUILD)/flags

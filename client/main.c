@@ -1,10 +1,11 @@
 /* oriel: the command line. A static table lists the commands and their help. */
-#include "options/command.h"
-
 #include <stdio.h>
 #include <string.h>
 
 #include <curl/curl.h>
+#include <oriel/base/version.h>
+
+#include "options/command.h"
 
 static const struct orl_subcommand commands[] = {
     {"run",
@@ -238,4 +239,17 @@ int main(int argc, char **argv)
         code = code ? code : ORL_EXIT_FAILED;
     }
     return code;
+}
+
+/* oriel version: prints the version. */
+
+int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv)
+{
+    struct orl_operands operands;
+    int code;
+
+    if (!orl_options_parse(self, argc, argv, NULL, 0, 0, 0, &operands, &code))
+        return code;
+    printf("oriel %s\n", ORL_VERSION);
+    return ORL_EXIT_OK;
 }

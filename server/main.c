@@ -10,10 +10,10 @@
 
 #include <oriel/base/version.h>
 
-#include "checks/child/fork_server.h"
-#include "handlers/routes.h"
+#include "checks/child/child_checks.h"
+#include "handlers/handlers.h"
 #include "http/access/tokens.h"
-#include "maintenance/store_command.h"
+#include "maintenance/scrub.h"
 #include "process/config.h"
 #include "process/limits.h"
 #include "process/signals.h"

@@ -1,21 +1,49 @@
 #include "server.h"
 
 #include <signal.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "health/notify.h"
-#include "health/shutdown_timeout.h"
-#include "jobs/job_limits.h"
-#include "maintenance/missing_files.h"
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include "health/crash.h"
+#include "jobs/job_runs.h"
 #include "maintenance/scrub.h"
 #include "process/limits.h"
 #include "process/signals.h"
 #include "process/times.h"
-#include "process/uv_pool.h"
-#include "runner/build_id.h"
-#include "store/database/store_open.h"
+#include "runner/checkpoints.h"
+#include "store/database/db.h"
 #include "store/rows/stored_tokens.h"
+
+void orl_notify(const char *state)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const char *path = getenv("NOTIFY_SOCKET");
+    const size_t length = path ? strlen(path) : 0;
+    if (length < 2 || length >= sizeof address.sun_path || (*path != '/' && *path != '@'))
+        return;
+    memcpy(address.sun_path, path, length);
+    if (*path == '@')
+        address.sun_path[0] = '\0'; /* a name in the abstract namespace */
+    const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0)
+        return;
+    (void)!sendto(fd, state, strlen(state), MSG_NOSIGNAL, (const struct sockaddr *)&address,
+                  (socklen_t)(offsetof(struct sockaddr_un, sun_path) + length));
+    close(fd);
+}
+
+void orl_notify_alive(void)
+{
+    const char *pid = getenv("WATCHDOG_PID");
+    if (getenv("WATCHDOG_USEC") && (!pid || strtol(pid, NULL, 10) == (long)getpid()))
+        orl_notify("WATCHDOG=1");
+}
 
 enum { SAVING_MS = 1000, ANSWERS_MS = 500 };
 

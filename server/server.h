@@ -16,27 +16,22 @@
 
 #include "cache/map_cache.h"
 #include "checks/checks.h"
-#include "handlers/events/event_broker.h"
 #include "handlers/events/events.h"
-#include "handlers/jobs/status_cache.h"
-#include "health/crash_record.h"
-#include "health/loop_watchdog.h"
-#include "health/memory.h"
+#include "handlers/jobs/job_status.h"
+#include "health/crash.h"
+#include "health/machine_memory.h"
 #include "health/metrics.h"
 #include "http/context.h"
 #include "http/http_server.h"
 #include "jobs/jobs.h"
-#include "maintenance/disk_reserve.h"
 #include "maintenance/retention.h"
-#include "maintenance/shared_sweep.h"
 #include "maintenance/storage.h"
 #include "process/config.h"
 #include "process/log.h"
 #include "store/database/db.h"
-#include "store/durability/wal_checkpoint.h"
-#include "store/durability/wal_sync.h"
+#include "store/durability/wal.h"
 #include "store/files/folders.h"
-#include "store/files/verified_files.h"
+#include "store/files/stored_files.h"
 
 struct orl_server {
     struct orl_config config;
@@ -83,5 +78,15 @@ struct orl_server {
  */
 int orl_server_run(const struct orl_config *config, const struct orl_routes *routes,
                    void (*announce)(const char *url), struct orl_error *err);
+
+/*
+ * Notifications to systemd if it started the daemon: ready, stopping, and periodically that the
+ * loop still runs (sd_notify(3), by its socket alone).
+ */
+
+/* Sends a state such as "READY=1" or "STOPPING=1". Does nothing if systemd does not listen. */
+void orl_notify(const char *state);
+/* Sends "WATCHDOG=1" if systemd expects it. Called every second. */
+void orl_notify_alive(void);
 
 #endif

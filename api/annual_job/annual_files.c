@@ -1,4 +1,4 @@
-#include "annual_job/annual_files.h"
+#include "annual_job/annual_job.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "chart/annual_page.h"
-#include "chart/temporal_map.h"
+#include "chart/charts.h"
 
 enum { NAME_SIZE = 256, PATH_SIZE = 4096, GRID_SIZE = 128 };
 #define HONEYBEE "results"

@@ -1,4 +1,4 @@
-#include "annual_job/annual_grids_json.h"
+#include "annual_job/annual_members_json.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,8 +7,8 @@
 
 #include <oriel/base/limits.h>
 
-#include "job/sensors_json.h"
-#include "json/members.h"
+#include "job/job_members_json.h"
+#include "json/decode.h"
 
 enum { NAME_MAX_BYTES = ORL_TARGET_GRID - 1 };
 

@@ -2,8 +2,6 @@
 
 #include <stdlib.h>
 
-#include "annual_job/annual_files.h"
-
 /* State of a running job. */
 struct annual_run {
     struct orl_annual_job *job;

@@ -3,13 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual_job/annual_exposure_json.h"
-#include "annual_job/annual_glare_json.h"
-#include "annual_job/annual_grids_json.h"
-#include "annual_job/annual_matrices_json.h"
-#include "annual_job/annual_shades_json.h"
-#include "annual_job/annual_view_out_json.h"
-#include "json/members.h"
+#include "annual_job/annual_members_json.h"
+#include "json/decode.h"
 
 enum {
     TITLE_MAX = 90,

@@ -3,11 +3,8 @@
 
 #include <oriel/base/version.h>
 
-#include "annual_job/annual_exposure_json.h"
-#include "annual_job/annual_glare_json.h"
 #include "annual_job/annual_json.h"
-#include "annual_job/annual_shades_json.h"
-#include "annual_job/annual_view_out_json.h"
+#include "annual_job/annual_members_json.h"
 #include "json/encode.h"
 
 /* json_pack's "o" fails on NULL, so that one check covers all parts (as in result_json.c). */

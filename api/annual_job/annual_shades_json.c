@@ -1,4 +1,4 @@
-#include "annual_job/annual_shades_json.h"
+#include "annual_job/annual_members_json.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,9 +8,8 @@
 #include <oriel/annual/annual_shades.h>
 #include <oriel/base/limits.h>
 
-#include "annual_job/annual_glare_json.h"
+#include "json/decode.h"
 #include "json/encode.h"
-#include "json/members.h"
 
 /* Honeybee's identifiers have up to 100 characters; names of group states may be longer. */
 enum { NAME_MAX_BYTES = 127, FILE_MAX_BYTES = 1024, ROWS_MAX = ORL_LIMIT_YEAR_ROWS };

@@ -1,12 +1,11 @@
-#include "bsdf_json/bsdf_fit_json.h"
+#include "bsdf_json/bsdf_json.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf_json/bsdf_make_json.h"
+#include "json/decode.h"
 #include "json/encode.h"
-#include "json/members.h"
 
 enum { NAME_MAX_BYTES = 120 };
 

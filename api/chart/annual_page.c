@@ -1,4 +1,4 @@
-#include "chart/annual_page.h"
+#include "chart/charts.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -8,9 +8,8 @@
 
 #include <oriel/base/version.h>
 
-#include "annual_job/annual_shades_json.h"
+#include "annual_job/annual_members_json.h"
 #include "chart/page_text.h"
-#include "chart/temporal_map.h"
 
 /* All lengths in page units. */
 static const double png_scale = 2, pdf_scale = 210 / 25.4 * 72 / ORL_PAGE_WIDTH;

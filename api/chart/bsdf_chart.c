@@ -1,15 +1,13 @@
-#include "chart/bsdf_chart.h"
+#include "chart/charts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/base/units.h>
-#include <oriel/bsdf/bsdf_peaks.h>
+#include <oriel/base/vec.h>
+#include <oriel/bsdf/bsdf_polar.h>
 #include <oriel/job/picture.h>
-
-#include "chart/polar_map.h"
 
 /* Lengths in page units. A row has two maps and a table. Rows: one per file, one of
  * differences, then the findings. */

@@ -1,4 +1,4 @@
-#include "chart/glare_chart.h"
+#include "chart/charts.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #ifndef ORL_CHART_PAGE_TEXT_H
 #define ORL_CHART_PAGE_TEXT_H
 
-#include "chart/annual_page.h"
+#include "chart/charts.h"
 
 /* Page units: PNG has twice as many pixels, and PDF is A4. */
 enum {

@@ -1,10 +1,10 @@
-#include "chart/polar_map.h"
+#include "chart/charts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 #include <oriel/job/picture.h>
 
 enum { DECADES = 4, LEVELS = 64, CIRCLE = 72 };

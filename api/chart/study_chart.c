@@ -1,4 +1,4 @@
-#include "chart/study_chart.h"
+#include "chart/charts.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "chart/temporal_map.h"
+#include "chart/charts.h"
 
 #include <math.h>
 #include <stdio.h>

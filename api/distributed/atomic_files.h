@@ -7,11 +7,11 @@
 #define ORL_API_DISTRIBUTED_ATOMIC_FILES_H
 
 #include <dirent.h>
+#include <jansson.h>
 #include <stdio.h>
 
-#include <jansson.h>
-
 #include <oriel/base/error.h>
+#include <oriel/base/sha256.h>
 
 struct orl_atomic_file {
     FILE *stream;
@@ -46,5 +46,15 @@ int orl_write_text(const char *path, const char *text, size_t size, struct orl_e
 
 /* Writes a JSON document, indented, through orl_atomic_file. */
 int orl_write_json(const char *path, const json_t *json, struct orl_error *err);
+
+/* SHA-256 digests of files, in hexadecimal. */
+
+enum { ORL_DIGEST_TEXT = 65 };
+
+/* Ends hash and returns its digest as text. */
+void orl_digest_end(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT]);
+
+/* Computes the digest of a file's bytes. */
+int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct orl_error *err);
 
 #endif

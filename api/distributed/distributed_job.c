@@ -8,7 +8,6 @@
 
 #include "distributed/atomic_files.h"
 #include "distributed/task_round.h"
-#include "distributed/task_round_files.h"
 
 /* Makes the tasks that are not made yet, in their order. */
 static int run_missing(struct orl_distributed_job *distributed, const struct orl_job_task *tasks,

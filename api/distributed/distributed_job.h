@@ -17,12 +17,14 @@
 #include <jansson.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <time.h>
 
+#include <oriel/base/error.h>
+#include <oriel/job/job_tasks.h>
 #include <oriel/job/run.h>
 
 #include "distributed/runner.h"
-#include "distributed/shared_folder.h"
 
 enum { ORL_PARTS_MOST = 1000, ORL_PARTS_USUAL = 64 };
 
@@ -96,5 +98,39 @@ void orl_distributed_job_done(struct orl_distributed_job *distributed, bool remo
  * After an error some of it may be left. */
 int orl_distributed_job_abandon(const char *folder, double (*now_s)(void *ctx),
                                 struct orl_error *err);
+
+/*
+ * The folder of a shared job (distributed_job.h) on disk:
+ *
+ *     job.json, files.json ({"NAME": "SHA-256"}), files/NAME   the job
+ *     store/KIND-KEY.opm                                       tasks made
+ *     WAVE-NUMBER.json, each with .done or .error              parts
+ *     WAVE.wave                                                a round that has not ended
+ *     WAVE.slurm                                               Slurm's job numbers
+ *
+ * Only its owner has access.
+ */
+
+struct orl_shared_file {
+    const char *name, *path; /* name in the job, and path of the file */
+};
+
+/*
+ * Creates the job's folder at path. It replaces the folder of another job, but keeps one of the
+ * same job by the same program version. A folder that no run created is left alone: an error.
+ * *ret_job: digest of the document and files. *ret_earlier: number of tasks from an earlier
+ * run.
+ */
+int orl_shared_folder_make(const char *path, const json_t *doc, const struct orl_shared_file *files,
+                           size_t n_files, char ret_job[ORL_JOB_TASK_KEY], size_t *ret_earlier,
+                           struct orl_error *err);
+
+/* Computes the digest of the document and files in such a folder, and checks the files against
+ * their digests. */
+int orl_shared_folder_verify(const char *folder, char ret_job[ORL_JOB_TASK_KEY], json_t **ret_doc,
+                             struct orl_error *err);
+
+/* Makes a network file system look again for files that were absent. */
+void orl_shared_folder_refresh(const char *folder);
 
 #endif

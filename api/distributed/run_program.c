@@ -1,4 +1,4 @@
-#include "distributed/run_program.h"
+#include "distributed/runner.h"
 
 #include <errno.h>
 #include <fcntl.h>

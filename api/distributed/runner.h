@@ -10,6 +10,7 @@
 #define ORL_DISTRIBUTED_RUNNER_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -89,5 +90,76 @@ int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *round, stru
 
 /* Returns the path of this program's file. */
 int orl_own_program(char ret_path[4096], struct orl_error *err);
+
+/* Runs other programs by an argument vector, to their end within a time limit. */
+
+enum { ORL_COMMAND_OUTPUT = 1 << 16 };
+
+/*
+ * Runs argv[0], found by PATH. ret_output: output and errors of the program, cut at the end if
+ * too long; "" after an error. Returns the exit status (128 plus the number for a signal), or a
+ * negative orl_err. ORL_ERR_NOT_FOUND: it cannot be started. ORL_ERR_IO: it exceeded the time
+ * limit and was killed. ORL_ERR_CANCELLED: killed because *cancel was set (cancel NULL: never).
+ */
+int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cancel,
+                    char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err);
+
+/*
+ * Limits of memory and time for a part under Slurm (runner.h). They are the estimate for its
+ * tasks, with a margin because scenes and machines differ by factors. A part that exceeds a
+ * limit is tried again with twice as much (task_round.c).
+ */
+
+/* Estimated needs of a part: time is the sum over its tasks, memory the maximum. */
+struct orl_part_needs {
+    double core_s;  /* seconds on one core; 0: unknown */
+    uint64_t bytes; /* memory in addition to the job's own */
+};
+
+/* Facts about the job. */
+struct orl_part_limits_input {
+    double load_s;         /* seconds that the lead process needed to load; a part takes as long */
+    double time_ratio;     /* actual over estimated seconds of ended parts */
+    uint32_t threads;      /* threads per part */
+    uint64_t memory_bytes; /* memory of the whole job with its tasks; 0: unknown, estimated as this
+                              process's memory plus the tasks */
+};
+
+enum { ORL_PART_LEAST_MINUTES = 10, ORL_PART_LEAST_MIB = 256 };
+
+struct orl_part_limits orl_part_limits(const struct orl_part_needs *needs,
+                                       const struct orl_part_limits_input *input);
+
+/* Returns the limits with the exceeded one doubled. */
+struct orl_part_limits orl_part_limits_raised(struct orl_part_limits limits, enum orl_part_end end);
+
+/*
+ * Facts about a cluster for the Slurm runner: the largest time and memory for a part, and the
+ * limit that an ended part exceeded.
+ */
+
+struct orl_slurm_bounds {
+    bool known;
+    struct orl_part_limits most; /* 0: no limit is requested */
+};
+
+/*
+ * Gets the bounds from sinfo, for the partition in the options or else the default one. A bound
+ * is 0 if the options set that limit or the cluster does not report its memory. If Slurm does
+ * not answer, bounds stay unknown.
+ */
+void orl_slurm_bounds_query(const struct orl_runner_spec *spec, struct orl_slurm_bounds *bounds);
+
+/* Returns limits reduced to the bounds. */
+struct orl_part_limits orl_slurm_bounded(const struct orl_slurm_bounds *bounds,
+                                         struct orl_part_limits limits);
+
+/* Returns true if sbatch's output means a temporary failure, so that a retry may succeed. */
+bool orl_slurm_is_temporary_failure(const char *output);
+
+/* Returns why a task of that name ended: from its log, and from squeue while that still lists
+ * it. */
+enum orl_part_end orl_slurm_end_reason(const struct orl_runner_spec *spec, const char *tasks,
+                                       uint32_t task, uint32_t number);
 
 #endif

@@ -14,11 +14,9 @@
 #include <string.h>
 #include <time.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
 #include "distributed/atomic_files.h"
-#include "distributed/run_program.h"
-#include "distributed/slurm_limits.h"
 
 /* Interval of queries to Slurm about a round, in seconds. It grows with the round's age
  * (query_share of it), which bounds the total number of queries. */

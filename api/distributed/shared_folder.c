@@ -1,4 +1,4 @@
-#include "distributed/shared_folder.h"
+#include "distributed/distributed_job.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -14,7 +14,6 @@
 #include <oriel/base/version.h>
 
 #include "distributed/atomic_files.h"
-#include "distributed/file_digest.h"
 #include "json/decode.h"
 
 /* ---- Creation -------------------------------------------------------------------------------- */

@@ -1,4 +1,4 @@
-#include "distributed/task_round_files.h"
+#include "distributed/task_round.h"
 
 #include <dirent.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "honeybee/aperture_groups.h"
+#include "honeybee/model_objects.h"
 
 #include <stdlib.h>
 #include <string.h>

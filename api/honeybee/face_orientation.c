@@ -1,4 +1,4 @@
-#include "honeybee/face_orientation.h"
+#include "honeybee/model_objects.h"
 
 #include <math.h>
 #include <stdlib.h>

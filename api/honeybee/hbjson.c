@@ -2,10 +2,8 @@
 
 #include <string.h>
 
-#include "honeybee/model_grids_views.h"
-#include "honeybee/model_luminaires.h"
-#include "honeybee/model_surfaces.h"
-#include "honeybee/modifier_sets.h"
+#include "honeybee/model_objects.h"
+#include "honeybee/modifiers.h"
 
 bool orl_hbjson_is_model(const json_t *document)
 {

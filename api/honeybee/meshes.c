@@ -1,9 +1,8 @@
-#include "honeybee/meshes.h"
+#include "honeybee/model_objects.h"
 
 #include <stdlib.h>
 
-#include "honeybee/modifier_sets.h"
-#include "honeybee/polygon.h"
+#include "honeybee/modifiers.h"
 
 int orl_hb_mesh_corners(struct orl_hb *hb, const json_t *mesh, const struct orl_hb_at *at,
                         struct orl_vec3 **ret_corners, size_t *ret_count)

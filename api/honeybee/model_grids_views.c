@@ -1,9 +1,7 @@
-#include "honeybee/model_grids_views.h"
+#include "honeybee/model_objects.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#include "honeybee/meshes.h"
 
 enum { NAME_SIZE = 256 };
 

@@ -1,4 +1,4 @@
-#include "honeybee/model_luminaires.h"
+#include "honeybee/model_objects.h"
 
 #include <string.h>
 

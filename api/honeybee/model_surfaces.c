@@ -1,11 +1,9 @@
-#include "honeybee/model_surfaces.h"
+#include "honeybee/model_objects.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "honeybee/face_orientation.h"
-#include "honeybee/meshes.h"
-#include "honeybee/modifier_sets.h"
+#include "honeybee/modifiers.h"
 
 /* Output files for surfaces of one kind, and for their modifiers. */
 struct surface_files {

@@ -1,4 +1,4 @@
-#include "honeybee/polygon.h"
+#include "honeybee/model_objects.h"
 
 #include <ctype.h>
 #include <math.h>

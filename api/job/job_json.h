@@ -24,6 +24,7 @@
 #define ORL_API_JOB_JOB_JSON_H
 
 #include <jansson.h>
+#include <stdbool.h>
 
 #include <oriel/base/error.h>
 #include <oriel/job/run.h>
@@ -51,5 +52,30 @@ int orl_job_scene_from_json(const json_t *scene, const char *path, enum orl_job_
 int orl_job_files_from_json(const json_t *scene, const char *path, enum orl_job_origin origin,
                             char ***ret_files, size_t *ret_count, char **ret_scene_id,
                             struct orl_error *err);
+
+/*
+ * Labels that a client gives a job of any kind: "name", 1 to 100 characters, and "tags", up to 16
+ * different ones of 1 to 64 characters. They do not affect the computation. Neither has control
+ * characters. A tag has no quotation mark, backslash or comma, so that lists need no escapes.
+ *
+ * Rules and errors as in decode.h.
+ */
+
+enum { ORL_LABEL_NAME = 100, ORL_LABEL_TAGS = 16, ORL_LABEL_TAG = 64 };
+
+struct orl_labels {
+    char *name; /* owned; NULL: none */
+    char *tags; /* a JSON array as text, owned; NULL: none */
+};
+
+void orl_labels_done(struct orl_labels *labels); /* NULL is fine */
+
+/* Decodes "name" and "tags" of a job's document. */
+int orl_labels_from_json(const json_t *doc, struct orl_labels *ret_labels, struct orl_error *err);
+
+/* Returns true if text is a valid tag. Length is counted in UTF-8 characters. */
+bool orl_label_is_tag(const char *text);
+/* Returns true if tags (of struct orl_labels; NULL: none) contains tag. */
+bool orl_labels_have(const char *tags, const char *tag);
 
 #endif

@@ -16,10 +16,8 @@
 #include <oriel/job/study.h>
 
 #include "annual_job/annual_json.h"
-#include "bsdf_json/bsdf_fit_json.h"
-#include "bsdf_json/bsdf_make_json.h"
+#include "bsdf_json/bsdf_json.h"
 #include "job/job_json.h"
-#include "job/labels_json.h"
 
 enum orl_job_request_kind {
     ORL_JOB_KIND_RENDER,

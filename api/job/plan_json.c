@@ -1,4 +1,4 @@
-#include "job/plan_json.h"
+#include "job/job_members_json.h"
 
 #include <stdbool.h>
 

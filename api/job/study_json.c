@@ -6,9 +6,9 @@
 
 #include <oriel/base/limits.h>
 
-#include "job/plan_json.h"
+#include "job/job_members_json.h"
+#include "json/decode.h"
 #include "json/encode.h"
-#include "json/members.h"
 
 enum { TITLE_MAX = 90, NOTE_MAX = 2000, NAME_MAX_BYTES = 60, REPEATS_MAX = 1000 };
 enum { SENSOR_RAYS_MAX = 1 << 24, PIXEL_PATHS_MAX = 1 << 20 };

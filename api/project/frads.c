@@ -1,4 +1,4 @@
-#include "project/frads.h"
+#include "project/project.h"
 
 #include <ctype.h>
 #include <stdbool.h>

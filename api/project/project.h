@@ -28,7 +28,9 @@
 #define ORL_API_PROJECT_PROJECT_H
 
 #include <jansson.h>
+#include <stddef.h>
 
+#include <oriel/base/error.h>
 #include <oriel/base/files.h>
 
 /* The chosen states and sky; either may be NULL. Borrowed. */
@@ -45,5 +47,50 @@ struct orl_project_choice {
 int orl_project_find(const char *const *names, size_t count, const struct orl_files *files,
                      const struct orl_project_choice *choice, json_t **ret_project,
                      struct orl_error *err);
+
+/*
+ * Reads a file of Radiance's rad (.rif) as a project: {"files": [materials, illum, then scene, in
+ * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height",
+ * "pixel_aspect"}], "states": {}, "skies": [], "left_out": [{"file", "why"}], "commands":
+ * [{"name", "text"}]}, as in project/project.h. Commands in quotes become scene files: "commands"
+ * has their names and texts, for the caller to write.
+ *
+ * Lines are "NAME= value"; '#' begins a comment, and a backslash at the end continues the line.
+ * Names may be abbreviated to three letters, in either case. "objects" is listed as left out: rad
+ * does not read it either, because the scene's files name these objects. "view" is a name and
+ * options, or "-vf FILE"; views that rad computes from its ZONE are left out. "RESOLUTION" gives
+ * the largest width and height of pictures, or one number for both. A third number other than 1 is
+ * the pixel aspect, 0 for exactly that size. Variables for rad's own programs (octrees, quality,
+ * pictures) are ignored.
+ *
+ * An octree as a scene is refused. Source: rad(1).
+ * Errors: ORL_ERR_SYNTAX, _UNSUPPORTED, with file and line; ORL_ERR_NOMEM.
+ */
+
+/* Reads text as a project; *ret_project is a new reference. */
+int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_project,
+                 struct orl_error *err);
+
+/*
+ * Reads a frads configuration (.cfg) as a project: {"files": [materials, windows, then scene, in
+ * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height"}], "states":
+ * {}, "skies": [], "left_out": [{"file", "why"}], "commands": [{"name", "text"}]}, as in rif.h.
+ *
+ * The format is that of Python's configparser: [Sections] of "key = value" (or ':'). Indented
+ * lines continue a value, '#' or ';' at a line's start begins a comment, and ${key} or
+ * ${Section:key} stands for another value. In [Model], "material", "windows", "scene" and "ncps"
+ * name scene files. "window_xmls", one per window or one for all, gives windows these BSDFs, with
+ * up along z, by commands. In [RaySender], "view..." are views, sized by -x and -y. Sensor grids
+ * made from surfaces ("grid_surface"), weather ("epw_file", "epw_path", "wea_path") and geometry
+ * of the matrices ("window_cfs") are left out and listed.
+ *
+ * Source: frads' documentation, "mrad". Bounds: 64 KiB per value, references nested at most eight
+ * deep.
+ * Errors: ORL_ERR_SYNTAX, _LIMIT, with file and line; ORL_ERR_NOMEM.
+ */
+
+/* Reads text as a project; *ret_project is a new reference. */
+int orl_frads_read(const char *name, const char *text, size_t size, json_t **ret_project,
+                   struct orl_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-#include "project/rif.h"
+#include "project/project.h"
 
 #include <ctype.h>
 #include <math.h>

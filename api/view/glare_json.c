@@ -1,4 +1,4 @@
-#include "view/glare_json.h"
+#include "view/view_json.h"
 
 #include <string.h>
 

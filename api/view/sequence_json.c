@@ -1,11 +1,11 @@
-#include "view/sequence_json.h"
+#include "view/view_json.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "chart/glare_chart.h"
+#include "chart/charts.h"
 
 /* ---- Request --------------------------------------------------------------------------------- */
 

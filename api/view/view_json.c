@@ -1,13 +1,237 @@
 #include "view/view_json.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/limits.h>
 
-#include "view/glare_json.h"
-#include "view/picture_json.h"
+#include "json/encode.h"
+
+int orl_formats_from_json(const json_t *value, const char *path, void *ret_formats,
+                          struct orl_error *err)
+{
+    uint32_t formats = 0;
+    const json_t *name;
+    size_t i;
+    const int rc = orl_json_array(value, path, ORL_PICTURES, err);
+    if (rc)
+        return rc;
+    json_array_foreach(value, i, name)
+    {
+        enum orl_picture picture;
+        if (!json_is_string(name) || !orl_picture_format(json_string_value(name), &picture)) {
+            orl_json_fail(err, ORL_ERR_INVALID, path, "element %zu is no format that is known", i);
+            orl_error_hint(err, "Formats are \"hdr\", \"png\", \"png16\", \"exr\" and "
+                                "\"exr_float\"");
+            return ORL_ERR_INVALID;
+        }
+        formats |= ORL_PICTURE_BIT(picture);
+    }
+    if (formats == 0)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "no format is named");
+    *(uint32_t *)ret_formats = formats;
+    return 0;
+}
+
+/* ---- Displays -------------------------------------------------------------------------------- */
+
+/* Fails if options of the human observer are given without that tone mapper. */
+static int check_human(const char *path, const struct orl_display *display, struct orl_error *err)
+{
+    char at[ORL_JSON_PATH_MAX];
+    const char *given = display->veil         ? "veil"
+                        : display->acuity     ? "acuity"
+                        : display->color_loss ? "color_loss"
+                                              : NULL;
+    if (!given || display->tone == ORL_TONE_HUMAN)
+        return 0;
+    return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, given, at),
+                         "it belongs to the tone \"human\"");
+}
+
+int orl_display_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    static const char *const tones[] = {"human", "linear", NULL};
+    struct orl_display *display = into;
+    double stops = 0;
+    const struct orl_json_member members[] = {
+        {"tone", .word = &display->tone, .words = tones},
+        {"exposure", .real = &display->exposure, .least = 1e-9, .most = 1e9},
+        {"ev", .real = &stops, .least = -20, .most = 30},
+        {"veil", .flag = &display->veil},
+        {"acuity", .flag = &display->acuity},
+        {"color_loss", .flag = &display->color_loss},
+        {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    if (rc)
+        return rc;
+    const bool exposure = json_object_get(value, "exposure"), ev = json_object_get(value, "ev");
+    if (!!json_object_get(value, "tone") + exposure + ev > 1)
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "one of \"tone\", \"exposure\" and \"ev\" is wanted here");
+    if (exposure || ev)
+        display->tone = ORL_TONE_EXPOSURE;
+    if (ev)
+        display->exposure = orl_exposure_of_ev(stops);
+    return check_human(path, display, err);
+}
+
+/* ---- False colours --------------------------------------------------------------------------- */
+
+int orl_label_from_json(const json_t *value, const char *path, void *ret_label,
+                        struct orl_error *err)
+{
+    char *text = NULL;
+    int rc = orl_json_string(value, path, ORL_PICTURE_LABEL_MAX - 1, &text, err);
+    for (const char *c = text; rc == 0 && *c; c++)
+        if (*c < ' ' || *c > '~')
+            rc = orl_json_fail(err, ORL_ERR_INVALID, path,
+                               "it is of letters, digits and signs of ASCII");
+    if (rc == 0)
+        memcpy(ret_label, text, strlen(text) + 1);
+    free(text);
+    return rc;
+}
+
+int orl_scale_from_json(const json_t *value, const char *path, void *ret_scale,
+                        struct orl_error *err)
+{
+    const struct orl_json_member number = {.real = ret_scale, .least = 1e-9, .most = 1e12};
+    if (json_is_string(value) && strcmp(json_string_value(value), "auto") == 0)
+        return 0;
+    return orl_json_value(value, path, &number, err);
+}
+
+int orl_palette_from_json(const json_t *value, const char *path, void *ret_palette,
+                          struct orl_error *err)
+{
+    const char *palettes[ORL_PALETTES + 1] = {NULL};
+    for (int i = 0; i < ORL_PALETTES; i++)
+        palettes[i] = orl_palette_name((enum orl_palette)i);
+    return orl_json_word(value, path, palettes, ret_palette, err);
+}
+
+static int decode_point(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    struct orl_view_request *view = into;
+    struct orl_picture_point *point = &view->false_color.points[view->false_color.n_points];
+    const struct orl_json_member members[] = {
+        {"name", .decode = orl_label_from_json, .into = point->name, .required = true},
+        {"x", .real = &point->x, .least = 0, .most = view->width, .required = true},
+        {"y", .real = &point->y, .least = 0, .most = view->height, .required = true},
+        {0}};
+    const int rc = orl_json_members(value, path, members, err);
+    view->false_color.n_points += rc == 0;
+    return rc;
+}
+
+/* Decodes points, which must lie in the picture; its size is already decoded. */
+static int decode_points(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    struct orl_view_request *view = into;
+    const int rc = orl_json_array(value, path, ORL_LIMIT_PICTURE_POINTS, err);
+    if (rc)
+        return rc;
+    view->false_color.points = calloc(json_array_size(value) + 1, sizeof(struct orl_picture_point));
+    if (!view->false_color.points)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return orl_json_each(value, path, ORL_LIMIT_PICTURE_POINTS, decode_point, view, err);
+}
+
+static int decode_drawn(const json_t *value, const char *path, void *into, struct orl_error *err)
+{
+    static const char *const drawn[] = {"fill", "lines", "bands", NULL};
+    uint32_t *pictures = into;
+    int rc = orl_json_array(value, path, 3, err);
+    for (size_t i = 0; rc == 0 && i < json_array_size(value); i++) {
+        unsigned which = 0;
+        rc = orl_json_word(json_array_get(value, i), path, drawn, &which, err);
+        *pictures |= ORL_PICTURE_BIT(ORL_PICTURE_FALSE + which);
+    }
+    return rc;
+}
+
+int orl_false_color_from_json(const json_t *value, const char *path, void *into,
+                              struct orl_error *err)
+{
+    struct orl_view_request *view = into;
+    struct orl_false_color *colors = &view->false_color;
+    const struct orl_json_member members[] = {
+        {"scale", .decode = orl_scale_from_json, .into = &colors->scale},
+        {"decades", .real = &colors->decades, .least = 0, .most = 12},
+        {"divisions", .whole_32 = &colors->divisions, .from = 2, .to = ORL_LIMIT_DIVISIONS},
+        {"palette", .decode = orl_palette_from_json, .into = &colors->palette},
+        {"label", .decode = orl_label_from_json, .into = colors->label},
+        {"isolines", .flag = &colors->isolines},
+        {"extrema", .flag = &colors->extrema},
+        {"draw", .decode = decode_drawn, .into = &colors->pictures},
+        {"multiplier", .real = &colors->multiplier, .least = 1e-9, .most = 1e9},
+        {"points", .decode = decode_points, .into = view},
+        {0}};
+    colors->asked = true;
+    return orl_json_members(value, path, members, err);
+}
+
+/* ---- Results --------------------------------------------------------------------------------- */
+
+static int points_to_json(const struct orl_view_result *view, json_t *json)
+{
+    json_t *points = json_array();
+    for (size_t i = 0; i < view->n_points; i++)
+        if (json_array_append_new(points,
+                                  json_pack("{s:s, s:o}", "name", view->points[i].name, "value",
+                                            orl_json_from_real(view->points[i].value)))) {
+            json_decref(points);
+            return -1;
+        }
+    return json_object_set_new(json, "points", points);
+}
+
+int orl_pictures_to_json(const struct orl_view_result *view, json_t *json)
+{
+    int rc = 0;
+    for (int i = 0; i < ORL_PICTURES && rc == 0; i++)
+        if (view->files[i])
+            rc = json_object_set_new(json, orl_picture_name((enum orl_picture)i),
+                                     json_string(view->files[i]));
+    if (rc == 0 && view->scale > 0)
+        rc = json_object_set_new(json, "scale", json_real(view->scale));
+    return rc == 0 && view->n_points > 0 ? points_to_json(view, json) : rc;
+}
+
+static bool read_points(const json_t *points, struct orl_view_result *view)
+{
+    const json_t *point;
+    size_t i;
+    view->points = calloc(json_array_size(points) + 1, sizeof *view->points);
+    if (!view->points)
+        return false;
+    json_array_foreach(points, i, point)
+    {
+        const char *name = json_string_value(json_object_get(point, "name"));
+        const json_t *value = json_object_get(point, "value");
+        struct orl_point_value *read = &view->points[view->n_points++];
+        snprintf(read->name, sizeof read->name, "%s", name ? name : "");
+        read->value = json_is_number(value) ? json_number_value(value) : (double)NAN;
+    }
+    return true;
+}
+
+bool orl_pictures_read_back(const json_t *json, struct orl_view_result *view)
+{
+    const json_t *points = json_object_get(json, "points");
+    for (int i = 0; i < ORL_PICTURES; i++) {
+        const char *file =
+            json_string_value(json_object_get(json, orl_picture_name((enum orl_picture)i)));
+        view->files[i] = file ? strdup(file) : NULL;
+        if (file && !view->files[i])
+            return false;
+    }
+    view->scale = json_number_value(json_object_get(json, "scale"));
+    return !points || read_points(points, view);
+}
 
 enum { VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128, VIEW_FILE_MAX = 1024, ENTRY_MAX = 63 };
 

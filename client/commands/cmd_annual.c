@@ -10,9 +10,8 @@
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "input/job_file.h"
-#include "options/distributed_options.h"
-#include "output/report_error.h"
-#include "output/verdict_line.h"
+#include "options/job_options.h"
+#include "output/reports.h"
 #include "json/problem.h"
 
 /* Output and settings from the command line. */

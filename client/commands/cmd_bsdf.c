@@ -8,8 +8,8 @@
 #include <oriel/bsdf/bsdf.h>
 
 #include "bsdf_json/bsdf_json.h"
-#include "commands/bsdf_file.h"
-#include "output/report_error.h"
+#include "commands/local.h"
+#include "output/reports.h"
 
 static void print_directions(const struct orl_bsdf_check *c)
 {

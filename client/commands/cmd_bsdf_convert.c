@@ -7,13 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf_json/bsdf_compare_json.h"
-#include "bsdf_json/bsdf_make_json.h"
-#include "commands/bsdf_file.h"
+#include "bsdf_json/bsdf_json.h"
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
-#include "options/document_options.h"
-#include "output/report_error.h"
+#include "options/job_options.h"
+#include "output/reports.h"
 
 /* ---- Differences ----------------------------------------------------------------------------- */
 

@@ -6,13 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf_json/bsdf_make_json.h"
+#include "bsdf_json/bsdf_json.h"
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "input/job_file.h"
-#include "options/distributed_options.h"
-#include "options/document_options.h"
-#include "output/report_error.h"
+#include "options/job_options.h"
+#include "output/reports.h"
 
 /* The command line, which is turned into a document. */
 struct line {

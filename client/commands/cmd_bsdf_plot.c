@@ -7,11 +7,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <oriel/job/animation.h>
+#include <oriel/job/picture.h>
 
-#include "chart/bsdf_chart.h"
-#include "commands/bsdf_file.h"
-#include "output/report_error.h"
+#include "chart/charts.h"
+#include "commands/local.h"
+#include "output/reports.h"
 
 enum { FRAMES = 17, STEP_DEG = 5 };
 static const double frame_s = 0.4;

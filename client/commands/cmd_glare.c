@@ -9,8 +9,8 @@
 #include <oriel/base/files.h>
 #include <oriel/job/glare.h>
 
-#include "output/report_error.h"
-#include "view/glare_json.h"
+#include "output/reports.h"
+#include "view/view_json.h"
 
 /* Options of the command line, as text. */
 struct glare_options {

@@ -13,10 +13,10 @@
 #include "annual_job/annual_json.h"
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
-#include "distributed/shared_folder.h"
-#include "input/temp_folder.h"
+#include "distributed/distributed_job.h"
+#include "input/input_folders.h"
 #include "job/job_request_json.h"
-#include "output/report_error.h"
+#include "output/reports.h"
 #include "json/decode.h"
 #include "json/problem.h"
 

@@ -12,9 +12,8 @@
 #include "http/json_get.h"
 #include "input/job_file.h"
 #include "job/job_request_json.h"
-#include "output/plan_table.h"
-#include "output/report_error.h"
-#include "output/wrap.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 #include "result/result_json.h"
 
 static int print_json(const struct orl_result *result, const struct orl_accuracy_curve *curve,

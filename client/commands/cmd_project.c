@@ -5,7 +5,7 @@
 
 #include "distributed/atomic_files.h"
 #include "input/job_file.h"
-#include "output/report_error.h"
+#include "output/reports.h"
 
 /* Writes a job document that renders the whole project. */
 static int write_job(const struct orl_project_folder *project_folder, struct orl_error *err)

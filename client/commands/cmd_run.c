@@ -13,8 +13,8 @@
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "input/job_file.h"
-#include "options/distributed_options.h"
-#include "output/report_error.h"
+#include "options/job_options.h"
+#include "output/reports.h"
 #include "result/result_json.h"
 #include "json/problem.h"
 

@@ -9,14 +9,13 @@
 
 #include <oriel/job/study.h>
 
-#include "chart/study_chart.h"
+#include "chart/charts.h"
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "input/job_file.h"
 #include "job/study_json.h"
-#include "options/distributed_options.h"
-#include "output/report_error.h"
-#include "output/study_table.h"
+#include "options/job_options.h"
+#include "output/reports.h"
 
 static const char *const file_names[] = {"study.json", "study.csv", "study.svg", "study.png"};
 enum { FILE_COUNT = sizeof file_names / sizeof *file_names };

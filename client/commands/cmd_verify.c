@@ -17,9 +17,9 @@
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "http/json_get.h"
-#include "http/scene_digest.h"
+#include "http/upload_bundle.h"
 #include "input/job_file.h"
-#include "output/report_error.h"
+#include "output/reports.h"
 
 enum { EXIT_CANNOT = 2, PATH_SIZE = 4096 };
 

@@ -15,14 +15,12 @@
 #include "annual_job/annual_job.h"
 #include "daemon_commands/follow_job.h"
 #include "distributed/atomic_files.h"
-#include "input/raypath.h"
+#include "input/input_folders.h"
 #include "job/study_json.h"
-#include "output/plan_table.h"
-#include "output/progress.h"
-#include "output/study_table.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 #include "result/result_json.h"
-#include "result/skies_result_json.h"
-#include "view/sequence_json.h"
+#include "view/view_json.h"
 #include "json/decode.h"
 
 /* Globals, because a signal handler can use nothing else. */

@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include <oriel/base/error.h>
+#include <oriel/bsdf/bsdf.h>
 #include <oriel/bsdf/bsdf_convert.h>
 #include <oriel/bsdf/bsdf_fit.h>
 #include <oriel/bsdf/bsdf_make.h>
@@ -118,5 +119,12 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
                      const char *cache, uint32_t threads,
                      const struct orl_local_distribution *distribution,
                      const struct orl_local_callback *on_result, struct orl_error *err);
+
+/* Loads a BSDF file and identifies its source. */
+
+/* Loads the file at path. *ret_bsdf: to be released by orl_bsdf_unref. */
+int orl_bsdf_file_load(const char *path, struct orl_bsdf **ret_bsdf, struct orl_error *err);
+/* Formats the source of a BSDF: "panel.xml, SHA-256 0123..." */
+int orl_bsdf_file_source(const char *path, char ret_source[512], struct orl_error *err);
 
 #endif

@@ -7,8 +7,8 @@
 
 #include "http/http_client.h"
 #include "http/json_get.h"
-#include "output/progress.h"
-#include "output/report_error.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 
 /* Formats the age of a time such as "2026-11-22T05:01:02Z" as "3 h"; "-" if it is no such time. */
 static void format_age(const char *when, char *text, size_t size)

@@ -7,11 +7,8 @@
 #include "daemon_commands/follow_job.h"
 #include "http/http_client.h"
 #include "http/json_get.h"
-#include "output/job_table.h"
-#include "output/progress.h"
-#include "output/report_error.h"
-#include "output/study_table.h"
-#include "output/verdict_line.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 
 /* Prints a study's current step and its points so far. */
 static void print_study(const json_t *study)

@@ -1,20 +1,20 @@
 /* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | scene MODEL.hbjson | bsdf FILE:
  * uploads a scene or a BSDF. */
-#include "options/command.h"
-
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 #include <oriel/base/limits.h>
+#include <sys/stat.h>
 
 #include "http/http_client.h"
 #include "http/json_get.h"
-#include "http/scene_digest.h"
 #include "http/upload_bundle.h"
-#include "output/report_error.h"
+#include "options/command.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 
 static int upload_files(struct orl_http *http, const char *folder, char **names, size_t count,
                         bool list_only, struct orl_error *err)
@@ -172,6 +172,175 @@ int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv)
     if (rc == 0)
         rc = scene ? upload_scene(&http, operands.items + 1, operands.count - 1, list_only, &err)
                    : upload_bsdf(&http, operands.items[1], &err);
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+/* oriel list scenes|bsdfs: prints a daemon's uploads as a table. */
+
+static void print_scenes(const json_t *scenes)
+{
+    const json_t *scene;
+    size_t i;
+
+    printf("%-64s  %10s  %5s  %9s  %s\n", "scene", "size", "jobs", "under way", "last used (UTC)");
+    json_array_foreach(scenes, i, scene)
+    {
+        char size[32];
+
+        orl_format_amount(orl_json_number(scene, "bytes", 0), "B", size, sizeof size);
+        printf("%-64s  %10s  %5.0f  %9.0f  %.19s\n", orl_json_text(scene, "id"), size,
+               orl_json_number(scene, "jobs", 0), orl_json_number(scene, "jobs_under_way", 0),
+               orl_json_text(scene, "last_used"));
+    }
+}
+
+static void print_bsdfs(const json_t *bsdfs)
+{
+    const json_t *bsdf;
+    size_t i;
+
+    printf("%-64s  %10s  %6s  %s\n", "BSDF", "size", "scenes", "name");
+    json_array_foreach(bsdfs, i, bsdf)
+    {
+        char size[32];
+
+        orl_format_amount(orl_json_number(bsdf, "bytes", 0), "B", size, sizeof size);
+        printf("%-64s  %10s  %6zu  %s\n", orl_json_text(bsdf, "id"), size,
+               json_array_size(json_object_get(bsdf, "scenes")), orl_json_text(bsdf, "name"));
+    }
+}
+
+/* Prints all pages of the list. */
+static int print_all(struct orl_http *http, const char *what, void (*print)(const json_t *items),
+                     struct orl_error *err)
+{
+    char path[600];
+    json_t *all = json_array();
+    int rc = all ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+
+    snprintf(path, sizeof path, "/v1/%s?limit=1000", what);
+    while (rc == 0 && *path) {
+        json_t *reply = NULL;
+
+        rc = orl_http_call(http, "GET", path, &reply, err);
+        if (rc == 0 && json_array_extend(all, json_object_get(reply, what)))
+            rc = orl_error_set(err, ORL_ERR_SYNTAX, "the daemon's reply lists no %s", what);
+        orl_http_next_page(http, path, sizeof path);
+        json_decref(reply);
+    }
+    if (rc == 0)
+        print(all);
+    json_decref(all);
+    return rc;
+}
+
+int orl_cmd_list(const struct orl_subcommand *self, int argc, char **argv)
+{
+    static const struct {
+        const char *name;
+        void (*print)(const json_t *items);
+    } kinds[] = {{"scenes", print_scenes}, {"bsdfs", print_bsdfs}};
+    const char *server = NULL;
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    size_t kind = 0;
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &operands, &rc))
+        return rc;
+    while (kind < 2 && strcmp(kinds[kind].name, operands.items[0]) != 0)
+        kind++;
+    if (kind == 2)
+        return orl_usage_error(self, "lists are of scenes or bsdfs, not of \"%s\"",
+                               operands.items[0]);
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0)
+        rc = print_all(&http, kinds[kind].name, kinds[kind].print, &err);
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}
+
+/* oriel remove job|scene|bsdf ID...: removes jobs or uploads. */
+
+/* Returns the API path of a kind, such as "/v1/jobs" for "job", or NULL for others. */
+static const char *folder_of(const char *what)
+{
+    static const struct {
+        const char *what, *folder;
+    } kinds[] = {{"job", "/v1/jobs"}, {"scene", "/v1/scenes"}, {"bsdf", "/v1/bsdfs"}};
+
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        if (strcmp(kinds[i].what, what) == 0)
+            return kinds[i].folder;
+    return NULL;
+}
+
+/* Returns true if id may be an abbreviated job id. A daemon removes jobs only by whole ids. */
+static bool is_begun(const char *id)
+{
+    const size_t length = strlen(id);
+
+    return length >= 4 && length < 32 && strspn(id, "0123456789abcdef") == length;
+}
+
+/* Looks up the whole id of the job. */
+static int complete_id(struct orl_http *http, const char *begun, char ret_id[64],
+                       struct orl_error *err)
+{
+    char path[64];
+    json_t *job = NULL;
+    int rc;
+
+    snprintf(path, sizeof path, "/v1/jobs/%.40s", begun);
+    rc = orl_http_call(http, "GET", path, &job, err);
+    if (rc == 0)
+        snprintf(ret_id, 64, "%.63s", orl_json_text(job, "id"));
+    json_decref(job);
+    return rc;
+}
+
+static int remove_one(struct orl_http *http, const char *folder, const char *id,
+                      struct orl_error *err)
+{
+    char escaped[512], path[600], whole[64];
+    const bool begun = strcmp(folder, "/v1/jobs") == 0 && is_begun(id);
+    int rc = begun ? complete_id(http, id, whole, err) : 0;
+
+    if (rc == 0)
+        rc = orl_http_escape(begun ? whole : id, escaped, sizeof escaped, err);
+    if (rc)
+        return rc;
+    snprintf(path, sizeof path, "%s/%s", folder, escaped);
+    rc = orl_http_call(http, "DELETE", path, NULL, err);
+    if (rc)
+        orl_error_at(err, NULL, 0, id);
+    return rc;
+}
+
+int orl_cmd_remove(const struct orl_subcommand *self, int argc, char **argv)
+{
+    const char *server = NULL, *folder;
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 1, 2, (int)ORL_LIMIT_SCENE_FILES, &operands,
+                           &rc))
+        return rc;
+    folder = folder_of(operands.items[0]);
+    if (!folder)
+        return orl_usage_error(self, "\"%s\" is neither job, scene nor bsdf", operands.items[0]);
+    rc = orl_http_open(&http, server, &err);
+    for (int i = 1; i < operands.count && rc == 0; i++) {
+        rc = remove_one(&http, folder, operands.items[i], &err);
+        if (rc == 0)
+            fprintf(stderr, "%s %s: removed\n", operands.items[0], operands.items[i]);
+    }
     orl_http_close(&http);
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }

@@ -12,9 +12,8 @@
 
 #include "http/http_client.h"
 #include "http/json_get.h"
-#include "output/job_table.h"
-#include "output/progress.h"
-#include "output/report_error.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 
 /* Seconds to wait for an absent daemon, and percent between two lines of a running job. */
 #define PATIENCE_S 60.0

@@ -8,10 +8,8 @@
 
 #include "http/json_get.h"
 #include "options/command.h"
-#include "output/progress.h"
-#include "output/report_error.h"
-#include "output/study_table.h"
-#include "output/verdict_line.h"
+#include "output/reports.h"
+#include "output/terminal.h"
 
 /* Seconds to wait for a daemon that stopped answering, because it may be restarting. */
 #define RECONNECT_LIMIT_S 60.0

@@ -13,7 +13,7 @@
 
 #include "distributed/atomic_files.h"
 #include "options/command.h"
-#include "output/report_error.h"
+#include "output/reports.h"
 #include "json/encode.h"
 
 #define DEFAULT_URL "http://127.0.0.1:8423"

@@ -6,19 +6,73 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <oriel/base/limits.h>
+#include <oriel/base/sha256.h>
 #include <oriel/bsdf/bsdf_fit.h>
 #include <oriel/job/run.h>
+#include <sys/stat.h>
 
 #include "distributed/atomic_files.h"
 #include "http/json_get.h"
-#include "http/scene_digest.h"
-#include "input/raypath.h"
-#include "output/progress.h"
+#include "input/input_folders.h"
+#include "output/terminal.h"
 #include "project/main_files.h"
+
+static int by_name(const void *a, const void *b)
+{
+    const struct orl_upload_part *x = a, *y = b;
+
+    return strcmp(x->name, y->name);
+}
+
+/* Hashes a line "main <digest> <name>\n", or with "resource". */
+static int add_line(struct orl_sha256 *hash, const struct orl_upload_part *part,
+                    struct orl_error *err)
+{
+    const char *role = part->resource ? "resource " : "main ";
+    char digest[ORL_DIGEST_TEXT];
+    const int rc = orl_digest_file(part->path, digest, err);
+
+    if (rc)
+        return rc;
+    orl_sha256_add(hash, role, strlen(role));
+    orl_sha256_add(hash, digest, strlen(digest));
+    orl_sha256_add(hash, " ", 1);
+    orl_sha256_add(hash, part->name, strlen(part->name));
+    orl_sha256_add(hash, "\n", 1);
+    return 0;
+}
+
+int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
+                     char ret_id[ORL_DIGEST_TEXT], struct orl_error *err)
+{
+    static const char first[] = "oriel-scene 1\n";
+    struct orl_upload_part *resources =
+        calloc(n_parts + 1, sizeof *resources); /* strings are borrowed */
+    struct orl_sha256 hash;
+    size_t n_resources = 0;
+    int rc = 0;
+
+    if (!resources)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, first, strlen(first));
+    for (size_t i = 0; i < n_parts && rc == 0; i++) {
+        if (parts[i].resource)
+            resources[n_resources++] = parts[i];
+        else
+            rc = add_line(&hash, &parts[i], err);
+    }
+    qsort(resources, n_resources, sizeof *resources, by_name);
+    for (size_t i = 0; i < n_resources && rc == 0; i++)
+        rc = add_line(&hash, &resources[i], err);
+    free(resources);
+    if (rc == 0)
+        orl_digest_end(&hash, ret_id);
+    return rc;
+}
 
 static bool name_can_travel(const char *name)
 {
@@ -268,4 +322,67 @@ int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, ch
     if (!*ret_id)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     return 0;
+}
+
+/* Destination for files that the scene itself does not name. */
+struct resources {
+    struct orl_upload *bundle;
+    const char *folder;
+};
+
+static int add_file(void *ctx, const struct orl_job_request_file *file, struct orl_error *err)
+{
+    const struct resources *resources = ctx;
+
+    return orl_bundle_add(resources->bundle, resources->folder, file->name, err);
+}
+
+/* Collects references of a state's files, read after the scene, whose definitions they may use. */
+static int collect_state(const struct resources *resources,
+                         const struct orl_job_request *job_request,
+                         const struct orl_shade_state *state, struct orl_error *err)
+{
+    size_t count;
+    char *const *names = orl_job_request_scene(job_request, &count);
+    const char **all = malloc((count + state->n_files + 1) * sizeof *all);
+    int rc;
+
+    if (!all)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    for (size_t i = 0; i < count; i++)
+        all[i] = names[i];
+    for (size_t i = 0; i < state->n_files; i++)
+        all[count + i] = state->files[i];
+    rc = orl_bundle_add_referenced(resources->bundle, resources->folder, all,
+                                   count + state->n_files, err);
+    free(all);
+    return rc;
+}
+
+/* Collects references of all shade states. */
+static int collect_shades(const struct resources *resources,
+                          const struct orl_job_request *job_request, struct orl_error *err)
+{
+    const struct orl_annual_request *year = &job_request->of.annual.request;
+    const size_t groups = job_request->kind == ORL_JOB_KIND_ANNUAL ? year->n_groups : 0;
+    int rc = 0;
+
+    for (size_t g = 0; g < groups; g++)
+        for (size_t s = 0; s < year->groups[g].n_states && rc == 0; s++)
+            if (year->groups[g].states[s].n_files > 0)
+                rc = collect_state(resources, job_request, &year->groups[g].states[s], err);
+    return rc;
+}
+
+int orl_job_bundle_collect(const char *folder, const struct orl_job_request *job_request,
+                           struct orl_upload *ret_bundle, struct orl_error *err)
+{
+    const struct resources resources = {ret_bundle, folder};
+    size_t count;
+    const char *const *names = (const char *const *)orl_job_request_scene(job_request, &count);
+    int rc = orl_bundle_collect(folder, names, count, ret_bundle, err);
+
+    if (rc == 0)
+        rc = orl_job_request_files(job_request, add_file, (void *)(uintptr_t)&resources, err);
+    return rc ? rc : collect_shades(&resources, job_request, err);
 }

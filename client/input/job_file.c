@@ -11,7 +11,7 @@
 #include <oriel/base/limits.h>
 
 #include "distributed/atomic_files.h"
-#include "input/temp_folder.h"
+#include "input/input_folders.h"
 #include "job/job_json.h"
 #include "json/decode.h"
 

@@ -8,15 +8,11 @@
 #include <strings.h>
 
 #include <oriel/base/files.h>
-#include <oriel/base/open.h>
 
 #include "distributed/atomic_files.h"
 #include "honeybee/hbjson.h"
-#include "input/project_shades.h"
-#include "input/temp_folder.h"
-#include "project/frads.h"
+#include "input/input_folders.h"
 #include "project/project.h"
-#include "project/rif.h"
 #include "json/decode.h"
 
 enum { PATH_SIZE = 4096, VIEW_SIDE = 800 };

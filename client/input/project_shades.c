@@ -1,4 +1,4 @@
-#include "input/project_shades.h"
+#include "input/project_folder.h"
 
 #include <stdbool.h>
 #include <stdio.h>

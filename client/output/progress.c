@@ -1,4 +1,4 @@
-#include "output/progress.h"
+#include "output/terminal.h"
 
 #include <math.h>
 #include <stdarg.h>

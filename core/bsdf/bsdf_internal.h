@@ -75,4 +75,9 @@ void orl_r_sequence_point(unsigned i, double ret_u[4]);
 double orl_bsdf_irreciprocal_reflection(const struct orl_bsdf *bsdf, bool front);
 double orl_bsdf_irreciprocal_transmission(const struct orl_bsdf *bsdf);
 
+/* Turns figures (check_bsdf.c) into sentences (verdict.c). For core/bsdf only. */
+
+/* Fills verdicts and worst of a check from its other fields. */
+void orl_bsdf_set_verdicts(struct orl_bsdf_check *check);
+
 #endif

@@ -1,4 +1,4 @@
-#include "bsdf/compiled_bsdf.h"
+#include "bsdf/loaded_bsdf.h"
 
 #include <stddef.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
-#include "bsdf/cone_table.h"
+#include "bsdf/loaded_bsdf.h"
 
 #include <stdlib.h>
 
-#include "base/sampling/sincos.h"
+#include "base/sampling/sampling.h"
 #include "bsdf/bsdf_internal.h"
 
 enum { MOST_CELLS = 16, RINGS = 4, SPOKES = 32 };

@@ -1,9 +1,7 @@
-#include "bsdf/peak.h"
+#include "bsdf/document.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#include "bsdf/document.h"
 
 enum { REACH = 2, SPAN = 2 * REACH + 1, ISO_SPAN = 2 * REACH + 2, NEIGHBOURS_MAX = 32 };
 

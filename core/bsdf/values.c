@@ -11,7 +11,7 @@
 #include <oriel/bsdf/bsdf.h>
 
 #include "bsdf/bsdf_internal.h"
-#include "bsdf/located_direction.h"
+#include "bsdf/loaded_bsdf.h"
 
 enum { ABREAST = 16 }; /* samples whose tree descents are interleaved */
 

@@ -1,7 +1,7 @@
 #include "light/direct.h"
 
 #include "light/path.h"
-#include "scene/built/volume.h"
+#include "scene/built/scene.h"
 
 enum { MOST_PANES = 64 };
 static const uint32_t no_target = UINT32_MAX;

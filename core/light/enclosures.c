@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "scene/material/hemisphere.h"
+#include "base/sampling/sampling.h"
+#include "scene/material/scatter.h"
 
 enum { BOUNCES = 16, PATHS_OF_A_PLACE = 4, PATHS_OF_A_SPACE = 32, MOST_PANES = 8 };
 

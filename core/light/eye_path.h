@@ -14,11 +14,11 @@
 #ifndef ORL_LIGHT_EYE_PATH_H
 #define ORL_LIGHT_EYE_PATH_H
 
-#include <oriel/base/health.h>
+#include <oriel/base/input_checks.h>
 
 #include "light/direct.h"
 #include "light/path.h"
-#include "scene/built/volume.h"
+#include "scene/built/scene.h"
 
 enum {
     ORL_EYE_PATH_MOST_HITS = 64

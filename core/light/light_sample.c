@@ -1,4 +1,4 @@
-#include "light/light_sample.h"
+#include "light/direct.h"
 
 /* Samples a sphere from outside, uniformly over the cone that it fills. */
 static bool sample_sphere(const struct orl_facet *facet, struct orl_vec3 from, const double u[2],

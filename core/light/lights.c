@@ -5,11 +5,11 @@
 #include <oriel/base/sha256.h>
 
 #include "base/multiversion.h"
-#include "base/sampling/sincos.h"
-#include "light/sky.h"
-#include "scene/material/bounds.h"
+#include "base/sampling/sampling.h"
+#include "light/daylight/daylight.h"
 #include "scene/material/kinds.h"
 #include "scene/material/patterns/pattern.h"
+#include "scene/material/scatter.h"
 
 /* Distant lights up to this full angle are sampled as discs; wider ones are domes. */
 static const double widest_sun_deg = 10.0;

@@ -7,7 +7,7 @@
 #ifndef ORL_LIGHT_LIGHTS_H
 #define ORL_LIGHT_LIGHTS_H
 
-#include "light/daylight.h"
+#include "light/daylight/daylight.h"
 #include "scene/built/scene.h"
 
 /* A small distant light, which is sampled directly: the sun, as gendaylit writes it. */

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/sky.h"
+#include "light/daylight/daylight.h"
 
 static void *copy_of(const void *from, size_t count, size_t size)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "light/lit_scene.h"
-#include "scene/material/bounds.h"
+#include "scene/material/scatter.h"
 
 /* Limit of pairs, beyond which they are left out: testing that many takes some tenths of a
  * second. */

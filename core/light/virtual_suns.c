@@ -6,7 +6,7 @@
 #include "light/direct.h"
 #include "light/path.h"
 #include "scene/geometry/instances.h"
-#include "scene/material/bounds.h"
+#include "scene/material/scatter.h"
 
 enum { MOST_CLASSES = 256 };
 enum { PILOT_RAYS = 1 << 14, MOST_CANDIDATES = 256, MOST_SHOWN_DEEP = 32 };

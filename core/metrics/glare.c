@@ -1,13 +1,191 @@
+/* Names, bounds and classes of glare. */
 #include "metrics/glare.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include <oriel/base/limits.h>
 #include <oriel/base/thread_pool.h>
 
-#include "base/statistics/sum.h"
-#include "metrics/dgp.h"
+#include "base/statistics/numeric.h"
 #include "metrics/indices.h"
-#include "metrics/luminance_stats.h"
+#include "render/film/image_files.h"
+
+const char *orl_glare_metric_name(enum orl_glare_metric metric)
+{
+    static const char *const names[ORL_GLARE_METRICS] = {"dgp",
+                                                         "dgps",
+                                                         "dgi",
+                                                         "ugr",
+                                                         "vcp",
+                                                         "cgi",
+                                                         "ugp",
+                                                         "vertical_illuminance_lx",
+                                                         "average_luminance_cd_m2",
+                                                         "background_luminance_cd_m2"};
+    return metric < ORL_GLARE_METRICS ? names[metric] : "unknown";
+}
+
+const char *orl_glare_class_name(enum orl_glare_class class_of)
+{
+    static const char *const names[] = {"imperceptible", "perceptible", "disturbing", "intolerable",
+                                        "undecided"};
+    return class_of <= ORL_GLARE_UNDECIDED ? names[class_of] : "unknown";
+}
+
+static enum orl_glare_class class_at(double dgp)
+{
+    return dgp < 0.35   ? ORL_GLARE_IMPERCEPTIBLE
+           : dgp < 0.40 ? ORL_GLARE_PERCEPTIBLE
+           : dgp < 0.45 ? ORL_GLARE_DISTURBING
+                        : ORL_GLARE_INTOLERABLE;
+}
+
+enum orl_glare_class orl_glare_class_of(const struct orl_glare_value *dgp)
+{
+    if (!isfinite(dgp->interval_95[0]) || !isfinite(dgp->interval_95[1]))
+        return class_at(dgp->value);
+    const enum orl_glare_class low = class_at(dgp->interval_95[0]);
+    return low == class_at(dgp->interval_95[1]) ? low : ORL_GLARE_UNDECIDED;
+}
+
+/* Far smaller than the angle of any pixel. */
+static const double least_radius_rad = 1e-6;
+
+int orl_glare_settings_check(const struct orl_glare_settings *s, struct orl_error *err)
+{
+    const struct {
+        const char *name;
+        double value, least, most;
+    } bounds[] = {
+        {"threshold", s->threshold, 0, 1e12},
+        {"radius_rad", s->radius_rad, s->radius_rad == 0 ? 0 : least_radius_rad, 3.2},
+        {"peak_cd_m2", s->peak_cd_m2, 0, 1e12},
+        {"band_rad", s->band_rad, 0, 3.2},
+        {"age_years", s->age_years, 0, 120},
+        {"vertical_illuminance_lx", s->eye_lx, 0, 1e9},
+        {"task.x", s->task.x, 0, ORL_LIMIT_IMAGE_SIDE},
+        {"task.y", s->task.y, 0, ORL_LIMIT_IMAGE_SIDE},
+        {"task.angle_rad", s->task.angle_rad, 0, 6.3},
+        {"directions.count", s->directions, 0, 360},
+        {"directions.span_deg", s->directions_deg, 0, 360},
+    };
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++)
+        if (!(bounds[i].value >= bounds[i].least && bounds[i].value <= bounds[i].most))
+            return orl_error_set(err, ORL_ERR_RANGE, "%s is from %g to %g, not %g", bounds[i].name,
+                                 bounds[i].least, bounds[i].most, bounds[i].value);
+    return 0;
+}
+
+int orl_glare_view_check(const struct orl_view *view, const struct orl_glare_settings *settings,
+                         struct orl_error *err)
+{
+    static const double least_deg = 90;
+    int code = orl_glare_settings_check(settings, err);
+    if (code < 0)
+        return code;
+    if (view->type == 'l')
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "a parallel view has no eye that could be dazzled");
+    if (settings->eye_lx == 0 && (view->horizontal < least_deg || view->vertical < least_deg)) {
+        code = orl_error_set(err, ORL_ERR_RANGE,
+                             "%g by %g degrees hold too little of the light at the eye",
+                             view->horizontal, view->vertical);
+        orl_error_hint(err,
+                       "Use -vta or -vth with 180 degrees, at least %g, or supply "
+                       "glare.vertical_illuminance_lx",
+                       least_deg);
+    }
+    return code;
+}
+
+void orl_glare_done(struct orl_glare *glare)
+{
+    if (!glare)
+        return;
+    free(glare->sources);
+    glare->sources = NULL;
+    glare->n_sources = 0;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const float p = *(const float *)a, q = *(const float *)b;
+    return (p > q) - (p < q);
+}
+
+/* Returns the percentile of sorted values by nearest rank. */
+static double percentile(const float *values, size_t count, double share)
+{
+    const double rank = ceil(share * (double)count);
+    return (double)values[rank < 1 ? 0 : (size_t)rank - 1];
+}
+
+static double deviation_of(const float *values, size_t count)
+{
+    double mean = 0, squares = 0;
+    for (size_t i = 0; i < count; i++)
+        mean += (double)values[i] / (double)count;
+    for (size_t i = 0; i < count; i++)
+        squares += ((double)values[i] - mean) * ((double)values[i] - mean);
+    return count > 1 ? sqrt(squares / (double)(count - 1)) : 0;
+}
+
+int orl_glare_masked_stats(const struct orl_luminances *picture, const float *mask,
+                           struct orl_glare_part *ret_part, struct orl_error *err)
+{
+    static const float inside = 0.1F;
+    const struct orl_view_field *field = picture->field;
+    const size_t count = (size_t)field->width * field->height;
+    struct orl_glare_part part = {0};
+    float *values = malloc(count * sizeof *values);
+    if (!values)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a mask");
+    for (size_t i = 0; i < count; i++) {
+        const double sr = (double)field->solid_angle[i], light = sr * (double)picture->cd_m2[i];
+        if (sr == 0 || !(mask[i] > inside))
+            continue;
+        values[part.pixels++] = picture->cd_m2[i];
+        part.solid_angle_sr += sr;
+        part.mean += light;
+        part.illuminance_lx += light * (double)field->direction[i][2];
+    }
+    if (part.pixels > 0) {
+        qsort(values, part.pixels, sizeof *values, by_size);
+        part.mean /= part.solid_angle_sr;
+        part.median = percentile(values, part.pixels, 0.5);
+        part.percentile_75 = percentile(values, part.pixels, 0.75);
+        part.percentile_95 = percentile(values, part.pixels, 0.95);
+        part.least = (double)values[0];
+        part.most = (double)values[part.pixels - 1];
+        part.deviation = deviation_of(values, part.pixels);
+    }
+    free(values);
+    *ret_part = part;
+    return 0;
+}
+
+int orl_glare_band_stats(const struct orl_luminances *picture, double angle_rad,
+                         struct orl_glare_part *ret_part, struct orl_error *err)
+{
+    const struct orl_view_field *field = picture->field;
+    const uint32_t middle = field->height / 2;
+    const double least = cos(fmin(angle_rad, ORL_PI));
+    float *mask = calloc((size_t)field->width * field->height, sizeof *mask);
+    if (!mask)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a band");
+    for (uint32_t x = 0; x < field->width; x++) {
+        const struct orl_vec3 level = orl_view_field_direction_at(field, x + 0.5, middle + 0.5);
+        for (uint32_t y = 0; y < field->height; y++) {
+            const size_t at = (size_t)y * field->width + x;
+            mask[at] = y == middle || orl_dot(orl_view_field_direction(field, at), level) >= least;
+        }
+    }
+    const int code = orl_glare_masked_stats(picture, mask, ret_part, err);
+    free(mask);
+    return code;
+}
 
 static const double usual_threshold = 2000, usual_factor = 5, most_factor = 100;
 static const double usual_radius_rad = 0.2, usual_peak = 50000;
@@ -167,4 +345,114 @@ double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_
         return 0;
     const double step = settings->directions_deg / (settings->directions - 1);
     return direction * step - settings->directions_deg / 2;
+}
+
+static const double enough = 0.98;
+
+/* Evaluates one line of sight; *ret_held is true if the picture covers enough of the field of view
+ * there. */
+static int evaluate_direction(const struct orl_glare_picture *p,
+                              const struct orl_glare_settings *settings, double turned_deg,
+                              double least_sr, struct orl_glare *ret_glare, bool *ret_covered,
+                              struct orl_error *err)
+{
+    struct orl_view_field field;
+    int code = orl_view_field_init(&field, p->view, p->width, p->height, turned_deg, err);
+    const struct orl_luminances luminances = {&field, p->cd_m2, p->cancel};
+    *ret_covered = field.all_sr >= least_sr;
+    if (code == 0 && *ret_covered)
+        code = orl_glare_evaluate(&luminances, p->mask, settings, ret_glare, err);
+    ret_glare->turned_deg = turned_deg;
+    orl_view_field_done(&field);
+    return code;
+}
+
+int orl_glare_worst_direction(const struct orl_glare_picture *glare_picture,
+                              const struct orl_glare_settings *settings,
+                              struct orl_glare *ret_glare, struct orl_error *err)
+{
+    struct orl_glare worst = {0};
+    bool covered;
+    int code = evaluate_direction(glare_picture, settings, 0, 0, &worst, &covered, err);
+    const double least_sr = enough * worst.field_sr;
+    for (uint32_t i = 0; i < settings->directions && code == 0; i++) {
+        const double turned = orl_glare_rotation_deg(settings, i);
+        struct orl_glare glare = {0};
+        code = evaluate_direction(glare_picture, settings, turned, least_sr, &glare, &covered, err);
+        if (code == 0 && covered &&
+            glare.values[ORL_GLARE_DGP].value > worst.values[ORL_GLARE_DGP].value) {
+            orl_glare_done(&worst);
+            worst = glare;
+        } else {
+            orl_glare_done(&glare);
+        }
+    }
+    if (code == 0)
+        *ret_glare = worst;
+    else
+        orl_glare_done(&worst);
+    return code;
+}
+
+/* Glare of Radiance pictures. */
+
+int orl_glare_read_mask(const struct orl_picture_bytes *bytes, uint32_t width, uint32_t height,
+                        float **ret_mask, struct orl_error *err)
+{
+    struct orl_hdr_picture mask = {0};
+    int code = orl_hdr_read(bytes->name, bytes->data, bytes->size, &mask, err);
+    if (code == 0 && (mask.film.width != width || mask.film.height != height)) {
+        code = orl_error_set(err, ORL_ERR_RANGE, "the mask has %u x %u pixels, the picture %u x %u",
+                             mask.film.width, mask.film.height, width, height);
+        orl_error_at(err, bytes->name, 0, NULL);
+    }
+    if (code == 0) {
+        *ret_mask = orl_film_luminances(&mask.film);
+        if (!*ret_mask)
+            code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a mask");
+    }
+    orl_hdr_done(&mask);
+    return code;
+}
+
+static int evaluate_picture(const struct orl_hdr_picture *picture,
+                            const struct orl_picture_bytes *mask,
+                            const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
+                            struct orl_error *err)
+{
+    float *cd_m2 = orl_film_luminances(&picture->film), *masked = NULL;
+    int code = cd_m2 ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for luminances");
+    if (code == 0 && mask)
+        code = orl_glare_read_mask(mask, picture->film.width, picture->film.height, &masked, err);
+    const struct orl_glare_picture glare_picture = {
+        &picture->view, picture->film.width, picture->film.height, cd_m2, masked, NULL};
+    if (code == 0)
+        code = orl_glare_worst_direction(&glare_picture, settings, ret_glare, err);
+    free(cd_m2);
+    free(masked);
+    return code;
+}
+
+int orl_glare_of_picture(const struct orl_picture_bytes *picture, const char *view,
+                         const struct orl_picture_bytes *mask,
+                         const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
+                         struct orl_error *err)
+{
+    struct orl_hdr_picture hdr = {0};
+    int code = orl_glare_settings_check(settings, err);
+    if (code == 0)
+        code = orl_hdr_read(picture->name, picture->data, picture->size, &hdr, err);
+    if (code < 0)
+        return code;
+    if (view)
+        code = orl_view_parse(view, &hdr.view, err);
+    else if (!hdr.has_view) {
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "the picture has no VIEW line");
+        orl_error_at(err, picture->name, 0, NULL);
+        orl_error_hint(err, "Give its view, such as -vta -vh 180 -vv 180");
+    }
+    if (code == 0)
+        code = evaluate_picture(&hdr, mask, settings, ret_glare, err);
+    orl_hdr_done(&hdr);
+    return code;
 }

@@ -1,4 +1,4 @@
-#include "metrics/pixel_clusters.h"
+#include "metrics/glare_sources.h"
 
 #include <math.h>
 #include <stdbool.h>

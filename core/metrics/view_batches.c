@@ -1,4 +1,4 @@
-#include "metrics/view_batches.h"
+#include "metrics/glare.h"
 
 #include <stdlib.h>
 

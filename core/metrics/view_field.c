@@ -1,4 +1,4 @@
-#include "metrics/view_field.h"
+#include "metrics/glare_sources.h"
 
 #include <stdbool.h>
 #include <stdlib.h>

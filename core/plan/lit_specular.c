@@ -1,10 +1,10 @@
-#include "plan/lit_specular.h"
+#include "plan/decide.h"
 
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
 #include "light/direct.h"
 #include "light/path.h"
 #include "scene/geometry/instances.h"
-#include "scene/material/bounds.h"
+#include "scene/material/scatter.h"
 
 enum { MOST_RAYS = 1 << 18, MOST_SAMPLES = 256, LEAST_SAMPLES = 8, MOST_PANES = 64 };
 enum { WINDOW_SAMPLES = 1024, IMAGE_SAMPLES = 64, MOST_PLACES = 4096 };

@@ -13,6 +13,7 @@
 #include <oriel/job/run.h>
 
 #include "light/lit_scene.h"
+#include "photon/shooting/shoot.h"
 
 struct orl_plan_request {
     const struct orl_job *job; /* its own sensors are ignored in favour of `sensors` */
@@ -30,5 +31,31 @@ struct orl_plan_request {
 int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lights,
                   struct orl_plan *ret_plan, struct orl_lit_scene **ret_lit_scene,
                   struct orl_error *err);
+
+/*
+ * Chooses the number of caustic photons if the job does not give it, from the statistics of a pilot
+ * (photon/shooting/photon_pilot.h), and estimates the cost of a plan's photons.
+ *
+ * The weight of caustics is their share of the light times their contrast where they land. From 5 %
+ * on they get as many photons as the global map. Below that they get fewer, in proportion, since
+ * noise and blur of faint light are faint; but never so few that a kernel is empty. Their rays are
+ * bounded relative to those of the global photons: 0.5 at no weight, 30 more at full weight, and in
+ * between by the square of the weight. A second bound on their rays is half of the global ones,
+ * plus the number for which the light where they land has the least error (Neyman 1934, Journal of
+ * the Royal Statistical Society 97, 558). Beyond that, global photons improve the picture more. The
+ * first bound, or a larger one if caustics outshine the other light there, also limits a job's
+ * request, unless the job asks for an exact number.
+ */
+
+/* Requests up to this number are not worth a pilot. */
+enum { ORL_FEW_PHOTONS = 5000 };
+
+/* Returns true if the job asks for a number of caustic photons that a pilot may reduce. */
+bool orl_plan_bounds_caustics(const struct orl_job *job);
+
+/* Fills the plan's foresight. Sets its caustic photons if the job leaves them open, or asks for
+ * more than pay off. */
+void orl_plan_budget(const struct orl_job *job, const struct orl_photon_pilot *pilot,
+                     struct orl_plan *plan);
 
 #endif

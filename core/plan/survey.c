@@ -1,12 +1,12 @@
-#include "plan/survey.h"
+#include "plan/decide.h"
 
 #include <stdlib.h>
 
-#include "base/sampling/random.h"
-#include "light/sky.h"
-#include "render/film/view.h"
-#include "scene/geometry/surface_offset.h"
-#include "scene/material/bounds.h"
+#include "base/sampling/sampling.h"
+#include "light/daylight/daylight.h"
+#include "render/film/film.h"
+#include "scene/geometry/geometry.h"
+#include "scene/material/scatter.h"
 
 enum { SKY_ROWS = 64, SKY_COLUMNS = 128, TIMED_RAYS = 2048, MOST_SENSORS_LOOKED_AT = 4096 };
 static const double most_tolerance_lx = 0.01, tolerance_of_all = 1e-6;

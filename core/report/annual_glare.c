@@ -1,12 +1,12 @@
 /* Annual glare metrics: rates viewpoints by their hours in use. */
-#include "report/report_builder.h"
+#include "report/report_internal.h"
 
 #include <oriel/annual/annual_report.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/statistics/percent.h"
+#include "base/statistics/numeric.h"
 
 const double orl_glare_bounds[ORL_GLARE_BOUNDS] = {0.35, 0.40, 0.45};
 static const double most_percent = 5;

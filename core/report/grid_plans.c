@@ -1,11 +1,117 @@
-/* Draws metrics of grids as maps on the plan of the scene. */
-#include <oriel/annual/annual_report.h>
-
+/* Computes a grid's value in every step of the year. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/annual/annual_report.h>
+#include <oriel/base/thread_pool.h>
+
+#include "base/statistics/numeric.h"
 #include "render/heat_map/heat_map.h"
-#include "report/unshaded_scene.h"
+#include "report/report_internal.h"
+
+/* Adds a sensor to the sum of each column. Rows of the result are read sequentially. */
+static void add_sensor(const struct orl_annual_rows *rows, enum orl_annual_series series,
+                       double threshold_lx, size_t sensor, struct orl_sum *sums)
+{
+    const float *row = &rows->total_lx[sensor * rows->n_columns];
+    for (size_t k = 0; k < rows->n_columns; k++) {
+        const double lx = row[k];
+        orl_sum_add(&sums[k], rows->area[sensor] *
+                                  (series == ORL_SERIES_MEAN ? lx : 100 * (lx >= threshold_lx)));
+    }
+}
+
+int orl_annual_series_of(const struct orl_annual_report *report,
+                         const struct orl_annual_result *result, size_t grid,
+                         enum orl_annual_series series, double threshold_lx,
+                         const atomic_bool *cancel, float *ret_values)
+{
+    const struct orl_annual_timeline *year = &report->year;
+    const struct orl_annual_rows rows = orl_annual_rows_of(report, result, grid);
+    struct orl_sum *sums = calloc(rows.n_columns + 1, sizeof *sums), area = {0};
+    int code = sums ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < rows.n_sensors && code == 0; i++) {
+        code = orl_is_cancelled(cancel) ? ORL_ERR_CANCELLED : 0;
+        add_sensor(&rows, series, threshold_lx, i, sums);
+        orl_sum_add(&area, rows.area[i]);
+    }
+    for (uint32_t i = 0; i < year->steps.count && code == 0; i++)
+        ret_values[i] = year->measured[i] ? ORL_SUN_DOWN : NAN;
+    for (size_t k = 0; k < year->n_columns && code == 0; k++)
+        ret_values[year->step_of_column[k]] =
+            rows.n_sensors > 0 ? (float)(orl_sum_value(&sums[k]) / orl_sum_value(&area)) : 0;
+    free(sums);
+    return code;
+}
+
+/* Titles of metrics on pages, and their names in file names. */
+
+static const char *when_of(enum orl_annual_when when)
+{
+    static const char *const texts[ORL_WHEN_COUNT] = {"", ", daylight hours", ", all hours"};
+    return texts[when];
+}
+
+void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_text, size_t size)
+{
+    const double low = metric->low_lx, high = metric->high_lx;
+    const char *when = when_of(metric->when);
+    switch (metric->kind) {
+    case ORL_METRIC_DA:
+        snprintf(ret_text, size, "Daylight autonomy at %g lx%s", low, when);
+        break;
+    case ORL_METRIC_CDA:
+        snprintf(ret_text, size, "Continuous daylight autonomy at %g lx%s", low, when);
+        break;
+    case ORL_METRIC_UDI:
+        snprintf(ret_text, size, "Useful daylight, %g to %g lx%s", low, high, when);
+        break;
+    case ORL_METRIC_UDI_LOWER:
+        snprintf(ret_text, size, "Below useful daylight, under %g lx%s", low, when);
+        break;
+    case ORL_METRIC_UDI_PART:
+        snprintf(ret_text, size, "Supplementary daylight, %g to %g lx%s", low, high, when);
+        break;
+    case ORL_METRIC_UDI_UPPER:
+        snprintf(ret_text, size, "Above useful daylight, over %g lx%s", low, when);
+        break;
+    case ORL_METRIC_MEAN:
+        snprintf(ret_text, size, "Mean illuminance%s", when);
+        break;
+    case ORL_METRIC_CUMULATIVE:
+        snprintf(ret_text, size, "Cumulative illuminance%s", when);
+        break;
+    case ORL_METRIC_HOURS:
+        snprintf(ret_text, size, "Hours with %g lx or more%s", low, when);
+        break;
+    case ORL_METRIC_DF:
+        snprintf(ret_text, size, "Daylight factor");
+        break;
+    default:
+        snprintf(ret_text, size, "Direct sunlight above %g lx%s", low, when);
+        break;
+    }
+}
+
+void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_text, size_t size)
+{
+    static const char *const names[ORL_METRIC_KINDS] = {
+        "da",   "cda",        "udi",   "udi_lower",    "udi_part", "udi_upper",
+        "mean", "cumulative", "hours", "direct_hours", "df"};
+    const double low = metric->low_lx, high = metric->high_lx;
+    const char *when = metric->when == ORL_WHEN_DAYLIGHT ? "_daylight"
+                       : metric->when == ORL_WHEN_ALWAYS ? "_year"
+                                                         : "";
+    if (metric->kind == ORL_METRIC_UDI || metric->kind == ORL_METRIC_UDI_PART)
+        snprintf(ret_text, size, "%s%g-%g%s", names[metric->kind], low, high, when);
+    else if (metric->kind == ORL_METRIC_MEAN || metric->kind == ORL_METRIC_CUMULATIVE)
+        snprintf(ret_text, size, "%s%s", names[metric->kind], when);
+    else
+        snprintf(ret_text, size, "%s%g%s", names[metric->kind], low, when);
+}
+
+/* Draws metrics of grids as maps on the plan of the scene. */
 
 struct orl_annual_plans {
     struct orl_scene *scene; /* a reference is held */

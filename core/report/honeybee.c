@@ -7,10 +7,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include <oriel/base/npy.h>
+#include "base/io/out_file.h"
 
 #include "base/io/out_file.h"
-#include "metrics/annual/calendar.h"
+#include "metrics/annual/annual_figures.h"
 
 #define LIGHT_PATH "__static_apertures__"
 enum { PATH_SIZE = 4096, NAME_SIZE = 128 };

@@ -1,6 +1,6 @@
 /* Finds the openings of a scene: clear panes, joined if their ports lie side by side in one plane.
  * Also finds its ground. */
-#include "report/openings.h"
+#include "report/report_internal.h"
 
 #include "scene/geometry/instances.h"
 

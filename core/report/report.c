@@ -1,13 +1,12 @@
 /* Computes metrics and figures of a year, and assembles its report. */
-#include "report/report_builder.h"
+#include "report/report_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/thread_pool.h>
 
-#include "base/statistics/nth_element.h"
-#include "base/statistics/percent.h"
+#include "base/statistics/numeric.h"
 
 _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "metrics/annual/calendar.h"
+#include "metrics/annual/annual_figures.h"
 #include "scene/generate/sky/sun.h"
 
 static const double doubtful_deg = 3;

@@ -8,7 +8,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 enum { MOST_ROWS = ORL_LIMIT_YEAR_ROWS, NAME_SIZE = 80 };
 

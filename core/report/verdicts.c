@@ -1,5 +1,5 @@
 /* Figures of grids, and verdicts on targets. */
-#include "report/report_builder.h"
+#include "report/report_internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "base/statistics/percent.h"
+#include "base/statistics/numeric.h"
 
 struct orl_annual_rows orl_annual_rows_of(const struct orl_annual_report *report,
                                           const struct orl_annual_result *result, size_t grid)

@@ -7,11 +7,10 @@
 #include <string.h>
 
 #include <oriel/annual/annual.h>
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
-#include "base/statistics/nth_element.h"
-#include "report/openings.h"
-#include "report/unshaded_scene.h"
+#include "base/statistics/numeric.h"
+#include "report/report_internal.h"
 
 enum { COLUMNS = 1440, ROWS = 180, MOST_PANES = 64 };
 #define COLUMN_DEG (360.0 / COLUMNS)

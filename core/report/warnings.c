@@ -1,5 +1,5 @@
 /* Warnings about a report that its user should know. */
-#include "report/report_builder.h"
+#include "report/report_internal.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -7,19 +7,14 @@
 
 #include "run/cache/scene_cache.h"
 #include "run/diagnostics/diagnostics.h"
-#include "run/estimate/accuracy_curve.h"
+#include "run/estimate/progress.h"
 #include "run/estimate/round_cost.h"
-#include "run/estimate/run_cost.h"
-#include "run/estimate/stage_progress.h"
 #include "run/goals/rounds.h"
 #include "run/output/output_files.h"
-#include "run/request/grids.h"
-#include "run/request/sensors_file.h"
-#include "run/request/view_lines.h"
+#include "run/request/job_inputs.h"
 #include "run/run_state.h"
 #include "run/stages/run_stages.h"
-#include "run/stages/sensor_run.h"
-#include "scene/material/function_brdf/function_lobes.h"
+#include "scene/material/function_brdf/function_brdf_check.h"
 #include "scene/material/patterns/pattern.h"
 
 static int load_sensors(struct orl_run_state *state, struct orl_error *err)

@@ -7,7 +7,7 @@
 #include "base/statistics/estimate.h"
 #include "photon/emission/emit.h"
 #include "render/gather/gather.h"
-#include "scene/material_override.h"
+#include "scene/surfaces.h"
 
 /* A round of sensors by backward, which continues the sample sequences of earlier rounds. */
 struct orl_sensor_round {

@@ -1,10 +1,9 @@
-#include "scene/material_override.h"
+#include "scene/surfaces.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/arena.h"
-#include "scene/placements.h"
+#include "base/memory/memory.h"
 
 static const char black_name[] = "dark window";
 

@@ -5,9 +5,9 @@
 
 #include <oriel/base/error.h>
 
-#include "base/memory/arena.h"
+#include "base/memory/memory.h"
 #include "scene/material/patterns/pattern.h"
-#include "scene/surface_labels.h"
+#include "scene/surfaces.h"
 
 static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
 {
@@ -96,4 +96,18 @@ void orl_parsed_scene_done(struct orl_parsed_scene *parsed_scene)
     orl_arena_free(parsed_scene->outlines);
     orl_checked_file_close(&parsed_scene->file);
     memset(parsed_scene, 0, sizeof *parsed_scene);
+}
+
+/* Warnings of a description. A file apart from parsed_scene.c because patterns add warnings, and a
+ * description frees patterns. */
+
+void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *text)
+{
+    char *copy = orl_arena_copy_text(parsed_scene->arena, text, strlen(text));
+    char **grown = realloc(parsed_scene->warnings,
+                           (parsed_scene->n_warnings + 1) * sizeof *parsed_scene->warnings);
+    if (grown)
+        parsed_scene->warnings = grown;
+    if (grown && copy)
+        grown[parsed_scene->n_warnings++] = copy;
 }

@@ -1,11 +1,11 @@
-#include "scene/placements.h"
+#include "scene/surfaces.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/arena.h"
+#include "base/memory/memory.h"
 
 const struct orl_quadric orl_quadric_none = {{{0, 0, 0}, {0, 0, 0}}, {0, 0}};
 

@@ -1,9 +1,9 @@
-#include "scene/surface_labels.h"
+#include "scene/surfaces.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 /*
  * Labels are packed one after the other: the name with its NUL, then the difference of its line to

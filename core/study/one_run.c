@@ -1,11 +1,9 @@
-#include "study/one_run.h"
+#include "study/study_runs.h"
 
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "study/study_request.h"
 
 void orl_one_run_done(struct orl_one_run *run)
 {

@@ -1,10 +1,7 @@
-#include "study/series.h"
+#include "study/study_runs.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#include "study/shared_runs.h"
-#include "study/study_cost.h"
 
 void orl_series_done(struct orl_series *series)
 {

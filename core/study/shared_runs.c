@@ -1,4 +1,4 @@
-#include "study/shared_runs.h"
+#include "study/study_runs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -6,10 +6,8 @@
 #include <string.h>
 
 #include "run/distributed/task_work.h"
-#include "run/estimate/run_cost.h"
+#include "run/estimate/progress.h"
 #include "study/speed.h"
-#include "study/study_cost.h"
-#include "study/study_request.h"
 
 /* Version of a task's contents and file layout; raise it when either changes. */
 static const char recipe[] = "oriel study runs 1";

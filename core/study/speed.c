@@ -5,9 +5,9 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "base/sampling/random.h"
-#include "scene/geometry/embree.h"
-#include "scene/material/hemisphere.h"
+#include "base/sampling/sampling.h"
+#include "scene/geometry/intersect.h"
+#include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
 
 struct ray {

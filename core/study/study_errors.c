@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/statistics/sum.h"
+#include "base/statistics/numeric.h"
 
 /* Lower bound of the divisor of differences, as a share of the mean. */
 static const double sensor_floor = 1e-3, pixel_floor = 0.1;

@@ -2,9 +2,9 @@
 
 #include <stdlib.h>
 
-#include "checks/child/mapped_inputs.h"
+#include "checks/child/messages.h"
 #include "process/limits.h"
-#include "uploads/unzip.h"
+#include "uploads/uploads.h"
 #include "json/encode.h"
 
 /* ---- One request ---------------------------------------------------------------------------- */

@@ -1,4 +1,4 @@
-#include "checks/check_pool.h"
+#include "checks/check_client.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -18,10 +18,8 @@
 #include <oriel/base/json_read.h>
 
 #include "checks/child/child_checks.h"
-#include "checks/child/fork_server.h"
-#include "checks/child/sandbox.h"
-#include "checks/frames.h"
-#include "process/sanitized.h"
+#include "checks/child/messages.h"
+#include "process/limits.h"
 #include "json/encode.h"
 
 enum { POLL_MS = 25, VERDICT_BYTES = 1 << 20 };

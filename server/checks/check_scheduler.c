@@ -1,7 +1,6 @@
-#include "checks/check_scheduler.h"
-
 #include "checks/checks.h"
-#include "health/crash_record.h"
+
+#include "health/crash.h"
 #include "process/limits.h"
 #include "process/times.h"
 

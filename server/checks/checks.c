@@ -2,7 +2,6 @@
 
 #include <poll.h>
 
-#include "checks/check_scheduler.h"
 #include "http/response/reply.h"
 #include "process/limits.h"
 #include "process/times.h"

@@ -13,11 +13,11 @@
 
 #include <stdatomic.h>
 #include <stdbool.h>
-
+#include <stdint.h>
 #include <uv.h>
 
-#include "checks/check_pool.h"
-#include "health/memory.h"
+#include "checks/check_client.h"
+#include "health/machine_memory.h"
 #include "http/request/request.h"
 #include "process/config.h"
 
@@ -72,5 +72,39 @@ bool orl_check_finish(struct orl_check *check, int *rc, struct orl_error *err);
 
 /* Cancels checks that ran or waited too long. Called about every second, and at a stop. */
 void orl_checks_sweep(struct orl_checks *checks);
+
+/*
+ * The scheduler of checks. It keeps long or large uploads of one client from delaying others:
+ *
+ * - The waiting client with the fewest running checks goes first, then the one that came first. If
+ *   there are several clients, none gets all the slots.
+ * - A check gets a small memory grant at first (ORL_SERVER_CHECK_FIRST, or its slot's share of the
+ *   free memory). If that is not enough, its larger grant still leaves some memory for the others.
+ * - A check is long if it has run for more than ORL_SERVER_CHECK_QUICK_MS, or has the larger grant.
+ *   One slot is reserved for quick checks. If long checks hold all slots while another check waits,
+ *   the last one started yields. It runs again from its start, in one of the other slots, and
+ *   yields no more.
+ *
+ * If n clients have checks waiting, the quick check of another client waits for about n *
+ * ORL_SERVER_CHECK_QUICK_MS at most.
+ *
+ * Threads: the loop thread.
+ */
+
+struct orl_check;
+struct orl_checks;
+
+/* Returns the largest memory grant of one check, bytes. */
+uint64_t orl_check_memory_limit(const struct orl_checks *checks);
+
+/* Appends the check to the waiting list. */
+void orl_check_enqueue(struct orl_checks *checks, struct orl_check *check);
+/* Queues the checks whose turn has come on the pool. Cancelled ones are queued too, so that they
+ * end with an error. */
+void orl_checks_start(struct orl_checks *checks);
+/* Removes the check from the running ones; does not start the next one. */
+void orl_check_remove_running(struct orl_checks *checks, struct orl_check *check);
+/* Cancels one running check so that it yields, if a waiting check needs its slot. */
+void orl_checks_preempt(struct orl_checks *checks);
 
 #endif

@@ -1,4 +1,4 @@
-#include "checks/job_inputs.h"
+#include "checks/job_manifest.h"
 
 #include <string.h>
 

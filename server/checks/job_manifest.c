@@ -7,8 +7,8 @@
 #include <oriel/base/json_read.h>
 #include <oriel/base/limits.h>
 
-#include "jobs/job_dedup.h"
-#include "runner/estimate/job_kinds.h"
+#include "jobs/job_results.h"
+#include "runner/estimate/job_estimate.h"
 #include "runner/job_output.h"
 
 void orl_job_manifest_done(struct orl_job_manifest *manifest)

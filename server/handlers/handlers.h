@@ -5,6 +5,9 @@
 #ifndef ORL_SERVER_HANDLERS_HANDLERS_H
 #define ORL_SERVER_HANDLERS_HANDLERS_H
 
+#include <stdio.h>
+
+#include "http/context.h"
 #include "http/request/request.h"
 
 /* handle_service.c: the daemon's index, state, limits and contract */
@@ -62,5 +65,29 @@ void orl_handle_all_events(struct orl_request *request);
 /* handle_maps.c */
 void orl_handle_map_list(struct orl_request *request);
 void orl_handle_map_delete(struct orl_request *request);
+
+/* The daemon's resources: the table of all routes with their handlers. */
+
+extern const struct orl_routes orl_routes;
+
+/*
+ * Paged lists: their arguments, and the link to the next page (RFC 8288). Threads: the loop thread
+ * only.
+ */
+
+/* Reads the argument limit, if given, from 1 to ORL_SERVER_LIST; an answer may have fewer items.
+ * Returns false after a 400. */
+bool orl_page_limit(struct orl_request *request, unsigned long *ret_limit);
+
+/* Replies 400: an argument of the query is invalid. wanted: what it must be. Returns false. */
+bool orl_page_refuse(struct orl_request *request, const char *wanted);
+
+/*
+ * Adds the header Link: <path?arguments&cursor=CURSOR>; rel="next" to the reply made. The arguments
+ * are those of the request that names lists (ends with NULL). CURSOR may have letters, digits, '-'
+ * and '.'.
+ */
+void orl_page_link(struct orl_request *request, const char *path, const char *const *names,
+                   const char *cursor);
 
 #endif

@@ -1,9 +1,9 @@
-#include "handlers/pagination.h"
+#include "handlers/handlers.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "http/request/query.h"
+#include "http/request/parse_request.h"
 #include "http/response/reply.h"
 #include "process/limits.h"
 

@@ -1,6 +1,5 @@
-#include "handlers/routes.h"
-
 #include "handlers/handlers.h"
+
 #include "health/metrics.h"
 #include "process/limits.h"
 

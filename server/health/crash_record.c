@@ -1,4 +1,4 @@
-#include "health/crash_record.h"
+#include "health/crash.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -6,14 +6,37 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
+#include <sys/mman.h>
 
-#include "health/crash_report.h"
-#include "process/sanitized.h"
-#include "process/signal_stack.h"
+#include "process/limits.h"
+#include "process/signals.h"
+
+void orl_kernel_boot_id(char ret_id[ORL_BOOT_ID])
+{
+    ret_id[0] = '\0';
+    FILE *file = orl_fopen_regular("/proc/sys/kernel/random/boot_id", 'r');
+    if (file && fgets(ret_id, ORL_BOOT_ID, file))
+        ret_id[strcspn(ret_id, "\n")] = '\0';
+    if (file)
+        fclose(file);
+}
+
+uint64_t orl_kernel_oom_kills(void)
+{
+    static const char name[] = "oom_kill ";
+    uint64_t kills = UINT64_MAX;
+    char line[128];
+    FILE *file = orl_fopen_regular("/proc/vmstat", 'r');
+    while (file && kills == UINT64_MAX && fgets(line, sizeof line, file))
+        if (strncmp(line, name, sizeof name - 1) == 0)
+            kills = strtoull(line + sizeof name - 1, NULL, 10);
+    if (file)
+        fclose(file);
+    return kills;
+}
 
 static struct orl_previous_exit *page; /* mapped from the file and shared with it; NULL: none */
 static _Thread_local const char *current_job;

@@ -1,4 +1,4 @@
-#include "health/shutdown_timeout.h"
+#include "health/crash.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -9,8 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "health/crash_record.h"
-#include "health/crash_report.h"
 #include "process/limits.h"
 
 enum { SIGNALS = 65 };

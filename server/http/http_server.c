@@ -11,9 +11,7 @@
 #include <unistd.h>
 
 #include "http/connection/connections.h"
-#include "http/connection/tls.h"
 #include "http/context.h"
-#include "http/serve.h"
 #include "process/limits.h"
 
 enum { SWEEP_MS = 1000 };

@@ -1,4 +1,4 @@
-#include "http/router.h"
+#include "http/context.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,16 +1,14 @@
-#include "http/serve.h"
+#include "http/http_server.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "http/access/access.h"
-#include "http/access/cors.h"
 #include "http/connection/connections.h"
 #include "http/context.h"
-#include "http/request/framing.h"
+#include "http/request/parse_request.h"
 #include "http/response/reply.h"
-#include "http/router.h"
 #include "process/limits.h"
 #include "process/times.h"
 

@@ -1,10 +1,9 @@
-#include "jobs/job_list.h"
+#include "jobs/job_runs.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs/job_runs.h"
 #include "process/limits.h"
 
 /* Ids are random hexadecimal digits, so the first few serve as the hash. */

@@ -2,7 +2,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs/job_list.h"
 #include "jobs/job_results.h"
 #include "jobs/job_runs.h"
 #include "process/limits.h"

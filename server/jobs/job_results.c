@@ -8,8 +8,7 @@
 
 #include "jobs/job_runs.h"
 #include "process/times.h"
-#include "store/files/async_remove.h"
-#include "store/files/orphans.h"
+#include "store/files/removal.h"
 
 static void results_path(const struct orl_jobs *jobs, const char *id, char ret_path[ORL_PATH_MAX])
 {

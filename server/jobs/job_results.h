@@ -49,4 +49,56 @@ void orl_job_results_remove_files(const struct orl_jobs *jobs, const char *id);
 /* Runs at the start: counts stored results, and removes those that belong to no successful job. */
 void orl_job_results_sweep(struct orl_jobs *jobs);
 
+/*
+ * Identical jobs share one computation: the first leads, the others follow it. Each has an id, a
+ * state and results of its own.
+ *
+ * Jobs are identical if their documents ask for identical results, regardless of the order of
+ * members and the priority. They share from the arrival of the second until the computation ends; a
+ * job that arrives later is computed anew. The leader owns the place in the queue and the worker. A
+ * leader that is cancelled while others follow still leads, as cancelled, until the computation
+ * ends. Partial results go to the last job that is cancelled; jobs cancelled before it get none.
+ *
+ * Threads: the loop thread only, except for orl_dedup_identity.
+ */
+
+/* Computes the digest of a document's request; "" if it cannot be computed. Any thread. */
+void orl_dedup_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX]);
+
+/* follow: makes job a follower of leader. leave: takes it out again. */
+void orl_dedup_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job);
+void orl_dedup_leave(struct orl_jobs_job *job);
+
+/* Gives a job the results of another: links to the same files, in a folder of its own. */
+int orl_dedup_link_results(const struct orl_folders *folders, const char *from, const char *to,
+                           struct orl_error *err);
+
+/*
+ * Copies a computation's results to the jobs that follow its leader. This runs on the pool, as
+ * there may be thousands of files. Internal to jobs.h; its rules apply.
+ *
+ * Meanwhile the leader is `finishing`: it neither ends nor is removed, and no job joins it. A
+ * follower that leaves before the end gets no results.
+ *
+ * Threads: the loop thread only.
+ */
+
+struct orl_result_fanout;
+
+/* Called when the copies are made. fanout is valid during the call. */
+typedef void orl_result_fanout_done(struct orl_jobs_job *leader,
+                                    const struct orl_worker_outcome *outcome,
+                                    const struct orl_result_fanout *fanout);
+
+/* Starts the copies. done is called in a later turn of the loop, with a copy of outcome. Returns
+ * false if there are no followers or no memory; done is not called then. */
+bool orl_result_fanout_start(struct orl_jobs_job *leader, const struct orl_worker_outcome *outcome,
+                             orl_result_fanout_done *done);
+
+/* Returns the error of a job's copy, or 0. If fanout (may be NULL) does not have the job, makes its
+ * copy now. */
+int orl_result_fanout_find(const struct orl_result_fanout *fanout,
+                           const struct orl_jobs_job *leader, const struct orl_jobs_job *job,
+                           struct orl_error *ret_err);
+
 #endif

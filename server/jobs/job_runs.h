@@ -67,4 +67,47 @@ void orl_runs_end_memory_wait(const struct orl_jobs_job *job);
 /* Starts as many jobs as may run. */
 void orl_runs_start_next(struct orl_jobs *jobs);
 
+/*
+ * The list of jobs: by age, by id, and counts by state. Also the functions of jobs.h that only read
+ * jobs. Threads: the loop thread only.
+ */
+
+/* Adds a job as the newest one. */
+void orl_job_list_add(struct orl_jobs *jobs, struct orl_jobs_job *job);
+void orl_job_list_remove(struct orl_jobs *jobs, struct orl_jobs_job *job);
+
+/* Gives the job copies of name and tags (NULL: none). ORL_ERR_NOMEM. */
+int orl_job_set_labels(struct orl_jobs_job *job, const char *name, const char *tags);
+
+/* Frees a job that is not in the list; NULL is allowed. */
+void orl_job_free(struct orl_jobs_job *job);
+
+/*
+ * Bounds on jobs in time: how long a job may run, and how long and how many ended jobs are kept.
+ * Internal to jobs.h; its rules apply.
+ */
+
+/* Enforces the bounds; called about every second. Logs news of jobs' parts, and stops jobs that run
+ * too long. Removes the oldest ended jobs that are too many or too old, a few at a time. Results
+ * that were not fetched yet are spared, as from eviction (storage.h). */
+void orl_jobs_enforce_limits(struct orl_jobs *jobs);
+
+/*
+ * Stores the BSDF that a job has made, so that scenes can name it by its id. It is stored before
+ * the job becomes succeeded, so clients that see that state find it. Internal to jobs.h; its rules
+ * apply.
+ *
+ * Meanwhile the job is `finishing`, as in result_fanout.h. A job whose BSDF cannot be stored fails.
+ *
+ * Threads: the loop thread only; the file's blob is made on the pool.
+ */
+
+typedef void orl_job_bsdf_done(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome);
+
+/* Starts to store the BSDF. done is called in a later turn of the loop, with a copy of outcome. The
+ * copy has no bsdf, and its code and err report a failure. Returns false if the outcome has no
+ * BSDF; done is not called then. */
+bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                        orl_job_bsdf_done *done);
+
 #endif

@@ -25,14 +25,14 @@
 #include <uv.h>
 
 #include "cache/map_cache.h"
-#include "health/crash_record.h"
-#include "health/memory.h"
+#include "health/crash.h"
+#include "health/machine_memory.h"
 #include "jobs/job_queue.h"
 #include "process/log.h"
 #include "runner/worker/worker.h"
-#include "store/durability/wal_sync.h"
+#include "store/durability/wal.h"
 #include "store/files/blobs.h"
-#include "store/rows/retention_clock.h"
+#include "store/files/removal.h"
 #include "store/rows/stored_jobs.h"
 
 struct orl_jobs;

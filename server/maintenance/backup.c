@@ -1,4 +1,4 @@
-#include "maintenance/backup.h"
+#include "maintenance/scrub.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 #include <oriel/base/sha256.h>
 
 #include "process/times.h"

@@ -1,4 +1,4 @@
-#include "maintenance/disk_reserve.h"
+#include "maintenance/storage.h"
 
 #include <fcntl.h>
 #include <stdint.h>
@@ -6,7 +6,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
 /* Returns the free bytes. If the file system does not report them, assumes unlimited space. */
 static int64_t free_bytes(const struct orl_disk_reserve *reserve)

@@ -3,20 +3,48 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 #include <oriel/job/run.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 
-#include "process/signal_stack.h"
+#include "process/signals.h"
 #include "process/times.h"
-#include "store/files/verified_files.h"
+#include "store/files/stored_files.h"
+
+enum { NAMED = 8 };
+
+void orl_missing_files_log(struct orl_db *db, const struct orl_folders *folders,
+                           const struct orl_log *log)
+{
+    char path[ORL_PATH_MAX];
+    int64_t count = 0;
+    sqlite3_stmt *stmt = orl_db_prepare(
+        db, NULL,
+        "SELECT 'blobs/' || substr(sha, 1, 2) || '/' || sha FROM (SELECT blob AS sha FROM "
+        "scene_files UNION SELECT id FROM bsdfs UNION SELECT document FROM jobs) "
+        "UNION ALL SELECT 'results/' || id FROM jobs WHERE outcome IS NOT NULL AND "
+        "evicted_ms IS NULL AND state IN ('succeeded', 'cancelled')",
+        "");
+    while (stmt && sqlite3_step(stmt) == SQLITE_ROW) {
+        orl_folders_path(folders, path, "%s", orl_db_text(stmt, 0));
+        if (access(path, F_OK) == 0)
+            continue;
+        if (count++ < NAMED)
+            orl_log_event(log, ORL_LOG_ERROR, "file-missing", "s", "file", orl_db_text(stmt, 0));
+    }
+    sqlite3_finalize(stmt);
+    if (count > 0)
+        orl_log_event(log, ORL_LOG_ERROR, "files-missing", "is", "count", count, "hint",
+                      "put them back from a backup; an upload that is sent again mends its own");
+}
 
 /* ---- One pass ------------------------------------------------------------------------------- */
 

@@ -14,6 +14,8 @@
 
 #include "cache/map_cache.h"
 #include "process/log.h"
+#include "store/database/db.h"
+#include "store/files/folders.h"
 #include "store/files/stored_files.h"
 
 struct orl_scrub_totals {
@@ -46,5 +48,38 @@ void orl_scrub_thread_stop(struct orl_scrub_thread *scrub_thread); /* NULL is al
 void orl_scrub_thread_poll(struct orl_scrub_thread *scrub_thread);
 /* Returns the totals since the start. */
 struct orl_scrub_totals orl_scrub_thread_totals(struct orl_scrub_thread *scrub_thread);
+
+/*
+ * Makes a consistent copy of a data folder, with or without a running daemon. It copies the
+ * database at one moment, and the files that its rows name, each checked against its digest. Files
+ * that were removed during the copy, or are damaged, are removed from the copy's database too.
+ * Photon maps and loaded BSDFs are left out, since they can be made again.
+ *
+ * The copy is a data folder: a daemon started on it (better: on a copy of it) continues from there.
+ */
+
+struct orl_backup_totals {
+    uint64_t files, bytes;
+    uint64_t gone;    /* removed during the copy */
+    uint64_t damaged; /* damaged in the store: left out and passed to found */
+};
+
+/* Copies the folder data to a new folder. Synced when it returns. */
+int orl_backup(const char *data, const char *to,
+               void (*found)(const struct orl_stored_file *file, const struct orl_error *why),
+               struct orl_backup_totals *ret_totals, struct orl_error *err);
+
+/* A check at the start for files that the database names but that do not exist. */
+
+/* Logs how many uploads and results are missing, and the first few names. Their rows stay: sending
+ * an upload again repairs it, and files may be restored. It checks only that files exist; the scrub
+ * checks their bytes. */
+void orl_missing_files_log(struct orl_db *db, const struct orl_folders *folders,
+                           const struct orl_log *log);
+
+/* `orield scrub` and `orield backup`: check or copy the stored data. */
+
+/* Runs the command; argv[0] is the verb. Returns the process's status. */
+int orl_store_command(int argc, char **argv);
 
 #endif

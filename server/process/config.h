@@ -1,17 +1,60 @@
-/* The daemon's settings, from its arguments and the environment (ORIEL_DATA). */
+/*
+ * Web origins as browsers write them in the Origin header (RFC 6454, 6.2): "https://tool.example",
+ * "http://localhost:3000". Scheme and host are in lower case, the port is given only if it is not
+ * the scheme's default, and nothing follows. Origins that differ in a byte are different; a dot at
+ * the end of the name makes another. Threads: any.
+ */
 #ifndef ORL_SERVER_PROCESS_CONFIG_H
 #define ORL_SERVER_PROCESS_CONFIG_H
 
-#include <netinet/in.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 
+#include <netinet/in.h>
 #include <oriel/base/error.h>
 
 #include "process/limits.h"
 #include "process/log.h"
-#include "process/runner_options.h"
+
+enum { ORL_ORIGIN_MAX = 300 }; /* bytes: the longest name that DNS has, and a port */
+
+/* Checks an origin. ORL_ERR_INVALID, with a sentence, for text that no browser sends: "*", "null",
+ * a path, ... */
+int orl_origin_check(const char *text, struct orl_error *err);
+
+/* Returns true if the origin equals one of the list, byte for byte. */
+bool orl_origin_is_listed(const char *origin, const char *const *list, size_t count);
+
+/* The daemon's options for large jobs: run here, or in parts by Slurm. */
+
+enum { ORL_RUNNER_WORDS = 32, ORL_RUNNER_NAMED = 4 };
+
+struct orl_runner_options {
+    bool slurm;
+    /* Borrowed from argv; NULL: not given. */
+    const char *shared;                  /* folder that all nodes can access */
+    const char *named[ORL_RUNNER_NAMED]; /* sbatch options: partition, account, qos, constraint */
+    const char *words[ORL_RUNNER_WORDS]; /* further sbatch options, passed on unchanged */
+    size_t n_words;
+    uint32_t parts;        /* parts of a round, which is also the number of concurrent tasks */
+    uint32_t part_threads; /* threads of each part */
+    uint32_t least_s;      /* jobs with less work than these seconds of one core run here */
+    bool any;              /* true if any of these options was given */
+};
+
+/* Names of the sbatch options in `named`: "partition", ... */
+extern const char *const orl_runner_named[ORL_RUNNER_NAMED];
+
+void orl_runner_options_init(struct orl_runner_options *options);
+/* Applies an argument. *ret_known: true if it is one of these options. */
+int orl_runner_options_apply(struct orl_runner_options *options, const char *name,
+                             const char *value, bool *ret_known, struct orl_error *err);
+/* Checks the options against each other. */
+int orl_runner_options_check(const struct orl_runner_options *options, struct orl_error *err);
+
+/* The daemon's settings, from its arguments and the environment (ORIEL_DATA). */
 
 #define ORL_DEFAULT_DATA "oriel-data"
 

@@ -7,8 +7,6 @@
 
 #include <oriel/base/limits.h>
 
-#include "process/sanitized.h"
-
 #define ORL_SERVER_SCENE_BYTES (4UL << 30)       /* body of one scene upload */
 #define ORL_SERVER_ZIP_ENTRIES 4096U             /* entries of one zip, including folders */
 #define ORL_SERVER_ZIP_RATIO 200UL               /* unpacked bytes per byte of a zip, beyond ... */
@@ -61,5 +59,18 @@
 #define ORL_SERVER_SCRUB_RATE (4UL << 20)           /* scrubbed bytes/s (default) */
 #define ORL_SERVER_MEMORY_CACHE_BYTES (256UL << 20) /* memory cache shared by jobs (default) */
 #define ORL_SERVER_ATTEMPTS 3 /* times that a job may end the daemon before it fails */
+
+/* 1 in a build with AddressSanitizer or ThreadSanitizer, otherwise 0. */
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define ORL_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define ORL_SANITIZED 1
+#endif
+#endif
+#ifndef ORL_SANITIZED
+#define ORL_SANITIZED 0
+#endif
 
 #endif

@@ -1,4 +1,4 @@
-#include "process/origin.h"
+#include "process/config.h"
 
 #include <arpa/inet.h>
 #include <stdlib.h>

@@ -1,7 +1,64 @@
 #include "process/signals.h"
 
+#include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <oriel/job/run.h>
+
+#include "process/limits.h"
+
+/* Space for a signal frame with all vector registers (up to 11 kB) and for unwinding. */
+static _Thread_local _Alignas(16) char stack[32 << 10];
+static _Thread_local bool installed;
+
+void orl_signal_stack_install(void)
+{
+    const stack_t other = {.ss_sp = stack, .ss_size = sizeof stack};
+    if (!ORL_SANITIZED && !installed)
+        installed = sigaltstack(&other, NULL) == 0;
+}
+
+struct preparing {
+    pthread_barrier_t all; /* keeps a thread from taking two of the works */
+    unsigned n_left;
+    uv_work_t works[];
+};
+
+static void prepare_thread(uv_work_t *work)
+{
+    struct preparing *preparing = work->data;
+    orl_signal_stack_install();
+    orl_prepare_thread(NULL);
+    pthread_barrier_wait(&preparing->all);
+}
+
+static void end_preparing(uv_work_t *work, int status)
+{
+    struct preparing *preparing = work->data;
+    (void)status;
+    if (--preparing->n_left > 0)
+        return;
+    pthread_barrier_destroy(&preparing->all);
+    free(preparing);
+}
+
+void orl_uv_pool_prepare(uv_loop_t *loop, unsigned n_threads)
+{
+    struct preparing *preparing =
+        calloc(1, sizeof *preparing + n_threads * sizeof *preparing->works);
+    if (!preparing)
+        return;
+    pthread_barrier_init(&preparing->all, NULL, n_threads);
+    preparing->n_left = n_threads;
+    for (unsigned i = 0; i < n_threads; i++) {
+        preparing->works[i].data = preparing;
+        uv_queue_work(loop, &preparing->works[i], prepare_thread, end_preparing);
+    }
+}
 
 enum { SIGNALS = 3 };
 

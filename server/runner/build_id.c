@@ -1,4 +1,4 @@
-#include "runner/build_id.h"
+#include "runner/checkpoints.h"
 
 #include <elf.h>
 #include <link.h>

@@ -11,10 +11,10 @@
 
 #include <oriel/base/sha256.h>
 
-#include "store/files/mapped_file.h"
-#include "store/files/orphans.h"
+#include "store/files/folders.h"
+#include "store/files/removal.h"
 #include "store/files/scene_bundle.h"
-#include "view/picture_json.h"
+#include "view/view_json.h"
 #include "json/encode.h"
 
 static void path_below(const char *folder, const char *before, const char *name, const char *ending,

@@ -10,12 +10,11 @@
 #include <oriel/base/sha256.h>
 #include <oriel/base/thread_pool.h>
 
-#include "chart/study_chart.h"
+#include "chart/charts.h"
 #include "job/study_json.h"
 #include "result/result_json.h"
-#include "result/skies_result_json.h"
-#include "runner/estimate/job_kinds.h"
-#include "store/files/mapped_file.h"
+#include "runner/estimate/job_estimate.h"
+#include "store/files/folders.h"
 #include "json/decode.h"
 #include "json/encode.h"
 

@@ -1,4 +1,4 @@
-#include "uploads/incoming.h"
+#include "uploads/uploads.h"
 
 #include <errno.h>
 #include <fcntl.h>

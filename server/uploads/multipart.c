@@ -1,4 +1,4 @@
-#include "uploads/multipart.h"
+#include "uploads/uploads.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -7,8 +7,6 @@
 #include <strings.h>
 
 #include "process/limits.h"
-#include "uploads/incoming.h"
-#include "uploads/unzip.h"
 
 enum { PROCESSOR_BUFFER = 64 << 10, FEED_BYTES = 1 << 20 };
 

@@ -1,4 +1,4 @@
-#include "uploads/unzip.h"
+#include "uploads/uploads.h"
 
 #include <archive.h>
 #include <archive_entry.h>
@@ -13,7 +13,6 @@
 
 #include "process/limits.h"
 #include "project/main_files.h"
-#include "uploads/incoming.h"
 
 enum { CHUNK = 64 << 10 };
 

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-#include "handlers/routes.h"
+#include "handlers/handlers.h"
 #include "support/certificate.h"
 #include "support/daemon.h"
 

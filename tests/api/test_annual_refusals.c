@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "process/sanitized.h"
+#include "process/limits.h"
 #include "support/room.h"
 #include "support/year_room.h"
 

@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "http/connection/address.h"
+#include "http/connection/connections.h"
 #include "process/limits.h"
 #include "support/daemon.h"
 #include "support/patience.h"

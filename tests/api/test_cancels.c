@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "process/sanitized.h"
+#include "process/limits.h"
 
 static void test_every_kind(void **state)
 {

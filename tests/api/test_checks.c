@@ -15,8 +15,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "checks/child/sandbox.h"
-#include "process/sanitized.h"
+#include "checks/child/child_checks.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 #include "support/daemon_metric.h"
 #include "support/patience.h"

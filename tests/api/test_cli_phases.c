@@ -15,10 +15,10 @@
 #include <string.h>
 
 #include <oriel/annual/annual_phases.h>
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
-#include "annual/matrices/matrix_file.h"
-#include "bsdf/matrix/basis.h"
+#include "annual/matrices/imported_matrices.h"
+#include "bsdf/matrix/matrix.h"
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"
 #include "support/room.h"

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "process/sanitized.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 #include "support/storage.h"
 

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "handlers/routes.h"
+#include "handlers/handlers.h"
 
 static void test_contract(void **state)
 {

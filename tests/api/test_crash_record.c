@@ -13,8 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "health/crash_record.h"
-#include "process/sanitized.h"
+#include "health/crash.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 #include "support/daemon_metric.h"
 #include "support/scene_text.h"

@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "checks/job_manifest.h"
-#include "process/sanitized.h"
+#include "process/limits.h"
 #include "support/cli.h"
 #include "support/room.h"
 #include "support/year_room.h"

@@ -18,15 +18,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
 #include "base/io/checked_file.h"
 #include "base/io/out_file.h"
-#include "http/connection/tls.h"
+#include "http/connection/connections.h"
 #include "photon/map/map.h"
 #include "run/cache/word_file.h"
 #include "store/files/folders.h"
-#include "store/files/mapped_file.h"
 #include "support/cli.h"
 #include "support/storage.h"
 

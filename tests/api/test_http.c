@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "handlers/routes.h"
+#include "handlers/handlers.h"
 #include "support/daemon.h"
 
 static void test_service_routes(void **state)

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "process/sanitized.h"
+#include "process/limits.h"
 #include "support/daemon.h"
 
 /* Uploads the room without light sources, with files of sensors and weather. */

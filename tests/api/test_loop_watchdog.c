@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "health/loop_watchdog.h"
+#include "health/metrics.h"
 
 static sem_t gate;
 

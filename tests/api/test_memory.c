@@ -14,8 +14,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "health/memory.h"
-#include "process/sanitized.h"
+#include "health/machine_memory.h"
+#include "process/limits.h"
 #include "store/files/folders.h"
 #include "support/daemon.h"
 

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "handlers/routes.h"
+#include "handlers/handlers.h"
 #include "support/daemon.h"
 #include "support/http_wire.h"
 

@@ -12,7 +12,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "health/crash_record.h"
+#include "health/crash.h"
 #include "support/daemon.h"
 
 enum { PHOTONS = 20000, MANY_PHOTONS = 100000000, SOME_PHOTONS = 2000000 };

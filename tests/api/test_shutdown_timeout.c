@@ -12,9 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "health/crash_record.h"
+#include "health/crash.h"
 #include "process/limits.h"
-#include "process/sanitized.h"
 #include "support/daemon.h"
 #include "support/patience.h"
 #include "support/scene_text.h"

@@ -16,7 +16,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "support/cluster.h"
 #include "support/parted_daemon.h"
 #include "support/patience.h"

@@ -13,7 +13,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "store/files/mapped_file.h"
+#include "store/files/folders.h"
 #include "store/files/scene_bundle.h"
 #include "support/daemon.h"
 #include "support/patience.h"

@@ -12,8 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "process/sanitized.h"
-#include "runner/estimate/job_memory.h"
+#include "process/limits.h"
+#include "runner/estimate/job_estimate.h"
 #include "support/cli.h"
 #include "support/room.h"
 

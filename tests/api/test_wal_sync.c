@@ -15,7 +15,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "store/durability/wal_sync.h"
+#include "store/durability/wal.h"
 #include "store/rows/scenes.h"
 #include "support/data_folder.h"
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/io/checksum.h"
-#include "run/request/sensors_file.h"
+#include "base/io/checked_file.h"
+#include "run/request/job_inputs.h"
 
 static char materials[] = "materials.rad", room[] = "room.rad", ground[] = "ground.rad",
             glazing[] = "glazing.rad", glass[] = "upper_glass.rad", panel[] = "panel.rad",

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include <oriel/base/units.h>
 #include <oriel/base/vec.h>
 
 #include "bench/bench.h"

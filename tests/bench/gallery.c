@@ -17,7 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "bench/canvas.h"
 #include "bench/compare.h"

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "bench/compare.h"
-#include "run/request/sensors_file.h"
+#include "run/request/job_inputs.h"
 
 enum { MOST_ARGUMENTS = 64, COMMAND_BYTES = 1024 };
 

@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "bench/scale.h"
-#include "photon/density/density_search.h"
-#include "photon/map/normal_code.h"
+#include "photon/density/density_estimate.h"
+#include "photon/map/quantization.h"
 
 enum { NEIGHBOURS = 50, QUERIES = 40000 };
 

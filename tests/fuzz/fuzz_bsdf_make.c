@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf_json/bsdf_make_json.h"
+#include "bsdf_json/bsdf_json.h"
 #include "fuzz/fuzz.h"
 #include "json/decode.h"
 

@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "bsdf/compiled_bsdf.h"
+#include "bsdf/loaded_bsdf.h"
 #include "fixtures/bsdf_make.h"
 #include "fuzz/fuzz.h"
 

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/request/framing.h"
+#include "http/request/parse_request.h"
 #include "support/wire.h"
 
 struct seen {

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "function/function.h"
-#include "function/ray_names.h"
 #include "fuzz/fuzz.h"
 
 static const double arguments[] = {1, -2, .5};

@@ -2,7 +2,7 @@
  * luminaire tables. */
 #include "fuzz/fuzz.h"
 #include "scene/grid/grid.h"
-#include "scene/parse/luminaire/lamp_table.h"
+#include "scene/parse/luminaire/luminaires.h"
 
 static bool try_grid(int code, struct orl_grid *grid, const struct orl_error *err)
 {

@@ -11,7 +11,7 @@
 #include "fuzz/fuzz.h"
 #include "honeybee/hbjson.h"
 #include "project/project.h"
-#include "run/request/sensors_file.h"
+#include "run/request/job_inputs.h"
 #include "json/decode.h"
 
 enum { MOST_FILES = 64 };

@@ -6,7 +6,7 @@
 #include <oriel/job/glare.h>
 
 #include "fuzz/fuzz.h"
-#include "render/film/read_hdr.h"
+#include "render/film/image_files.h"
 
 static void check_glare(const uint8_t *data, size_t size)
 {

@@ -10,9 +10,9 @@
 #include "fuzz/fuzz.h"
 #include "job/job_json.h"
 #include "job/study_json.h"
-#include "light/daylight.h"
-#include "render/film/view.h"
-#include "study/study_request.h"
+#include "light/daylight/daylight.h"
+#include "render/film/film.h"
+#include "study/study_runs.h"
 #include "json/decode.h"
 
 static void check_rays(const struct orl_view *view)

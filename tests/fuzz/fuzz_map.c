@@ -13,9 +13,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "base/io/checksum.h"
+#include "base/io/checked_file.h"
 #include "fuzz/fuzz.h"
-#include "photon/density/leaf_irradiance.h"
+#include "photon/density/irradiance_tables.h"
 #include "photon/map/map_layout.h"
 
 enum { MEND_SIGN = 1, MEND_FIT = 2, VERIFY = 4, COUNT_MASK = 1023 };

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/matrices/matrix_file.h"
+#include "annual/matrices/imported_matrices.h"
 #include "fuzz/fuzz.h"
 
 bool fuzz_matrix(const uint8_t *data, size_t size)

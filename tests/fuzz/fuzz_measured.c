@@ -8,7 +8,7 @@
 #include <oriel/bsdf/bsdf.h>
 #include <oriel/bsdf/bsdf_fit.h>
 
-#include "bsdf/fit/measurements/rows.h"
+#include "bsdf/fit/measurements/measurements.h"
 #include "fuzz/fuzz.h"
 
 static void check_rows(const struct orl_fit_data *data)

@@ -8,7 +8,7 @@
 #include "../../server/process/limits.h" /* full path, because this folder also has a limits.h */
 #include "fuzz/fuzz.h"
 #include "support/wire.h"
-#include "uploads/multipart.h"
+#include "uploads/uploads.h"
 
 static struct orl_folders folders;
 

@@ -10,7 +10,7 @@
 #include <oriel/annual/annual_metrics.h>
 
 #include "fuzz/fuzz.h"
-#include "metrics/annual/calendar.h"
+#include "metrics/annual/annual_figures.h"
 
 enum { LEAP = 1, HALF_HOURS = 2, NUMBERS_FOLLOW = 4, TIMES_FOLLOW = 8, MOST_LINE = 32 };
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/response/range.h"
+#include "http/request/parse_request.h"
 
 bool fuzz_range(const uint8_t *data, size_t size)
 {

@@ -5,7 +5,7 @@
 #include <jansson.h>
 
 #include "fuzz/fuzz.h"
-#include "project/rif.h"
+#include "project/project.h"
 
 bool fuzz_rif(const uint8_t *data, size_t size)
 {

@@ -8,9 +8,8 @@
 #include <string.h>
 
 #include "fuzz/fuzz.h"
-#include "http/request/framing.h"
-#include "http/request/query.h"
-#include "http/router.h"
+#include "http/context.h"
+#include "http/request/parse_request.h"
 #include "process/limits.h"
 #include "store/files/scene_bundle.h"
 #include "support/wire.h"

@@ -4,7 +4,7 @@
 #include <oriel/base/limits.h>
 
 #include "fuzz/fuzz.h"
-#include "run/request/sensors_file.h"
+#include "run/request/job_inputs.h"
 
 bool fuzz_sensors(const uint8_t *data, size_t size)
 {

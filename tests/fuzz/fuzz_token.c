@@ -8,7 +8,6 @@
 #include "fuzz/fuzz.h"
 #include "http/access/tokens.h"
 #include "store/database/db.h"
-#include "store/database/migrate.h"
 
 enum { MOST = 256 };
 

@@ -6,7 +6,7 @@
 #include <oriel/job/run.h>
 
 #include "fuzz/fuzz.h"
-#include "render/film/view.h"
+#include "render/film/film.h"
 
 enum { ENTRY_MAX = 63 };
 

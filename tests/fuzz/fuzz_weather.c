@@ -2,7 +2,7 @@
 #include <oriel/annual/annual_report.h>
 
 #include "fuzz/fuzz.h"
-#include "light/daylight.h"
+#include "light/daylight/daylight.h"
 
 static void check_row(const struct orl_weather_row *row)
 {

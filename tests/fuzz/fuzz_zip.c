@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "../../server/process/limits.h" /* full path, because this folder also has a limits.h */
-#include "uploads/unzip.h"
+#include "uploads/uploads.h"
 
 static struct orl_folders folders;
 

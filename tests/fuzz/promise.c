@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/daylight.h"
-#include "light/sky.h"
+#include "light/daylight/daylight.h"
 #include "scene/parsed_scene.h"
 #include "json/problem.h"
 

@@ -11,8 +11,8 @@
 #include <string.h>
 
 #include "process/embedded_files.h"
-#include "store/database/migrate.h"
-#include "store/rows/scene_lists.h"
+#include "store/database/db.h"
+#include "store/rows/scenes.h"
 
 struct fixture {
     struct orl_db db;

@@ -13,7 +13,6 @@
 
 #include "process/embedded_files.h"
 #include "store/database/db.h"
-#include "store/database/migrate.h"
 #include "store/rows/stored_jobs.h"
 #include "store/rows/stored_maps.h"
 

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "fixtures/bsdf_make.h"
 #include "scene/parse/parse.h"
 #include "support/cli.h"

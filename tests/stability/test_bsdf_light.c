@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "bsdf/matrix/basis.h"
+#include "base/sampling/sampling.h"
+#include "bsdf/matrix/matrix.h"
 #include "bsdf/tree/shirley.h"
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"

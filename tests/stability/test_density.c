@@ -15,9 +15,9 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
-#include "photon/density/leaf_irradiance.h"
-#include "photon/map/normal_code.h"
+#include "base/sampling/sampling.h"
+#include "photon/density/irradiance_tables.h"
+#include "photon/map/quantization.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/stability.h"

@@ -12,10 +12,10 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "base/statistics/sum.h"
+#include "base/sampling/sampling.h"
+#include "base/statistics/numeric.h"
 #include "photon/map/map.h"
-#include "photon/map/normal_code.h"
+#include "photon/map/quantization.h"
 #include "support/cli.h"
 #include "support/hdr.h"
 #include "support/room.h"

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "metrics/dgp.h"
+#include "base/sampling/sampling.h"
+#include "metrics/indices.h"
 #include "photon/map/map.h"
 #include "scene/material/kinds.h"
 #include "support/cli.h"

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "photon/map/map.h"
 #include "support/cli.h"
 #include "support/room.h"

@@ -13,9 +13,8 @@
 
 #include <cmocka.h>
 
-#include "light/daylight.h"
-#include "light/sky.h"
-#include "scene/generate/sky/perez.h"
+#include "light/daylight/daylight.h"
+#include "scene/generate/sky/sky_models.h"
 #include "support/scene_text.h"
 #include "support/stability.h"
 

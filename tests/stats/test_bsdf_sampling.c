@@ -14,9 +14,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "bsdf/cone_table.h"
-#include "bsdf/located_direction.h"
+#include "base/sampling/sampling.h"
+#include "bsdf/loaded_bsdf.h"
 #include "fixtures/bsdf_make.h"
 
 enum {

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "fixtures/bsdf_make.h"
 #include "scene/material/scatter.h"
 

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "scene/material/bounds.h"
 #include "scene/material/kinds.h"
+#include "scene/material/scatter.h"
 #include "support/subject.h"
 
 #define BLOCK "void dielectric m 0 0 5 1 1 1 1.5 0\n"

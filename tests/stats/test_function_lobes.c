@@ -11,9 +11,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "scene/material/hemisphere.h"
+#include "base/sampling/sampling.h"
 #include "scene/material/kinds.h"
+#include "scene/material/scatter.h"
 #include "support/scene_text.h"
 #include "support/subject.h"
 

@@ -13,7 +13,6 @@
 #include <cmocka.h>
 
 #include "scene/material/kinds.h"
-#include "scene/material/ward.h"
 #include "support/subject.h"
 
 static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};

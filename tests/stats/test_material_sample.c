@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/material/kinds.h"
 #include "support/scene_text.h"
 #include "support/subject.h"

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "scene/material/bounds.h"
 #include "scene/material/kinds.h"
+#include "scene/material/scatter.h"
 #include "support/subject.h"
 
 #define TWO                                                                                        \

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/material/function_brdf/function_brdf_check.h"
 #include "scene/material/kinds.h"
 #include "support/scene_text.h"

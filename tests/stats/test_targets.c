@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "render/gather/targets.h"
+#include "base/sampling/sampling.h"
+#include "render/gather/direction_sampling.h"
 #include "support/scene_text.h"
 
 #define MATERIALS                                                                                  \

@@ -22,7 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "process/sanitized.h"
+#include "process/limits.h"
 #include "support/patience.h"
 
 static double now_s(void)

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "store/database/migrate.h"
+#include "store/database/db.h"
 
 int data_folder_open(struct data_folder *data, struct orl_error *err)
 {

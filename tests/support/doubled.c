@@ -9,21 +9,20 @@
 #include <oriel/job/run.h>
 #include <oriel/job/study.h>
 
-#include "annual/matrices/matrix_file.h"
+#include "annual/matrices/imported_matrices.h"
 #include "annual_job/annual_json.h"
-#include "bsdf/fit/measurements/rows.h"
+#include "bsdf/fit/measurements/measurements.h"
 #include "bsdf_json/bsdf_json.h"
-#include "bsdf_json/bsdf_make_json.h"
 #include "function/function.h"
 #include "honeybee/hbjson.h"
 #include "job/job_json.h"
 #include "job/study_json.h"
-#include "light/weather.h"
-#include "run/request/sensors_file.h"
+#include "light/daylight/weather.h"
+#include "run/request/job_inputs.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
 #include "support/zip.h"
-#include "uploads/unzip.h"
+#include "uploads/uploads.h"
 #include "json/decode.h"
 
 /* ---- Readers --------------------------------------------------------------------------------- */

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "function/ray_names.h"
+#include "function/function.h"
 
 const double function_tolerance = 1e-12;
 struct orl_function_scratch *function_scratch;

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/parse/parse.h"
 
 static const char once[] = "void instance tree 1 tree.oct 0 0\n"; /* once.rad */

@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/geometry/geometry.h"
 
 #define MESH_GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"

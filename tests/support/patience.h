@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <time.h>
 
-#include "process/sanitized.h"
+#include "process/limits.h"
 
 static inline double patience_now_s(void)
 {

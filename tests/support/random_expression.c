@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 
 const char *const random_expression_definitions =
     "u : .75; v = -1.25; w : u*v - 2^u; x.y_1 = w/3;\n"

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 
 struct writer {
     struct random_scene *scene;

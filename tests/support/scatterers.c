@@ -1,6 +1,6 @@
 #include "support/scatterers.h"
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 
 const struct scatterer_kind scatterers[SCATTERERS] = {
     {"lambert", false, true}, {"ward", false, true},     {"anisotropic", false, false},

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "study/error_model.h"
+#include "base/sampling/sampling.h"
+#include "study/study_errors.h"
 
 static double draw_normal(struct orl_random *random)
 {

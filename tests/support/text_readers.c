@@ -15,18 +15,15 @@
 #include <oriel/bsdf/bsdf.h>
 #include <oriel/job/run.h>
 
-#include "annual/matrices/matrix_file.h"
-#include "bsdf/fit/measurements/rows.h"
-#include "light/weather.h"
-#include "project/frads.h"
-#include "project/rif.h"
+#include "annual/matrices/imported_matrices.h"
+#include "bsdf/fit/measurements/measurements.h"
+#include "light/daylight/weather.h"
+#include "project/project.h"
 #include "run/run_state.h"
 #include "scene/generate/mgf/mgf.h"
 #include "scene/grid/ies.h"
-#include "scene/parse/luminaire/lamp_table.h"
-#include "scene/parse/mesh/material_rules.h"
-#include "scene/parse/mesh/stl.h"
-#include "scene/parse/mesh/wavefront.h"
+#include "scene/parse/luminaire/luminaires.h"
+#include "scene/parse/mesh/mesh_formats.h"
 #include "scene/parse/parse.h"
 
 static void note_value(struct text_values *values, double value)

@@ -5,7 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "http/request/framing.h"
+#include "http/request/parse_request.h"
 
 struct own;
 

@@ -16,9 +16,9 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "photon/density/adaptive_density.h"
-#include "photon/map/normal_code.h"
+#include "photon/map/quantization.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

@@ -13,7 +13,7 @@
 
 #include <oriel/annual/annual_report.h>
 
-#include "runner/estimate/job_kinds.h"
+#include "runner/estimate/job_estimate.h"
 #include "support/scratch.h"
 
 enum { VIEWPOINTS = 2, HOURS = 8784 };

@@ -13,8 +13,8 @@
 
 #include <oriel/annual/annual_metrics.h>
 
-#include "base/sampling/random.h"
-#include "metrics/annual/pass_probability.h"
+#include "base/sampling/sampling.h"
+#include "metrics/annual/annual_figures.h"
 static void assert_near(double value, double wanted, double tolerance)
 {
     if (!(fabs(value - wanted) <= tolerance))

@@ -14,7 +14,7 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "chart/annual_page.h"
+#include "chart/charts.h"
 #include "support/cli.h"
 #include "support/hand_year.h"
 #include "support/room.h"

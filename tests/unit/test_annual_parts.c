@@ -10,11 +10,10 @@
 #include <string.h>
 
 #include "annual/sky/hours.h"
-#include "annual/sun/sun_grid.h"
-#include "annual/sun_map/sun_texels.h"
-#include "base/sampling/random.h"
-#include "light/daylight.h"
-#include "light/sky.h"
+#include "annual/sun/sun_weights.h"
+#include "annual/sun_map/sun_map.h"
+#include "base/sampling/sampling.h"
+#include "light/daylight/daylight.h"
 #include "support/scene_text.h"
 
 static struct orl_vec3 any_direction(struct orl_random *random)

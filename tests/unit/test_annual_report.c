@@ -15,11 +15,11 @@
 
 #include <cmocka.h>
 
+#include "base/io/out_file.h"
 #include <oriel/annual/annual_report.h>
-#include <oriel/base/npy.h>
 #include <oriel/base/thread_pool.h>
 
-#include "metrics/annual/calendar.h"
+#include "metrics/annual/annual_figures.h"
 #include "support/hand_year.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/shades/schedule.h"
+#include "annual/shades/shaded_year.h"
 
 static char name[] = "g", room[] = "room", desks[] = "Desks";
 

@@ -12,7 +12,7 @@
 
 #include <oriel/annual/annual_metrics.h>
 
-#include "metrics/annual/calendar.h"
+#include "metrics/annual/annual_figures.h"
 static const struct orl_annual_steps hourly = {8760, 1}, leap = {8784, 1}, halves = {17520, 2};
 
 static void assert_near(double value, double wanted, double tolerance)

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/panes/pane_bvh.h"
+#include "annual/panes/bounding_rects.h"
 #include "annual/sun/direction_tree.h"
 
 enum { MOST_PANES = 1024, MOST_SUNS = 8192 };

@@ -10,8 +10,8 @@
 #include <cmocka.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "scene/geometry/antimatter/linings.h"
+#include "base/sampling/sampling.h"
+#include "scene/geometry/antimatter/antimatter.h"
 #include "support/scene_text.h"
 
 /* A wall from x = 0 to .2, 4 wide and 3 high, with a round hole of radius 1 through it, about (2,

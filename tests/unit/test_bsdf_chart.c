@@ -10,11 +10,11 @@
 
 #include <cmocka.h>
 
-#include <oriel/base/units.h>
-#include <oriel/bsdf/bsdf_peaks.h>
-#include <oriel/job/animation.h>
+#include <oriel/base/vec.h>
+#include <oriel/bsdf/bsdf_polar.h>
+#include <oriel/job/picture.h>
 
-#include "chart/bsdf_chart.h"
+#include "chart/charts.h"
 #include "fixtures/bsdf_ask.h"
 #include "support/cli.h"
 #include "support/panels.h"

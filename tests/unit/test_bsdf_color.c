@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "fixtures/bsdf_make.h"
 
 /*

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 #include <unistd.h>
 
-#include "bsdf/compiled_bsdf.h"
+#include "bsdf/loaded_bsdf.h"
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 #include "support/scene_text.h"

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf_json/bsdf_fit_json.h"
+#include "bsdf_json/bsdf_json.h"
 
 static int read_document(const char *text, enum orl_job_origin origin,
                          struct orl_bsdf_fit_request *ret_request, char **ret_id,

@@ -11,7 +11,7 @@
 
 #include <oriel/bsdf/bsdf_fit.h>
 
-#include "bsdf/fit/measurements/scans.h"
+#include "bsdf/fit/measurements/measurements.h"
 
 static const struct orl_fit_read_options plain = {0};
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "bsdf/fit/transport/transport.h"
 
 enum { MOST = 200 };

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "fixtures/bsdf_make.h"
 
 static double uniform(struct orl_random *random)

@@ -9,9 +9,9 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "bsdf/bsdf_internal.h"
-#include "bsdf/xml/write_xml.h"
+#include "bsdf/xml/bsdf_xml.h"
 
 static const char *const bases[] = {"LBNL/Klems Full", "LBNL/Klems Half", "LBNL/Klems Quarter"};
 

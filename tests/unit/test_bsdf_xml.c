@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "bsdf/xml/scan.h"
+#include "bsdf/xml/data_text.h"
 #include "fixtures/bsdf_ask.h"
 #include "fixtures/bsdf_make.h"
 

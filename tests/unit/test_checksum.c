@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "base/io/checksum.h"
-#include "base/sampling/random.h"
+#include "base/io/checked_file.h"
+#include "base/sampling/sampling.h"
 
 enum { SIZE = 1000 };
 

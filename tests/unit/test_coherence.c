@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "annual/coefficients/coherence.h"
-#include "metrics/annual/sensor_year.h"
+#include "annual/coefficients/apply_weather.h"
+#include "metrics/annual/annual_figures.h"
 
 enum { HOURS = 16, TILES = 2 };
 

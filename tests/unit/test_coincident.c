@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
 #include "support/scene_text.h"
 

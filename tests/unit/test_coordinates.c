@@ -11,14 +11,12 @@
 #include <string.h>
 
 #include <oriel/annual/annual_report.h>
-#include <oriel/base/coordinates.h>
+#include <oriel/base/input_checks.h>
 
-#include "annual_job/annual_exposure_json.h"
-#include "annual_job/annual_glare_json.h"
-#include "annual_job/annual_view_out_json.h"
-#include "job/sensors_json.h"
-#include "render/film/view.h"
-#include "run/request/sensors_file.h"
+#include "annual_job/annual_members_json.h"
+#include "job/job_members_json.h"
+#include "render/film/film.h"
+#include "run/request/job_inputs.h"
 
 static const char *const absurd[] = {"1e300", "-1e300", "1.01e12"};
 enum { ABSURD = sizeof absurd / sizeof *absurd };

@@ -12,8 +12,7 @@
 
 #include <cmocka.h>
 
-#include "light/daylight.h"
-#include "light/sky.h"
+#include "light/daylight/daylight.h"
 #include "support/scene_text.h"
 
 static const double efficacy = ORL_EFFICACY_LM_PER_W;

@@ -13,12 +13,11 @@
 
 #include <cmocka.h>
 #include <float.h>
-#include <oriel/job/sequence.h>
+#include <oriel/job/picture.h>
 
-#include "metrics/worst_direction.h"
-#include "render/film/exr.h"
+#include "metrics/glare.h"
+#include "render/film/image_files.h"
 #include "render/heat_map/heat_map.h"
-#include "render/picture/error_map.h"
 #include "render/picture/false_color.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"

@@ -15,12 +15,12 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "fixtures/bsdf_make.h"
 #include "light/lit_scene.h"
-#include "photon/density/leaf_irradiance.h"
-#include "photon/map/normal_code.h"
-#include "photon/surface/surface_sheet.h"
+#include "photon/density/irradiance_tables.h"
+#include "photon/map/quantization.h"
+#include "photon/surface/footprint.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

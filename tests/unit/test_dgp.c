@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "metrics/dgp.h"
+#include "metrics/indices.h"
 
 #define SOURCE(luminance, solid_angle, index)                                                      \
     {                                                                                              \

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <png.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "render/picture/display.h"
 #include "support/scratch.h"

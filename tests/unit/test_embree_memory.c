@@ -19,8 +19,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "scene/geometry/embree.h"
 #include "scene/geometry/embree_device.h"
+#include "scene/geometry/intersect.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */

@@ -16,7 +16,7 @@
 
 #include <oriel/job/run.h>
 
-#include "render/picture/error_map.h"
+#include "render/picture/false_color.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"

@@ -12,10 +12,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "base/statistics/estimate.h"
 #include "photon/density/adaptive_density.h"
-#include "photon/map/normal_code.h"
+#include "photon/map/quantization.h"
 #include "support/cli.h"
 
 /* Without bias the interval is Student's t at 97.5 %, from tables. */

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "support/scene_text.h"
 
 #define GREY "void plastic m 0 0 5 .5 .5 .5 0 0\n"

@@ -14,12 +14,11 @@
 #include <math.h>
 #include <png.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
-#include "base/statistics/nth_element.h"
+#include "base/statistics/numeric.h"
 #include "render/picture/false_color.h"
-#include "render/picture/isolines.h"
-#include "run/request/view_lines.h"
+#include "run/request/job_inputs.h"
 #include "support/scratch.h"
 
 static void assert_near(double value, double expected, double tolerance)

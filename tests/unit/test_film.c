@@ -14,9 +14,9 @@
 #include <OpenEXR/openexr.h>
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "render/film/exr.h"
+#include "base/sampling/sampling.h"
 #include "render/film/film.h"
+#include "render/film/image_files.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 

@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-#include "photon/map/batches.h"
-#include "photon/strata/first_reflection.h"
+#include "photon/map/map_layout.h"
+#include "photon/strata/strata.h"
 #include "photon/tracing/trace.h"
 #include "support/room.h"
 

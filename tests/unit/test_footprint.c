@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "photon/surface/moments.h"
+#include "photon/surface/footprint.h"
 #include "support/scene_text.h"
 
 #define GREY "void plastic w 0 0 5 .5 .5 .5 0 0\n"

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "project/frads.h"
+#include "project/project.h"
 
 static void assert_member(const json_t *project, const char *member, const char *wanted)
 {

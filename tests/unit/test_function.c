@@ -19,7 +19,6 @@
 #include <string.h>
 
 #include "function/function.h"
-#include "function/ray_names.h"
 #include "support/function_text.h"
 #include "support/random_expression.h"
 

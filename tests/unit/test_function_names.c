@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "function/function.h"
-#include "function/ray_names.h"
 #include "support/function_text.h"
 
 /* Values of these names in Radiance's own standard file, by rcalc. */

@@ -263,10 +263,10 @@ static void test_route(void **state)
     repeat_trifles(fuzz_route);
 }
 
-static void test_guard(void **state)
+static void test_origin_policy(void **state)
 {
     (void)state;
-    repeat_all("tests/fuzz/corpus/guard", fuzz_origin_policy);
+    repeat_all("tests/fuzz/corpus/origin_policy", fuzz_origin_policy);
     repeat_trifles(fuzz_origin_policy);
 }
 
@@ -288,7 +288,7 @@ int main(void)
         cmocka_unit_test(test_zip),       cmocka_unit_test(test_mesh),
         cmocka_unit_test(test_compiled),  cmocka_unit_test(test_framing),
         cmocka_unit_test(test_multipart), cmocka_unit_test(test_range),
-        cmocka_unit_test(test_route),     cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_route),     cmocka_unit_test(test_origin_policy),
         cmocka_unit_test(test_token),     cmocka_unit_test(test_view_file),
         cmocka_unit_test(test_annual),    cmocka_unit_test(test_bsdf_make),
         cmocka_unit_test(test_occupancy), cmocka_unit_test(test_hbjson),

@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "scene/geometry/coincidence/coincident.h"
-#include "scene/geometry/surface_offset.h"
+#include "scene/geometry/geometry.h"
 #include "support/meshes.h"
 #include "support/scene_text.h"
 

@@ -14,12 +14,10 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "metrics/glare.h"
+#include "metrics/glare_sources.h"
 #include "metrics/indices.h"
-#include "metrics/pixel_clusters.h"
-#include "metrics/position_index.h"
-#include "metrics/source_smoothing.h"
 
 #define FISHEYE "-vta -vp 0 0 0 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180"
 

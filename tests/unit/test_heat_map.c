@@ -13,9 +13,8 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "render/heat_map/heat_map.h"
-#include "render/heat_map/section.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 

@@ -9,8 +9,8 @@
 
 #include <stdlib.h>
 
+#include "render/gather/icache.h"
 #include "render/gather/icache_iterator.h"
-#include "render/gather/irradiance_record.h"
 #include "support/scene_text.h"
 
 /* Returns a place on the plane z = 0, facing up. */

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "render/gather/icache_fit.h"
+#include "render/gather/icache.h"
 #include "support/scene_text.h"
 
 /* A lattice of records on the floor z = 0 of 1 x 1 m, one and a half pixels apart, as along lines

@@ -11,8 +11,8 @@
 
 #include <oriel/base/files.h>
 
-#include "base/io/ignore_case.h"
 #include "support/scratch.h"
+#include <oriel/base/files.h>
 
 static void write_file(const char *name)
 {

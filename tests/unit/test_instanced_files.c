@@ -13,8 +13,7 @@
 #include <cmocka.h>
 
 #include "scene/built/scene.h"
-#include "scene/material_override.h"
-#include "scene/placements.h"
+#include "scene/surfaces.h"
 #include "support/grove.h"
 
 static struct orl_scene *scene_of(const struct grove *grove, const char *text)

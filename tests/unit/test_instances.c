@@ -15,12 +15,12 @@
 
 #include <cmocka.h>
 
-#include "annual/sun_map/sun_texels.h"
-#include "base/sampling/random.h"
+#include "annual/sun_map/sun_map.h"
+#include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
-#include "photon/surface/outline.h"
-#include "process/sanitized.h"
-#include "render/heat_map/section.h"
+#include "photon/surface/footprint.h"
+#include "process/limits.h"
+#include "render/heat_map/heat_map.h"
 #include "scene/geometry/instances.h"
 #include "scene/material/patterns/pattern.h"
 #include "scene/material/patterns/texture.h"

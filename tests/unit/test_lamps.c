@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "scene/parse/luminaire/lamp_table.h"
+#include "scene/parse/luminaire/luminaires.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"

@@ -14,8 +14,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "process/sanitized.h"
+#include "base/sampling/sampling.h"
+#include "process/limits.h"
 #include "scene/built/scene.h"
 #include "support/polygons.h"
 #include "support/scene_text.h"

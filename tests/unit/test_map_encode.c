@@ -13,9 +13,9 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
-#include "photon/map/flux.h"
-#include "photon/map/map_encode.h"
+#include "base/sampling/sampling.h"
+#include "photon/map/quantization.h"
+#include "photon/map/write_map.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

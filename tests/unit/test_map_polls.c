@@ -17,7 +17,7 @@
 
 #include "light/virtual_suns.h"
 #include "photon/density/precomputed_irradiance.h"
-#include "photon/map/normal_code.h"
+#include "photon/map/quantization.h"
 #include "render/gather/gather.h"
 #include "render/gather/icache.h"
 #include "support/scene_text.h"

@@ -13,8 +13,8 @@
 #include <oriel/base/thread_pool.h>
 #include <oriel/bsdf/bsdf.h>
 
-#include "annual/matrices/matrix_file.h"
-#include "bsdf/matrix/basis.h"
+#include "annual/matrices/imported_matrices.h"
+#include "bsdf/matrix/matrix.h"
 #include "support/scene_text.h"
 
 #define TOP "#?RADIANCE\nrfluxmtx -I+\n"

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "job/study_json.h"
-#include "json/members.h"
+#include "json/decode.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
 #define FAILING 0 /* sanitizers replace the allocator; so does clang's static analysis */

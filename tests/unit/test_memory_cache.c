@@ -8,7 +8,7 @@
 #include <cmocka.h>
 #include <pthread.h>
 
-#include "base/memory/memory_cache.h"
+#include <oriel/base/memory_cache.h>
 
 /* Entries are numbers that count how often they were freed. */
 static void count_release(void *thing)

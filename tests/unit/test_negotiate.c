@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "http/request/negotiate.h"
+#include "http/request/parse_request.h"
 
 static void test_weights(void **state)
 {

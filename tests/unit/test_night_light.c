@@ -12,9 +12,8 @@
 
 #include <cmocka.h>
 
-#include "light/daylight.h"
-#include "light/night_light.h"
-#include "light/time_shift.h"
+#include "light/daylight/daylight.h"
+#include "light/daylight/weather.h"
 #include "scene/generate/generate.h"
 
 enum { YEAR_ROWS = 8760 };

@@ -17,7 +17,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/geometry/triangulation/triangulate.h"
 #include "support/outline.h"
 #include "support/scene_text.h"

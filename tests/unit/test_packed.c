@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/built/scene.h"
 #include "scene/geometry/instances.h"
 #include "scene/geometry/packed.h"

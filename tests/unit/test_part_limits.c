@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "distributed/part_limits.h"
+#include "distributed/runner.h"
 
 static const struct orl_part_limits_input usual = {
     .load_s = 30, .time_ratio = 1, .threads = 4, .memory_bytes = 1000UL << 20};

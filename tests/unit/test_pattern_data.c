@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/film/exr.h"
+#include "render/film/image_files.h"
 #include "scene/built/scene.h"
 #include "scene/grid/grid.h"
 #include "scene/material/scatter.h"

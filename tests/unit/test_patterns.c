@@ -13,8 +13,8 @@
 #include <string.h>
 
 #include "scene/built/scene.h"
-#include "scene/material/bounds.h"
 #include "scene/material/patterns/pattern.h"
+#include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
 #include "support/scene_text.h"
 

@@ -15,11 +15,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/io/checksum.h"
-#include "base/sampling/random.h"
+#include "base/io/checked_file.h"
+#include "base/sampling/sampling.h"
 #include "photon/map/map_layout.h"
-#include "photon/map/normal_code.h"
-#include "photon/map/zorder.h"
+#include "photon/map/quantization.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 

@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "photon/map/normal_code.h"
-#include "photon/shooting/photon_pilot.h"
+#include "base/sampling/sampling.h"
+#include "photon/map/quantization.h"
+#include "photon/shooting/shoot.h"
 
 enum { REST = 30000, CAUSTIC = 4000 };
 

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "render/image/pixel.h"
+#include "render/image/adaptive_tile.h"
 
 static void places(void **state)
 {

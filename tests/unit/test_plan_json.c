@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "job/job_json.h"
-#include "job/plan_json.h"
+#include "job/job_members_json.h"
 #include "json/decode.h"
 
 #define ID "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"

@@ -15,13 +15,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/io/out_file.h"
 #include <oriel/annual/annual_report.h>
-#include <oriel/base/npy.h>
 
-#include "base/memory/sort.h"
+#include "base/statistics/numeric.h"
 #include "bsdf/make/trees/tree_builder.h"
 #include "photon/map/map.h"
-#include "run/request/sensors_file.h"
+#include "run/request/job_inputs.h"
 #include "scene/generate/solid/solids.h"
 #include "scene/geometry/coincidence/coincident.h"
 #include "support/scratch.h"

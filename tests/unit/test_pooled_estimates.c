@@ -9,9 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "run/estimate/round_cost.h"
-#include "run/goals/pooled_estimates.h"
+#include "run/goals/pooled_results.h"
 #include "run/run_state.h"
 
 /* Returns a standard normal number, by Box and Muller. */

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "photon/emission/port_sun.h"
+#include "photon/emission/port_emission.h"
 #include "support/room.h"
 
 /* A frame in front of the pane, a block and a ball beyond, the ground; suns high, low and oblique.

@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "runner/build_id.h"
+#include "runner/checkpoints.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define PRELOADS 0 /* sanitizers must be preloaded first */

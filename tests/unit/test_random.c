@@ -12,9 +12,7 @@
 
 #include <oriel/base/vec.h>
 
-#include "base/sampling/random.h"
-#include "base/sampling/sincos.h"
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
 
 static int compare_words(const void *a, const void *b)
 {

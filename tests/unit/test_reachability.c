@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "light/reachability.h"
+#include "light/enclosures.h"
 #include "support/room.h"
 
 #define CLOSED ROOM_SKY ROOM_SUN ROOM_GREY "!genbox w room 4 5 3 -i\n"

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "render/film/read_hdr.h"
+#include "render/film/image_files.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

@@ -12,9 +12,8 @@
 
 #include <oriel/base/eta.h>
 
-#include "run/estimate/remaining_time.h"
-#include "run/estimate/run_cost.h"
-#include "run/goals/deadline.h"
+#include "run/estimate/progress.h"
+#include "run/goals/rounds.h"
 #include "run/run_state.h"
 
 static const double estimated[ORL_STAGE_COUNT] = {0.2, 0.05, 0.1, 4, 1, 10};

@@ -11,9 +11,8 @@
 #include <string.h>
 
 #include "bsdf_json/bsdf_json.h"
-#include "job/plan_json.h"
+#include "job/job_members_json.h"
 #include "result/result_json.h"
-#include "result/scene_json.h"
 
 static struct orl_result example(void)
 {

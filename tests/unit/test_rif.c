@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "project/rif.h"
+#include "project/project.h"
 
 static void assert_member(const json_t *project, const char *member, const char *wanted)
 {

@@ -7,10 +7,10 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
-#include "base/sampling/random.h"
-#include "run/goals/sample_allocation.h"
+#include "base/sampling/sampling.h"
+#include "run/goals/percentile.h"
 
 enum { SENSORS = 60 };
 

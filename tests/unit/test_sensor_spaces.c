@@ -16,7 +16,7 @@
 #include <oriel/base/thread_pool.h>
 
 #include "light/enclosures.h"
-#include "run/diagnostics/sensor_places.h"
+#include "run/diagnostics/diagnostics.h"
 #include "support/scene_text.h"
 
 /* A room of 4 x 4 x 3 m, its front wall with a hole of 2 x 1 m, the pane in the hole, a ground

@@ -9,14 +9,14 @@
 
 #include <cmocka.h>
 #include <expat.h>
-#include <oriel/job/sequence.h>
+#include <oriel/job/picture.h>
 #include <png.h>
 #include <zlib.h>
 
-#include "base/sampling/random.h"
-#include "chart/glare_chart.h"
-#include "render/film/apng.h"
+#include "base/sampling/sampling.h"
+#include "chart/charts.h"
 #include "render/film/film.h"
+#include "render/film/image_files.h"
 #include "render/picture/display.h"
 #include "support/cli.h"
 #include "support/scene_text.h"

@@ -9,7 +9,7 @@
 
 #include <oriel/base/sha256.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 
 static void every_length_agrees(void **state)
 {

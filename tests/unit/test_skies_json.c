@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "job/job_json.h"
-#include "result/skies_result_json.h"
+#include "result/result_json.h"
 #include "json/decode.h"
 
 static int decode(const char *skies, struct orl_job *job, struct orl_error *err)

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "light/sky.h"
+#include "light/daylight/daylight.h"
 
 enum { DIRECTIONS = 8 };
 

@@ -16,7 +16,7 @@
 
 #include <oriel/base/sha256.h>
 
-#include "scene/generate/command.h"
+#include "scene/generate/generate.h"
 #include "scene/generate/solid/solids.h"
 
 struct expected {

@@ -14,8 +14,8 @@
 
 #include <oriel/base/vec.h>
 
-#include "base/sampling/random.h"
-#include "base/statistics/sparse_events.h"
+#include "base/sampling/sampling.h"
+#include "base/statistics/estimate.h"
 
 enum { SENSORS = 24, JOBS = 1000, BODY = 2000 };
 /* Value of a ray that meets the rare light, and of one that does not. */

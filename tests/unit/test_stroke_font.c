@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "base/text/stroke_font.h"
-#include "base/text/stroke_glyphs.h"
 
 enum { WIDTH = 400, HEIGHT = 100 };
 static unsigned char pixels[3 * WIDTH * HEIGHT];

@@ -11,9 +11,9 @@
 #include <expat.h>
 #include <png.h>
 
-#include "chart/study_chart.h"
+#include "chart/charts.h"
 #include "chart/study_layout.h"
-#include "study/error_model.h"
+#include "study/study_errors.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 #include "support/study_data.h"

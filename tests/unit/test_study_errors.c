@@ -10,7 +10,7 @@
 
 #include <oriel/base/vec.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "study/study_errors.h"
 
 enum { MANY = 40000, RUNS = 4 };

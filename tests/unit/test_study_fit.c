@@ -10,8 +10,8 @@
 
 #include <oriel/base/vec.h>
 
-#include "base/sampling/random.h"
-#include "study/error_model.h"
+#include "base/sampling/sampling.h"
+#include "study/study_errors.h"
 #include "support/study_data.h"
 
 static const uint64_t photons[] = {10000, 40000, 160000, 640000};

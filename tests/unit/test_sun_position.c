@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "light/daylight.h"
+#include "light/daylight/daylight.h"
 #include "scene/generate/sky/sun.h"
 
 static const double deg = ORL_PI / 180;

@@ -13,8 +13,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "scene/surface_labels.h"
+#include "base/sampling/sampling.h"
+#include "scene/surfaces.h"
 #include "support/scene_text.h"
 
 static double uniform(struct orl_random *random)

@@ -10,7 +10,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "chart/temporal_map.h"
+#include "chart/charts.h"
 #include "support/cli.h"
 #include "support/scratch.h"
 

@@ -13,10 +13,10 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
-#include "photon/density/texels.h"
-#include "photon/map/normal_code.h"
+#include "photon/density/irradiance_tables.h"
+#include "photon/map/quantization.h"
 #include "support/cli.h"
 #include "support/scene_text.h"
 

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "scene/built/scene.h"
 #include "scene/material/patterns/texture.h"
 #include "scene/material/scatter.h"

@@ -11,8 +11,7 @@
 #include <string.h>
 
 #include "http/connection/connections.h"
-#include "http/connection/tls.h"
-#include "process/sanitized.h"
+#include "process/limits.h"
 #include "support/certificate.h"
 #include "support/cli.h"
 

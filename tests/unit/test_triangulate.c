@@ -11,7 +11,7 @@
 
 #include <oriel/base/vec.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "support/outline.h"
 
 static void check_outline(const struct outline *o)

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "report/report_builder.h"
+#include "report/report_internal.h"
 #include "support/hand_year.h"
 
 static struct orl_window_group blinds = {

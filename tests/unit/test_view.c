@@ -13,7 +13,7 @@
 
 #include <oriel/job/run.h>
 
-#include "render/film/view.h"
+#include "render/film/film.h"
 
 static struct orl_view parse(const char *text)
 {

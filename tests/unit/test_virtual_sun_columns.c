@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "base/sampling/random.h"
-#include "light/virtual_sun_columns.h"
+#include "base/sampling/sampling.h"
+#include "light/virtual_suns.h"
 #include "support/scene_text.h"
 
 enum { MIRRORS = 12, PLACES = 4000, LOOKS = 8 };

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "photon/tracing/trace.h"
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 #include "support/room.h"
 
 enum { WAVES = 40, RAYS = 1000, DRAWS = 1000 };

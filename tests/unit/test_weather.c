@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "light/weather.h"
+#include "light/daylight/weather.h"
 #include "support/scene_text.h"
 
 #define LOCATION "LOCATION,Somewhere,-,TST,made up,000000,38.42,27.14,2.0,25.0\n"

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "light/time_shift.h"
+#include "light/daylight/weather.h"
 #include "scene/generate/sky/sun.h"
 
 enum { TEXT = 1 << 15, DAYS = 20, FIRST_HOUR = 8, LAST_HOUR = 17 };

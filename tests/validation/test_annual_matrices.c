@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include <oriel/annual/annual_report.h>
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "support/year.h"
 

@@ -16,7 +16,7 @@
 
 #include "annual/coefficients/trace_sensor.h"
 #include "annual/panes/bsdf_panes.h"
-#include "annual/viewpoints/viewpoint_image.h"
+#include "annual/viewpoints/viewpoints.h"
 #include "support/scene_text.h"
 
 enum { PANES = 20, RAYS = 4 };

@@ -21,8 +21,8 @@
 
 #include <cmocka.h>
 
-#include "bsdf/fit/measurements/scans.h"
-#include "bsdf/fit/scan/lobe_shape.h"
+#include "bsdf/fit/measurements/measurements.h"
+#include "bsdf/fit/scan/scan_light.h"
 #include "support/extent.h"
 #include "support/scatterers.h"
 

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "support/cli.h"
 #include "support/hdr.h"

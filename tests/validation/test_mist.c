@@ -13,8 +13,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "scene/built/volume.h"
+#include "base/sampling/sampling.h"
+#include "scene/built/scene.h"
 #include "support/hdr.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"

@@ -13,9 +13,9 @@
 
 #include <cmocka.h>
 
-#include "run/diagnostics/run_warnings.h"
+#include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
-#include "run/stages/sensor_run.h"
+#include "run/stages/run_stages.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 

@@ -17,8 +17,7 @@
 
 #include <cmocka.h>
 
-#include "light/daylight.h"
-#include "light/sky.h"
+#include "light/daylight/daylight.h"
 #include "support/references.h"
 #include "support/scene_text.h"
 

@@ -1,14 +1,71 @@
 /*
- * Converts a sensor's coefficients to its hours: sky by bins, the sun by nodes and beams, and
- * direct sunlight. Light of the window groups (window_group_ports.h) is added up, for each window
- * group in the columns that want it.
+ * Coherence: how far the errors of a sensor's hours add up. Each hour has its own standard error. A
+ * metric counts many hours, and its error depends on how their errors are correlated. Under the sky
+ * alone errors are almost fully correlated: the paths are the same, and skies of different hours
+ * are similar. Hours with sun have it in different places, so they depend on different paths and
+ * photons. Errors of interpolation have either sign.
+ *
+ * The coherence of a sensor is the standard error of the sum of its relative errors over hours with
+ * sun. It is divided by the sum of their relative standard errors, the value for full correlation.
+ * Hours of similar illuminance are summed in a band, because a threshold separates such hours. The
+ * result is the root mean square over bands, weighted by their errors.
+ *
+ * It combines the sources of each standard error:
+ *   - paths: relative deviations of a batch are summed over hours; the spread of the sums counts;
+ *   - photons: likewise for their photon batches;
+ *   - interpolation: errors between the same nodes of the sun add up, others are independent;
+ *   - sampling of panes and of the sun's disc: independent from hour to hour.
+ *
+ * Errors: 0 or ORL_ERR_NOMEM. Threads: any, if each handles other sensors or tiles.
  */
 #ifndef ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
 #define ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
 
-#include "annual/coefficients/coherence.h"
+#include <math.h>
+
+#include <oriel/annual/annual.h>
+
 #include "annual/sky/hours.h"
 #include "annual/sun/sun_weights.h"
+#include "annual/sun_map/sun_beams.h"
+
+/* Bands of illuminance, each a factor of two wide except the first and the last. */
+enum { ORL_ERROR_BANDS = 8 };
+static inline int orl_error_band(double lx)
+{
+    const double octave = floor(log2(fmax(lx, 1) / 75));
+    return (int)fmin(fmax(octave + 1, 0), ORL_ERROR_BANDS - 1);
+}
+
+/* Sums over some columns with sun in a band, relative to the light of each hour. */
+struct orl_error_sums {
+    double errors;  /* sum of standard errors */
+    double squares; /* sum of squares of errors that are independent from hour to hour */
+    float batches[ORL_ANNUAL_BATCHES];            /* deviations from the mean of all batches */
+    float photon_batches[ORL_SUN_PHOTON_BATCHES]; /* deviations of photon batches from their mean */
+};
+
+/* Columns with sun, sorted so that those between the same nodes of the sun are adjacent. */
+struct orl_sun_cells {
+    uint32_t *columns, *cells; /* [count]; cells[i] is the first node of columns[i] */
+    size_t count;
+};
+int orl_sun_cells_init(struct orl_sun_cells *cells, const struct orl_hours *hours,
+                       const struct orl_sun_weights *sun_weights);
+void orl_sun_cells_done(struct orl_sun_cells *cells); /* zeros are allowed */
+
+/* sums: [tile * stride][band]. total: lx by column. interpolation_error: relative error of
+ * interpolation by column; used in columns with sun. Returns a number from 0 to 1; 0 if hours with
+ * sun have no errors. */
+float orl_coherence_of(const struct orl_error_sums *sums, size_t n_tiles, size_t stride,
+                       const float *total, const float *interpolation_error,
+                       const struct orl_sun_cells *cells);
+
+/*
+ * Converts a sensor's coefficients to its hours: sky by bins, the sun by nodes and beams, and
+ * direct sunlight. Light of the window groups (window_group_ports.h) is added up, for each window
+ * group in the columns that want it.
+ */
 
 /* Path sums of each of a sensor's batches (path_sums.h), for one window group. NULL: all are 0. */
 struct orl_annual_coefficients {
@@ -89,5 +146,29 @@ void orl_annual_apply_weather(const struct orl_annual_columns *row,
                               const struct orl_window_group_light *lights, size_t count,
                               const struct orl_hours *hours,
                               const struct orl_sun_weights *sun_weights, size_t tile);
+
+/*
+ * Light of a sensor under the CIE overcast sky, from the coefficients shared by all hours. It
+ * yields the daylight factor without more rays.
+ *
+ * The sky's luminance at the horizon is a third of that at the zenith (Moon and Spencer 1942; CIE S
+ * 011/E:2003, type 16). It gives a horizontal plane ORL_OVERCAST_LX and lights the ground, a
+ * diffuse reflector. Each bin has its mean luminance; no bin crosses the horizon.
+ */
+
+struct orl_overcast {
+    double luminance[ORL_BINS]; /* cd/m2 */
+};
+
+void orl_overcast_init(struct orl_overcast *overcast, const struct orl_bins *bins,
+                       double ground_reflectance);
+
+/* Adds the illuminance by a window group's coefficients to each batch, lx. */
+void orl_overcast_add(const struct orl_overcast *overcast,
+                      const struct orl_annual_coefficients *coefficients,
+                      double batches[ORL_ANNUAL_BATCHES]);
+/* Computes the mean of the batches, and its standard error. */
+void orl_overcast_illuminance(const double batches[ORL_ANNUAL_BATCHES], float *ret_lx,
+                              float *ret_se);
 
 #endif

@@ -1,4 +1,4 @@
-#include "annual/coefficients/chunk_rows.h"
+#include "annual/coefficients/sensor_chunks.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -10,9 +10,9 @@
 
 #include <oriel/annual/annual.h>
 
-#include "annual/coefficients/path_sums.h"
-#include "annual/sun/sensor_sunlight.h"
-#include "annual/sun_map/sun_photons.h"
+#include "annual/coefficients/trace_sensor.h"
+#include "annual/sun/sunlight.h"
+#include "annual/sun_map/sun_beams.h"
 
 struct orl_chunk_sums {
     size_t n_sensors, n_window_groups, n_nodes, n_beams, n_suns;

@@ -1,4 +1,4 @@
-#include "annual/coefficients/coherence.h"
+#include "annual/coefficients/apply_weather.h"
 
 #include <stdlib.h>
 

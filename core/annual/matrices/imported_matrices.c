@@ -5,11 +5,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 #include <oriel/bsdf/bsdf.h>
 
-#include "annual/matrices/matrix_file.h"
-#include "annual/matrices/matrix_terms.h"
 #include "annual/year/annual_year.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */

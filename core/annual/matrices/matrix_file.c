@@ -1,4 +1,4 @@
-#include "annual/matrices/matrix_file.h"
+#include "annual/matrices/imported_matrices.h"
 
 #include <math.h>
 #include <stdint.h>

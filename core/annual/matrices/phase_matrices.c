@@ -1,17 +1,285 @@
-/* Matrices of the three- and five-phase methods, computed by a year's scene and paths. */
-#include <oriel/annual/annual_phases.h>
-
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include <oriel/base/units.h>
+#include <oriel/annual/annual_phases.h>
+#include <oriel/base/vec.h>
+#include <oriel/bsdf/bsdf.h>
 
 #include "annual/matrices/phase_windows.h"
-#include "annual/shades/shaded_scene.h"
+#include "annual/shades/shaded_year.h"
 #include "annual/sun/sunlight.h"
-#include "scene/geometry/surface_offset.h"
+#include "scene/geometry/geometry.h"
 
-enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES };
+/* Per cell: DRAWS_SIDE^2 samples of transmission, and RAYS_SIDE^2 rays outdoors. */
+enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES, DRAWS_SIDE = 64, RAYS_SIDE = 32 };
+
+/* ---- Grouping -------------------------------------------------------------------------------- */
+
+static const struct orl_material *material_of(const struct orl_lit_scene *lit_scene, uint32_t port)
+{
+    struct orl_facet own;
+    const struct orl_facet *facet =
+        orl_facet_get_own(lit_scene->geometry, lit_scene->ports[port].facet, &own);
+    return &lit_scene->materials[facet->material];
+}
+
+/* Returns the frame of a BSDF; for other materials, up is the scene's. */
+static struct orl_frame frame_of(const struct orl_material *material, struct orl_vec3 inward)
+{
+    static const double upright = 0.999;
+    if (material->kind == ORL_MATERIAL_BSDF)
+        return orl_bsdf_frame(material, inward);
+    const struct orl_vec3 up = fabs(inward.z) < upright ? orl_v3(0, 0, 1) : orl_v3(0, 1, 0);
+    struct orl_frame frame = {.n = inward};
+    frame.v = orl_normalize(orl_madd(up, inward, -orl_dot(up, inward)));
+    frame.u = orl_cross(frame.v, frame.n);
+    return frame;
+}
+
+static bool belongs_to(const struct orl_phase_windows *w, const struct orl_lit_scene *lit_scene,
+                       uint32_t window, uint32_t port)
+{
+    static const double alike = 1 - 1e-6;
+    return material_of(lit_scene, w->panes[window]) == material_of(lit_scene, port) &&
+           orl_dot(w->frames[window].n, orl_neg(lit_scene->ports[port].outward)) >= alike;
+}
+
+static char *name_of(const struct orl_phase_windows *w, const struct orl_lit_scene *lit_scene,
+                     uint32_t window)
+{
+    const struct orl_material *material = material_of(lit_scene, w->panes[window]);
+    const char *name =
+        lit_scene->scene->parsed_scene.materials[material - lit_scene->materials].name;
+    uint32_t nth = 1;
+    char *text = NULL;
+    for (uint32_t i = 0; i < window; i++)
+        nth += material_of(lit_scene, w->panes[i]) == material;
+    if ((nth > 1 ? asprintf(&text, "%s-%u", name, nth) : asprintf(&text, "%s", name)) < 0)
+        return NULL;
+    return text;
+}
+
+int orl_phase_windows_init(struct orl_phase_windows *w, const struct orl_lit_scene *lit_scene,
+                           struct orl_phase_matrices *result, struct orl_error *err)
+{
+    orl_basis_standard("LBNL/Klems Full", &w->basis);
+    w->of_port = calloc(lit_scene->n_ports + 1, sizeof *w->of_port);
+    w->frames = calloc(ORL_PHASES_MOST_WINDOWS, sizeof *w->frames);
+    w->panes = calloc(ORL_PHASES_MOST_WINDOWS, sizeof *w->panes);
+    result->windows = calloc(ORL_PHASES_MOST_WINDOWS, sizeof *result->windows);
+    if (!w->of_port || !w->frames || !w->panes || !result->windows)
+        return orl_year_no_memory(err);
+    for (uint32_t port = 0; port < lit_scene->n_ports; port++) {
+        uint32_t window = 0;
+        while (window < result->n_windows && !belongs_to(w, lit_scene, window, port))
+            window++;
+        if (window == ORL_PHASES_MOST_WINDOWS)
+            return orl_error_set(err, ORL_ERR_LIMIT,
+                                 "windows of more than %d materials and directions are too many "
+                                 "for matrices of phases",
+                                 ORL_PHASES_MOST_WINDOWS);
+        if (window == result->n_windows) {
+            w->panes[window] = port;
+            w->frames[window] =
+                frame_of(material_of(lit_scene, port), orl_neg(lit_scene->ports[port].outward));
+            result->windows[window].name = name_of(w, lit_scene, window);
+            result->n_windows++;
+            if (!result->windows[window].name)
+                return orl_year_no_memory(err);
+        }
+        w->of_port[port] = window;
+        result->windows[window].n_panes++;
+    }
+    return 0;
+}
+
+void orl_phase_windows_done(struct orl_phase_windows *w)
+{
+    free(w->of_port);
+    free(w->frames);
+    free(w->panes);
+    *w = (struct orl_phase_windows){.of_port = NULL};
+}
+
+/* ---- Cells ----------------------------------------------------------------------------------- */
+
+struct matrix_context {
+    const struct orl_phase_windows *windows;
+    struct orl_year *year;
+    struct orl_phase_matrices *result;
+    struct orl_health *healths;
+    bool exact[ORL_PHASES_MOST_WINDOWS]; /* windows whose transmission is the BSDF's own matrix */
+    atomic_bool failed;
+};
+
+static struct orl_random random_of(const struct matrix_context *l, size_t cell, uint64_t kind)
+{
+    return orl_random_stream(l->year->request->seed, ORL_PURPOSE_ANNUAL,
+                             ~(uint64_t)0 - 4 * cell - kind);
+}
+
+/* Returns a jittered point in one of side x side parts of the unit square. */
+static void jitter_in_part(uint32_t i, uint32_t side, struct orl_random *random, double u[2])
+{
+    const uint32_t column = i % side, row = i / side;
+    u[0] = (column + orl_random_uniform(random)) / side;
+    u[1] = (row + orl_random_uniform(random)) / side;
+}
+
+/* Estimates a row of the transmission as means over cells, by sampling the material with rays from
+ * inside. */
+static void draw_row(const struct matrix_context *l, size_t window, size_t cell, float *row)
+{
+    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
+    const struct orl_port *port = &lit_scene->ports[l->windows->panes[window]];
+    const struct orl_material *material = material_of(lit_scene, l->windows->panes[window]);
+    const struct orl_frame *frame = &l->windows->frames[window];
+    const struct orl_basis *basis = &l->windows->basis;
+    const struct orl_hit hit = orl_hit_surface_mean(
+        port->outside_is_front ? port->outward : frame->n, !port->outside_is_front);
+    struct orl_random random = random_of(l, window * CELLS + cell, 0);
+    const float share = 1.0F / (DRAWS_SIDE * DRAWS_SIDE);
+    for (uint32_t i = 0; i < DRAWS_SIDE * DRAWS_SIDE; i++) {
+        double u[2];
+        jitter_in_part(i, DRAWS_SIDE, &random, u);
+        const struct orl_vec3 eye =
+            orl_to_world(frame, orl_basis_direction(basis, (int)cell, u[0], u[1]));
+        const struct orl_surface_sample s = orl_material_sample(
+            material, &hit, eye, ORL_TRANSPORT_EYE, ORL_LOBE_TRANSMITTED, &random);
+        const struct orl_vec3 travels = orl_to_local(frame, orl_neg(s.direction));
+        if (s.event == ORL_EVENT_ABSORBED || !(travels.z > 0))
+            continue;
+        const int from = orl_basis_cell(basis, orl_polar_of(travels), 0);
+        if (from >= 0)
+            row[from] += share * (float)orl_luma(s.weight);
+    }
+}
+
+/* Copies the BSDF's own matrix, and returns true, if it has this basis and its front is inside. */
+static bool copy_matrix(const struct matrix_context *l, size_t window)
+{
+    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
+    const struct orl_port *port = &lit_scene->ports[l->windows->panes[window]];
+    const struct orl_material *material = material_of(lit_scene, l->windows->panes[window]);
+    struct orl_error err = {0};
+    size_t rows, columns;
+    float *values;
+    if (material->kind != ORL_MATERIAL_BSDF || port->outside_is_front || material->pattern ||
+        orl_rgb_max(material->through) > 0 ||
+        orl_bsdf_transmission(material->bsdf, &rows, &columns, &values, &err) < 0)
+        return false;
+    const bool fits = rows == CELLS && columns == CELLS;
+    for (size_t i = 0; fits && i < (size_t)CELLS * CELLS; i++)
+        l->result->windows[window].transmission[i] = (float)orl_luma((struct orl_rgb){
+            (double)values[3 * i], (double)values[3 * i + 1], (double)values[3 * i + 2]});
+    free(values);
+    return fits;
+}
+
+static void draw_cell(void *arg, size_t index, uint32_t member)
+{
+    const struct matrix_context *l = arg;
+    const size_t window = index / CELLS, cell = index % CELLS;
+    (void)member;
+    if (!l->exact[window])
+        draw_row(l, window, cell, l->result->windows[window].transmission + cell * CELLS);
+}
+
+/* ---- The sky --------------------------------------------------------------------------------- */
+
+/* Returns a port of the window, sampled by area. */
+static uint32_t port_by_area(const struct matrix_context *l, uint32_t window, double u)
+{
+    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
+    double all = 0;
+    uint32_t last = 0;
+    for (uint32_t i = 0; i < lit_scene->n_ports; i++)
+        all += l->windows->of_port[i] == window ? lit_scene->ports[i].area : 0;
+    for (uint32_t i = 0; i < lit_scene->n_ports; i++) {
+        if (l->windows->of_port[i] != window)
+            continue;
+        last = i;
+        u -= lit_scene->ports[i].area / all;
+        if (u < 0)
+            break;
+    }
+    return last;
+}
+
+static void fill_patches(const float *bins, float *ret_patches)
+{
+    static const float share = 1.0F / (RAYS_SIDE * RAYS_SIDE);
+    double ground = 0;
+    for (uint32_t bin = ORL_BINS_ABOVE; bin < ORL_BINS; bin++)
+        ground += (double)bins[bin];
+    ret_patches[0] = (float)ground * share;
+    for (uint32_t bin = 0; bin < ORL_BINS_ABOVE; bin++)
+        ret_patches[bin + 1] = bins[bin] * share;
+}
+
+static void trace_rays_out(struct matrix_context *l, uint32_t window, size_t cell, bool straight,
+                           float *bins, struct orl_health *health)
+{
+    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
+    const struct orl_frame *frame = &l->windows->frames[window];
+    struct orl_random random = random_of(l, (size_t)window * CELLS + cell, straight ? 2 : 1);
+    struct orl_path_sums sums = {.bins = bins};
+    memset(bins, 0, ORL_BINS * sizeof *bins);
+    for (uint32_t i = 0; i < RAYS_SIDE * RAYS_SIDE; i++) {
+        double u[2], at[2];
+        jitter_in_part(i, RAYS_SIDE, &random, u);
+        at[0] = orl_random_uniform(&random);
+        at[1] = orl_random_uniform(&random);
+        const uint32_t which = port_by_area(l, window, orl_random_uniform(&random));
+        const struct orl_port *port = &lit_scene->ports[which];
+        struct orl_vec3 point, normal;
+        orl_facet_sample(lit_scene->geometry, port->facet, at, &point, &normal);
+        const struct orl_vec3 towards = orl_neg(
+            orl_to_world(frame, orl_basis_direction(&l->windows->basis, (int)cell, u[0], u[1])));
+        orl_annual_trace_outdoors(
+            &l->year->scene, orl_offset_from_surface(lit_scene->geometry, point, port->outward),
+            towards,
+            orl_random_stream(l->year->request->seed, ORL_PURPOSE_ANNUAL,
+                              orl_mix64(orl_random_bits(&random))),
+            straight, &sums, health);
+    }
+}
+
+static void trace_cell(void *arg, size_t index, uint32_t member)
+{
+    struct matrix_context *l = arg;
+    const size_t window = index / CELLS, cell = index % CELLS;
+    struct orl_phase_window *of = &l->result->windows[window];
+    float *bins = malloc(ORL_BINS * sizeof *bins);
+    if (!bins) {
+        atomic_store(&l->failed, true);
+        return;
+    }
+    trace_rays_out(l, (uint32_t)window, cell, false, bins, &l->healths[member]);
+    fill_patches(bins, of->daylight + cell * PATCHES);
+    trace_rays_out(l, (uint32_t)window, cell, true, bins, &l->healths[member]);
+    fill_patches(bins, of->direct_daylight + cell * PATCHES);
+    free(bins);
+}
+
+int orl_phase_windows_compute(const struct orl_phase_windows *windows, struct orl_year *year,
+                              struct orl_phase_matrices *result, struct orl_health *healths)
+{
+    struct matrix_context l = {
+        .windows = windows, .year = year, .result = result, .healths = healths};
+    struct orl_thread_pool *pool = year->env->run->pool;
+    int code = orl_parallel_try(pool, result->n_windows * CELLS, trace_cell, &l);
+    for (size_t w = 0; w < result->n_windows; w++)
+        l.exact[w] = copy_matrix(&l, w);
+    if (code == 0)
+        code = orl_parallel_try(pool, result->n_windows * CELLS, draw_cell, &l);
+    return code == 0 && atomic_load(&l.failed) ? ORL_ERR_NOMEM : code;
+}
+
+/* Matrices of the three- and five-phase methods, computed by a year's scene and paths. */
+
+enum { CELLS_2 = ORL_PHASES_CELLS, PATCHES_2 = ORL_ANNUAL_PATCHES };
 
 /* State of the computation while its year runs. */
 struct matrices {
@@ -57,7 +325,7 @@ static struct orl_shading_point place_of(const struct matrices *p, size_t sensor
 static void compute_view(void *arg, size_t sensor, uint32_t member)
 {
     struct matrices *p = arg;
-    const size_t n = p->result->n_windows * CELLS;
+    const size_t n = p->result->n_windows * CELLS_2;
     const struct orl_shading_point place = place_of(p, sensor);
     float *room = calloc(2 * n + ORL_BINS, sizeof *room);
     if (!room) {
@@ -80,10 +348,10 @@ static void compute_view(void *arg, size_t sensor, uint32_t member)
     }
     const float share = 1.0F / ((float)p->year->batch_samples * ORL_ANNUAL_BATCHES);
     for (size_t w = 0; w < p->result->n_windows; w++)
-        for (size_t c = 0; c < CELLS; c++) {
+        for (size_t c = 0; c < CELLS_2; c++) {
             struct orl_phase_window *window = &p->result->windows[w];
-            window->view[sensor * CELLS + c] = exits.all[w * CELLS + c] * share;
-            window->direct_view[sensor * CELLS + c] = exits.straight[w * CELLS + c] * share;
+            window->view[sensor * CELLS_2 + c] = exits.all[w * CELLS_2 + c] * share;
+            window->direct_view[sensor * CELLS_2 + c] = exits.straight[w * CELLS_2 + c] * share;
         }
     free(room);
 }
@@ -176,11 +444,11 @@ static int allocate_matrices(struct matrices *p)
     p->healths = calloc(orl_thread_pool_size(p->year->env->run->pool), sizeof *p->healths);
     for (size_t i = 0; i < r->n_windows; i++) {
         struct orl_phase_window *w = &r->windows[i];
-        w->transmission = calloc((size_t)CELLS * CELLS, sizeof *w->transmission);
-        w->daylight = calloc((size_t)CELLS * PATCHES, sizeof *w->daylight);
-        w->direct_daylight = calloc((size_t)CELLS * PATCHES, sizeof *w->direct_daylight);
-        w->view = calloc(p->n_sensors * CELLS + 1, sizeof *w->view);
-        w->direct_view = calloc(p->n_sensors * CELLS + 1, sizeof *w->direct_view);
+        w->transmission = calloc((size_t)CELLS_2 * CELLS_2, sizeof *w->transmission);
+        w->daylight = calloc((size_t)CELLS_2 * PATCHES_2, sizeof *w->daylight);
+        w->direct_daylight = calloc((size_t)CELLS_2 * PATCHES_2, sizeof *w->direct_daylight);
+        w->view = calloc(p->n_sensors * CELLS_2 + 1, sizeof *w->view);
+        w->direct_view = calloc(p->n_sensors * CELLS_2 + 1, sizeof *w->direct_view);
         room = room && w->transmission && w->daylight && w->direct_daylight && w->view &&
                w->direct_view;
     }

@@ -8,7 +8,7 @@
 #include <oriel/annual/annual_phases.h>
 
 #include "annual/coefficients/trace_sensor.h"
-#include "annual/year/year_inputs.h"
+#include "annual/year/annual_year.h"
 
 struct orl_phase_windows {
     struct orl_basis basis;

@@ -1,9 +1,8 @@
-#include "annual/panes/bsdf_pane_samples.h"
+#include "annual/panes/bsdf_panes.h"
 
 #include <string.h>
 
-#include "base/sampling/reservoir.h"
-#include "base/sampling/sincos.h"
+#include "base/sampling/sampling.h"
 
 /* Candidates for each sample, if the sun's disc spans several cells of the BSDF. */
 enum { SAMPLES = ORL_BSDF_PANE_SAMPLES, CANDIDATES = 8 };

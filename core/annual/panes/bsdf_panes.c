@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/reservoir.h"
+#include "base/sampling/sampling.h"
 #include "light/direct.h"
 #include "light/path.h"
 

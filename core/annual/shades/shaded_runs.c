@@ -11,7 +11,7 @@
 
 #include "annual/matrices/imported_matrices.h"
 #include "annual/shades/shaded_year.h"
-#include "scene/material_override.h"
+#include "scene/surfaces.h"
 
 enum { MOST = ORL_SHADES_MOST_COMBINATIONS };
 

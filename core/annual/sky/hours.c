@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "annual/sky/sky_tile.h"
-#include "light/daylight.h"
+#include "annual/sky/bins.h"
+#include "light/daylight/daylight.h"
 
 /* State of reading the weather file's rows. */
 struct reader {

@@ -19,7 +19,7 @@
 
 #include "annual/sky/bins.h"
 #include "annual/sun/direction_tree.h"
-#include "light/weather.h"
+#include "light/daylight/weather.h"
 
 enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = ORL_LIMIT_YEAR_ROWS };
 

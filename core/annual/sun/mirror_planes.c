@@ -4,7 +4,7 @@
 
 #include "light/direct.h"
 #include "light/path.h"
-#include "scene/material/bounds.h"
+#include "scene/material/scatter.h"
 
 enum { MOST_PANES = 64 };
 

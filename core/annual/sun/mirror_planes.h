@@ -10,7 +10,7 @@
 #ifndef ORL_ANNUAL_SUN_MIRROR_PLANES_H
 #define ORL_ANNUAL_SUN_MIRROR_PLANES_H
 
-#include "annual/panes/port_rects.h"
+#include "annual/panes/bounding_rects.h"
 #include "annual/sun/direction_tree.h"
 #include "render/gather/gather.h"
 

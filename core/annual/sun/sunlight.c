@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "base/sampling/sincos.h"
+#include "base/sampling/sampling.h"
 #include "light/direct.h"
 #include "light/path.h"
 

@@ -3,9 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/sun_map/sun_photons.h"
-#include "annual/sun_map/sun_texels.h"
-#include "annual/year/check_supported.h"
+#include "annual/sun_map/sun_beams.h"
+#include "annual/year/annual_scene.h"
 
 enum { MOST_AT_ONCE = 64, CHANNELS = 3 };
 enum {

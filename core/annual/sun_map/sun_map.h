@@ -1,4 +1,43 @@
 /*
+ * Texels of surfaces, identified by number: the texel that a hit falls into, and the surface area
+ * in it. Polygons are divided in their plane, round surfaces by angle and height (orl_hit_uv).
+ */
+#ifndef ORL_ANNUAL_SUN_MAP_SUN_MAP_H
+#define ORL_ANNUAL_SUN_MAP_SUN_MAP_H
+
+#include <oriel/annual/annual.h>
+#include <oriel/base/thread_pool.h>
+
+#include "annual/sun_map/sun_beams.h"
+#include "base/sampling/sampling.h"
+#include "light/lit_scene.h"
+#include "scene/geometry/geometry.h"
+
+/* Division of a polygon into rows and columns that fit its extent, so that no slivers remain. */
+struct orl_sun_texel_grid {
+    float along[3]; /* the first axis, unit; the second is perpendicular to it in the plane */
+    float low[2], step[2];
+};
+
+struct orl_sun_texels {
+    const struct orl_geometry *geometry;    /* borrowed */
+    struct orl_sun_texel_grid *texel_grids; /* by facet that is not instanced */
+    double width;
+};
+
+/* Divides surfaces into texels of about this width. Strips narrower than three widths get eight
+ * rows of longer cells. Returns 0 or ORL_ERR_NOMEM. */
+int orl_sun_texels_init(struct orl_sun_texels *texels, const struct orl_geometry *geometry,
+                        double width);
+void orl_sun_texels_done(struct orl_sun_texels *texels);
+
+/* Returns the identifier of the hit's texel, on the side that was hit; never 0. */
+uint64_t orl_sun_texel_of(const struct orl_sun_texels *texels, const struct orl_hit *hit);
+
+/* Returns the surface area in the texel that a hit falls into. */
+double orl_sun_texel_area(const struct orl_sun_texels *texels, const struct orl_hit *hit);
+
+/*
  * Map of sunlight on surfaces inside a sealed building, for each beam (sun_beams.h). It holds the
  * light that reaches each texel of a surface through ports, mirrors and lobes, but no diffuse
  * surface. A whole map includes diffuse interreflection (contribution photons,
@@ -14,17 +53,6 @@
  * Photons form ORL_SUN_PHOTON_BATCHES independent groups, which yield standard errors. The map
  * depends on seed and scene alone; immutable once made.
  */
-#ifndef ORL_ANNUAL_SUN_MAP_SUN_MAP_H
-#define ORL_ANNUAL_SUN_MAP_SUN_MAP_H
-
-#include <oriel/annual/annual.h>
-#include <oriel/base/thread_pool.h>
-
-#include "annual/sun_map/sun_beams.h"
-#include "annual/sun_map/sun_photons.h"
-#include "base/sampling/random.h"
-#include "base/sampling/sobol.h"
-#include "light/lit_scene.h"
 
 struct orl_sun_map;
 

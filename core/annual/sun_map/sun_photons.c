@@ -1,4 +1,4 @@
-#include "annual/sun_map/sun_photons.h"
+#include "annual/sun_map/sun_beams.h"
 
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-#include "annual/sun_map/sun_texels.h"
+#include "annual/sun_map/sun_map.h"
 
 #include <stdlib.h>
 

@@ -1,13 +1,12 @@
-#include "annual/viewpoints/viewpoint_glare.h"
+#include "annual/viewpoints/viewpoints.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/sincos.h"
+#include "base/sampling/sampling.h"
 #include "light/direct.h"
-#include "metrics/dgp.h"
 #include "metrics/glare_sources.h"
-#include "metrics/position_index.h"
+#include "metrics/indices.h"
 
 /* Columns of a tile are rated in strips; memory holds the pictures of one strip. */
 enum { TILE = ORL_HOURS_TILE, STRIP = 16, STRIPS = TILE / STRIP, MOST_IMAGES = 8 };

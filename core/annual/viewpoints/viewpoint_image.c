@@ -1,9 +1,249 @@
-#include "annual/viewpoints/viewpoint_image.h"
+#include "annual/viewpoints/viewpoints.h"
 
 #include <stdlib.h>
 
-#include "annual/viewpoints/viewpoint_rays.h"
-#include "scene/geometry/surface_offset.h"
+#include "light/path.h"
+#include "scene/geometry/geometry.h"
+
+enum { MOST_CONTINUATIONS = 3, MANY_STEPS = 500 };
+/* Thresholds of Russian roulette: for paths, as a share of the ray's light; for mirrored rays, as a
+ * share of the light that reaches the surface. */
+static const double dim_path = 0.002, dim_mirror = 0.02;
+static const double survival = 0.999; /* survival probability of each step beyond MANY_STEPS */
+
+struct branch {
+    struct orl_path path;
+    uint32_t paths; /* most paths into which it may split, including itself */
+    uint32_t steps;
+    bool outside, scattered;
+};
+
+/* ---- What a path reaches --------------------------------------------------------------------- */
+
+static int add_sky(struct orl_viewpoint_rays *r, const struct branch *b)
+{
+    const struct orl_vec3 towards = orl_sky_rotation_to_sky(r->scene->north, b->path.direction);
+    return orl_pixel_terms_add(&r->terms, orl_bins_find(r->scene->bins, towards),
+                               r->share * orl_luma(b->path.weight));
+}
+
+static int add_spot(struct orl_viewpoint_rays *r, const struct orl_viewpoint_spot *spot)
+{
+    struct orl_viewpoint_image *view = r->view;
+    if (view->n_spots == r->spots_room) {
+        const size_t room = r->spots_room + r->spots_room / 2 + ORL_VIEWPOINT_PIXELS;
+        struct orl_viewpoint_spot *grown = realloc(view->spots, room * sizeof *grown);
+        if (!grown)
+            return ORL_ERR_NOMEM;
+        view->spots = grown;
+        r->spots_room = room;
+    }
+    view->spots[view->n_spots++] = *spot;
+    return 0;
+}
+
+static int add_diffuse(struct orl_viewpoint_rays *r, const struct branch *b,
+                       const struct orl_hit *hit, struct orl_rgb albedo)
+{
+    const struct orl_geometry *geometry = r->scene->lit_scene->geometry;
+    const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(b->path.weight, albedo), 1 / ORL_PI);
+    const double luma = r->share * orl_luma(weight);
+    const struct orl_vec3 facing = orl_hit_facing(hit);
+    uint32_t found = 0;
+    int code = orl_visible_points_add(&r->view->visible_points, hit,
+                                      luma * (double)r->view->field.solid_angle[r->pixel],
+                                      &r->random, &found);
+    if (code == 0)
+        code = orl_pixel_terms_add(&r->terms, ORL_BINS + 2 * found + b->scattered, luma);
+    if (code < 0 || !r->spots || b->scattered)
+        return code;
+    const struct orl_viewpoint_spot spot = {
+        .place = {.point = orl_hit_ray_origin(geometry, hit, facing),
+                  .normal = facing,
+                  .outside = b->outside},
+        .hit = *hit,
+        .weight = weight,
+        .pixel = r->pixel};
+    return add_spot(r, &spot);
+}
+
+/* Adds spots on the visible side of a surface, and if it transmits, on the far side. */
+static int add_lobe_spots(struct orl_viewpoint_rays *r, const struct branch *b,
+                          const struct orl_hit *hit, const struct orl_material *m)
+{
+    const struct orl_lit_scene *lit_scene = r->scene->lit_scene;
+    const struct orl_vec3 seen = orl_hit_facing(hit);
+    const int sides = orl_material_transmits_lobes(m) ? 2 : 1;
+    int code = 0;
+    for (int side = 0; side < sides && code == 0; side++) {
+        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
+        const struct orl_viewpoint_spot spot = {
+            .place = {.point = orl_hit_ray_origin(lit_scene->geometry, hit, normal),
+                      .normal = normal,
+                      .outside =
+                          orl_lit_scene_outside_after(lit_scene, hit, side == 1, b->outside)},
+            .hit = *hit,
+            .eye = orl_path_back(&b->path),
+            .material = m,
+            .weight = b->path.weight,
+            .pixel = r->pixel};
+        code = add_spot(r, &spot);
+    }
+    return code;
+}
+
+/* ---- Continuations --------------------------------------------------------------------------- */
+
+/* Computes the mirrored continuation. If it carries little, Russian roulette applies. */
+static bool sample_mirrored(struct orl_viewpoint_rays *r, const struct branch *b,
+                            const struct orl_hit *hit, const struct orl_material *m,
+                            struct orl_surface_sample *ret_continuation)
+{
+    struct orl_rgb share = orl_material_mirrored(m, hit, orl_path_back(&b->path));
+    const struct orl_vec3 d = b->path.direction, n = orl_hit_facing(hit);
+    const double most = orl_rgb_max(share);
+    if (!(most > 0))
+        return false;
+    if (most < dim_mirror) {
+        if (!(orl_random_uniform(&r->random) * dim_mirror < most))
+            return false;
+        share = orl_rgb_scale(share, dim_mirror / most);
+    }
+    *ret_continuation =
+        (struct orl_surface_sample){.event = ORL_EVENT_MIRROR,
+                                    .direction = orl_normalize(orl_madd(d, n, -2 * orl_dot(d, n))),
+                                    .weight = share};
+    return true;
+}
+
+/* Lists the continuations at a surface: straight, mirrored, and one sampled from the lobes. */
+static uint32_t list_continuations(struct orl_viewpoint_rays *r, const struct branch *b,
+                                   const struct orl_hit *hit, const struct orl_material *m,
+                                   struct orl_surface_sample ret_continuations[MOST_CONTINUATIONS])
+{
+    const struct orl_vec3 back = orl_path_back(&b->path);
+    const struct orl_rgb straight = orl_material_straight(m, hit, back);
+    uint32_t n = 0;
+    if (orl_rgb_max(straight) > 0)
+        ret_continuations[n++] = (struct orl_surface_sample){.event = ORL_EVENT_STRAIGHT,
+                                                             .transmitted = true,
+                                                             .direction = b->path.direction,
+                                                             .weight = straight};
+    n += sample_mirrored(r, b, hit, m, &ret_continuations[n]);
+    if (!orl_material_has_lobes(m))
+        return n;
+    const struct orl_surface_sample drawn = orl_material_sample(
+        m, hit, back, ORL_TRANSPORT_EYE,
+        (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED), &r->random);
+    if ((drawn.event == ORL_EVENT_GLOSSY || drawn.event == ORL_EVENT_DIFFUSE) &&
+        orl_rgb_max(drawn.weight) > 0)
+        ret_continuations[n++] = drawn;
+    return n;
+}
+
+/* Samples one continuation in proportion to its weight, and rescales it to represent all. */
+static struct orl_surface_sample choose_continuation(struct orl_random *random,
+                                                     const struct orl_surface_sample *continuations,
+                                                     uint32_t n)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < n; i++)
+        sum += orl_rgb_max(continuations[i].weight);
+    double threshold = orl_random_uniform(random) * sum;
+    uint32_t which = 0;
+    while (which + 1 < n && threshold >= orl_rgb_max(continuations[which].weight))
+        threshold -= orl_rgb_max(continuations[which++].weight);
+    struct orl_surface_sample chosen = continuations[which];
+    chosen.weight = orl_rgb_scale(chosen.weight, sum / orl_rgb_max(chosen.weight));
+    return chosen;
+}
+
+/* Continues the path from the hit; returns false if it has ended. */
+static bool continue_path(struct orl_viewpoint_rays *r, struct branch *b, const struct orl_hit *hit,
+                          const struct orl_surface_sample *continuation)
+{
+    b->path.weight = orl_rgb_mul(b->path.weight, continuation->weight);
+    const double most = orl_rgb_max(b->path.weight);
+    if (!(most > 0) ||
+        (most < dim_path && !orl_path_roulette(&b->path, most / dim_path, &r->random)) ||
+        (++b->steps > MANY_STEPS && !orl_path_roulette(&b->path, survival, &r->random)))
+        return false;
+    b->outside = orl_lit_scene_outside_after(r->scene->lit_scene, hit, continuation->transmitted,
+                                             b->outside);
+    b->scattered = b->scattered || continuation->event == ORL_EVENT_GLOSSY ||
+                   continuation->event == ORL_EVENT_DIFFUSE;
+    orl_path_spawn_ray(&b->path, r->scene->lit_scene, hit, continuation);
+    return true;
+}
+
+/* ---- Splitting ------------------------------------------------------------------------------- */
+
+/* Stack of a ray's branches that are still to be traced. */
+struct branches {
+    struct branch at[ORL_VIEWPOINT_RAY_PATHS];
+    uint32_t count;
+};
+
+/* Pushes the continuations of a branch. Its paths are divided in proportion to their weights; each
+ * gets at least one. */
+static void branch_on(struct orl_viewpoint_rays *r, struct branches *all, const struct branch *from,
+                      const struct orl_hit *hit, const struct orl_surface_sample *continuations,
+                      uint32_t n)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < n; i++)
+        sum += orl_rgb_max(continuations[i].weight);
+    for (uint32_t i = n; i-- > 0;) {
+        struct branch b = *from;
+        const double share = orl_rgb_max(continuations[i].weight) / sum;
+        b.paths = n > 1 ? 1 + (uint32_t)(share * (from->paths - n)) : from->paths;
+        if (continue_path(r, &b, hit, &continuations[i]))
+            all->at[all->count++] = b;
+    }
+}
+
+/* Traces a branch to the next surface, or out of the scene. */
+static int trace_branch(struct orl_viewpoint_rays *r, struct branches *all)
+{
+    const struct branch b = all->at[--all->count];
+    const struct orl_lit_scene *lit_scene = r->scene->lit_scene;
+    struct orl_hit hit;
+    int code = 0;
+    r->steps++;
+    if (!orl_path_intersect(lit_scene, &b.path, &hit))
+        return add_sky(r, &b);
+    const struct orl_material *m = orl_lit_scene_material(lit_scene, &hit);
+    const struct orl_rgb albedo = orl_material_diffuse(m, &hit);
+    if (orl_rgb_max(albedo) > 0)
+        code = add_diffuse(r, &b, &hit, albedo);
+    if (code < 0 || orl_material_is_matt(m))
+        return code;
+    if (orl_material_has_lobes(m)) {
+        r->lobes = true;
+        if (r->spots && !b.scattered)
+            code = add_lobe_spots(r, &b, &hit, m);
+    }
+    struct orl_surface_sample continuations[MOST_CONTINUATIONS];
+    uint32_t n = list_continuations(r, &b, &hit, m, continuations);
+    if (n > 1 && n > b.paths) {
+        continuations[0] = choose_continuation(&r->random, continuations, n);
+        n = 1;
+    }
+    branch_on(r, all, &b, &hit, continuations, n);
+    return code;
+}
+
+int orl_viewpoint_rays_trace(struct orl_viewpoint_rays *rays, struct orl_vec3 direction)
+{
+    struct branches all = {.count = 1};
+    int code = 0;
+    all.at[0] = (struct branch){.path = orl_path_from(rays->view->eye.point, direction),
+                                .paths = rays->most_paths,
+                                .outside = rays->view->eye.outside};
+    while (all.count > 0 && code == 0)
+        code = trace_branch(rays, &all);
+    return code;
+}
 
 /* Rays of a pixel along an edge; more if lobes scatter them. */
 enum { SIDE = 2, LOBE_SIDE = 6 };

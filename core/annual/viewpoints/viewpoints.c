@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/shades/shaded_scene.h"
-#include "annual/viewpoints/viewpoint_glare.h"
-#include "annual/year/year_inputs.h"
+#include "annual/shades/shaded_year.h"
+#include "annual/viewpoints/viewpoints.h"
+#include "annual/year/annual_year.h"
 
 /* ---- Viewpoints as a year's sensors
  * --------------------------------------------------------------- */

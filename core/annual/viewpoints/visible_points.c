@@ -1,4 +1,4 @@
-#include "annual/viewpoints/visible_points.h"
+#include "annual/viewpoints/viewpoints.h"
 
 #include <stdlib.h>
 #include <string.h>

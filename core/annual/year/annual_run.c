@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "annual/coefficients/sensor_chunks.h"
-#include "annual/year/year_inputs.h"
+#include "annual/year/annual_year.h"
 #include "run/cache/scene_cache.h"
-#include "run/diagnostics/sensor_places.h"
+#include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 
 /* Half an hour: a patch of sun moves by a quarter of its distance from the window. */

@@ -1,19 +1,53 @@
 /*
- * Scene data that all paths of a year read: the world without light sources, and nodes of the sun.
- *
- * Immutable once made, and shared by all threads.
+ * Check that a year of the scene can be computed. Sunlight on paths that are not followed is
+ * refused with the surface's name, never left out silently.
  */
 #ifndef ORL_ANNUAL_YEAR_ANNUAL_SCENE_H
 #define ORL_ANNUAL_YEAR_ANNUAL_SCENE_H
 
 #include "annual/sky/bins.h"
 #include "annual/sky/hours.h"
+#include "annual/sun/direction_tree.h"
 #include "annual/sun/mirror_planes.h"
-#include "annual/sun/sun_grid_sampling.h"
 #include "annual/sun_map/sun_map.h"
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
+#include "light/lit_scene.h"
 #include "render/gather/direction_sampling.h"
 #include "render/gather/gather.h"
+
+/* Returns 0, or ORL_ERR_UNSUPPORTED naming a surface. */
+int orl_annual_check_supported(const struct orl_lit_scene *lit_scene, struct orl_error *err);
+
+/* Counts curved surfaces that reflect some sunlight, which is left out; *ret_first is the first
+ * one. */
+size_t orl_annual_count_curved(const struct orl_lit_scene *lit_scene, uint32_t *ret_first);
+
+/* Returns true if materials colour light by diffuse scattering only. */
+bool orl_annual_is_colourless(const struct orl_lit_scene *lit_scene);
+
+/*
+ * Window groups: one for each group with shades, and one for windows in no group. The light
+ * of a year is the sum over its window groups. Light belongs to the window group of the port by
+ * which its path, followed back from the sensor, first leaves the building.
+ */
+
+/* Returns the window group of a port, from 0; windows of no group are window group n_groups. */
+uint16_t orl_window_group_of_port(const struct orl_lit_scene *lit_scene, size_t port,
+                                  size_t n_groups);
+
+/*
+ * Checks that all surfaces of a window group are near its ports: no further from one of them than
+ * half its longer side, in front, behind and beside it. Returns 0, or ORL_ERR_UNSUPPORTED naming
+ * the surface. name: the window group's.
+ */
+int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t part,
+                                const char *name, struct orl_error *err);
+
+/*
+ * Scene data that all paths of a year read: the world without light sources, and nodes of the sun.
+ *
+ * Immutable once made, and shared by all threads.
+ */
 
 struct orl_annual_scene {
     const struct orl_lit_scene

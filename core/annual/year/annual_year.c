@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/night_light.h"
-#include "light/time_shift.h"
-#include "run/estimate/stage_progress.h"
+#include "light/daylight/weather.h"
+#include "run/estimate/progress.h"
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
 {

@@ -14,8 +14,6 @@
 #include "annual/coefficients/apply_weather.h"
 #include "annual/coefficients/chunk_sums.h"
 #include "annual/panes/bsdf_panes.h"
-#include "annual/shades/window_group_ports.h"
-#include "annual/sky/overcast.h"
 #include "annual/sun/sun_weights.h"
 #include "annual/year/annual_cache.h"
 #include "annual/year/annual_scene.h"
@@ -148,5 +146,21 @@ int orl_year_no_memory(struct orl_error *err);
 int orl_year_cancelled(struct orl_error *err);
 /* Sets one of these two errors, ORL_ERR_CANCELLED or ORL_ERR_NOMEM, and returns its code. */
 int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err);
+
+/*
+ * Inputs of a year's light: world, ports, mirrors, sunlight on surfaces inside, and BSDF panes,
+ * each made when first needed; and interpolation weights of the suns over nodes and beams. If all
+ * results come from a store, no ray is traced.
+ *
+ * Errors: ORL_ERR_UNSUPPORTED, naming a surface, _INVALID, _LIMIT, _NOMEM, _CANCELLED.
+ */
+
+/* Finds sun_weights and n_beams of a year whose nodes are placed. */
+int orl_year_find_sun_weights(struct orl_year *y, struct orl_error *err);
+/* Makes world and scene if necessary; paths need them. */
+int orl_year_ensure_scene(struct orl_year *y, struct orl_error *err);
+/* Also makes the BSDF panes; sunlight at sensors needs them. */
+int orl_year_ensure_bsdf_panes(struct orl_year *y, struct orl_error *err);
+void orl_year_inputs_done(struct orl_year *y);
 
 #endif

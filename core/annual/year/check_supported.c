@@ -1,9 +1,9 @@
-#include "annual/year/check_supported.h"
+#include "annual/year/annual_scene.h"
 
 #include "scene/geometry/instances.h"
-#include "scene/material/bounds.h"
-#include "scene/material/function_brdf/function_lobes.h"
+#include "scene/material/function_brdf/function_brdf_check.h"
 #include "scene/material/patterns/pattern.h"
+#include "scene/material/scatter.h"
 
 /* Reflectance above which a mirror, stronger than panes, would need second reflections. */
 static const double strong = 0.25;

@@ -1,12 +1,12 @@
 /* Builds world, scene and BSDF panes of a year, and the interpolation weights of its suns, when
  * each is needed. */
-#include "annual/year/year_inputs.h"
+#include "annual/year/annual_year.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "annual/year/check_supported.h"
-#include "scene/material_override.h"
+#include "annual/year/annual_scene.h"
+#include "scene/surfaces.h"
 
 /* ---- The world ------------------------------------------------------------------------------- */
 

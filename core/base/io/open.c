@@ -1,6 +1,6 @@
 /* This file has the only calls of open() on paths from outside; tests/check_boundaries finds
  * others. */
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,6 +5,7 @@
 #ifndef ORL_BASE_IO_OUT_FILE_H
 #define ORL_BASE_IO_OUT_FILE_H
 
+#include <stddef.h>
 #include <stdio.h>
 
 #include <oriel/base/error.h>
@@ -24,5 +25,16 @@ void orl_out_floats(const struct orl_out_file *file, const float *values, size_t
 /* Commits the file if code is 0 and it is not cancelled; otherwise removes it. Returns code,
  * ORL_ERR_CANCELLED, or ORL_ERR_IO if the commit failed. */
 int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err);
+
+/*
+ * Writes arrays in NumPy's format: NPY 1.0, float32, little-endian, row by row. Source: NumPy's
+ * documentation, numpy.lib.format.
+ */
+
+/* Writes an array; on errors no file is left. columns 0: a one-dimensional array of `rows` numbers.
+ * cancel is polled while writing; may be NULL. Returns 0, ORL_ERR_IO, ORL_ERR_FULL or
+ * ORL_ERR_LIMIT, and ORL_ERR_CANCELLED once *cancel is set. */
+int orl_npy_write(const char *path, const float *values, size_t rows, size_t columns,
+                  const atomic_bool *cancel, struct orl_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-#include "base/memory/memory_cache.h"
+#include <oriel/base/memory_cache.h>
 
 #include <pthread.h>
 #include <stdbool.h>

@@ -1,4 +1,4 @@
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
 
 #include "base/multiversion.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 #define BLANK ORL_BYTE_BLANK
 #define LINE_END ORL_BYTE_LINE_END

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text/stroke_glyphs.h"
-
 enum { MOST_LINES = 512, BENDS = 6 };
 
 /* ---- Strokes --------------------------------------------------------------------------------- */

@@ -1,4 +1,4 @@
-#include "base/text/stroke_glyphs.h"
+#include "base/text/stroke_font.h"
 
 #include <stddef.h>
 

@@ -3,11 +3,10 @@
  * 1. Sums over the data's own cells are exact. Shares of light (reciprocity, redirection) are means
  * over a fixed set of evenly spread samples, accurate to about half a per cent.
  */
-#include "bsdf/check/check_bsdf.h"
+#include "bsdf/bsdf_internal.h"
 
 #include <string.h>
 
-#include "bsdf/bsdf_internal.h"
 #include "bsdf/tree/shirley.h"
 
 enum {

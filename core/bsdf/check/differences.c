@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include <oriel/base/thread_pool.h>
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "bsdf/tree/shirley.h"
 

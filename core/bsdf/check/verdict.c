@@ -3,7 +3,7 @@
  * contradicts physics or this program's interpretation of the file. A warning may be intended but
  * should be examined. A note is information.
  */
-#include "bsdf/check/check_bsdf.h"
+#include "bsdf/bsdf_internal.h"
 
 #include <stdarg.h>
 #include <stdio.h>

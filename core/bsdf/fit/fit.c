@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf/fit/fit_output.h"
-#include "bsdf/fit/measurements/scans.h"
+#include "bsdf/fit/fit.h"
+#include "bsdf/fit/measurements/measurements.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 

@@ -2,10 +2,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf/fit/fit_output.h"
-#include "bsdf/make/panel_xml.h"
+#include "bsdf/fit/fit.h"
+#include "bsdf/make/make_bsdf.h"
 #include "bsdf/tree/shirley.h"
-#include "bsdf/xml/write_xml.h"
+#include "bsdf/xml/bsdf_xml.h"
 
 enum { LEVELS = 6, PARTS = 4 }; /* raster levels; parts a side of a raster cell */
 

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf/fit/fit_output.h"
-#include "bsdf/fit/scan/equal_area_square.h"
-#include "bsdf/make/panel_xml.h"
+#include "bsdf/fit/fit.h"
+#include "bsdf/fit/scan/scan_light.h"
+#include "bsdf/make/make_bsdf.h"
 #include "bsdf/make/trees/tree_builder.h"
-#include "bsdf/xml/write_xml.h"
+#include "bsdf/xml/bsdf_xml.h"
 
 enum { SPLIT_LEVEL = 3, CHUNK = 8 };
 

@@ -1,10 +1,10 @@
-#include "bsdf/fit/raster.h"
+#include "bsdf/fit/fit.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/multiversion.h"
-#include "bsdf/fit/scan/equal_area_square.h"
+#include "bsdf/fit/scan/scan_light.h"
 
 enum { TILE_POINTS = ORL_FIT_TILE_CELLS * ORL_FIT_CELL_POINTS, TILES_GROUPED = 16 };
 

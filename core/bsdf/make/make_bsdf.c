@@ -2,10 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/sobol.h"
-#include "bsdf/make/klems/klems_matrices.h"
-#include "bsdf/make/panel/panel_mirrors.h"
-#include "bsdf/make/trees/panel_trees.h"
+#include "base/sampling/sampling.h"
+#include "bsdf/make/make_bsdf.h"
+#include "bsdf/make/panel/panel.h"
 
 static int make_from_sample(const struct orl_bsdf_make_request *request,
                             const struct orl_bsdf_make_env *env,

@@ -5,7 +5,7 @@
 
 #include <oriel/bsdf/bsdf_make.h>
 
-#include "bsdf/make/panel_request.h"
+#include "bsdf/make/make_bsdf.h"
 
 const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis)
 {

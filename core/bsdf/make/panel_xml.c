@@ -1,4 +1,4 @@
-#include "bsdf/make/panel_xml.h"
+#include "bsdf/make/make_bsdf.h"
 
 #include <stdlib.h>
 #include <string.h>

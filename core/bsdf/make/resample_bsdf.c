@@ -1,4 +1,4 @@
-#include "bsdf/make/resample_bsdf.h"
+#include "bsdf/make/make_bsdf.h"
 
 #include <math.h>
 #include <stdlib.h>

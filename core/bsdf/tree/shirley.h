@@ -12,7 +12,7 @@
 
 #include <oriel/base/vec.h>
 
-#include "base/sampling/sincos.h"
+#include "base/sampling/sampling.h"
 
 struct orl_square {
     double x, y;

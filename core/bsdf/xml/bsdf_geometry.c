@@ -1,10 +1,10 @@
-#include "bsdf/xml/bsdf_geometry.h"
+#include "bsdf/xml/bsdf_xml.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 #include "bsdf/xml/xml.h"
 
 enum { DEPTH_MAX = 8, TEXT_MAX = 256, SLICE = 1 << 20 };

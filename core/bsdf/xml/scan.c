@@ -1,4 +1,4 @@
-#include "bsdf/xml/scan.h"
+#include "bsdf/xml/data_text.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,10 +1,10 @@
-#include "function/codegen/emit_code.h"
+#include "function/codegen/compiler.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "function/interpreter/builtins.h"
+#include "base/memory/memory.h"
+#include "function/interpreter/machine.h"
 
 enum { TABLE_LEAST = 4 }; /* fewest numbers in select() for a look-up table */
 

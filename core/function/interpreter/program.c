@@ -1,8 +1,8 @@
-#include "function/interpreter/program.h"
+#include "function/interpreter/machine.h"
 
 #include <stdlib.h>
 
-#include "base/io/serializer.h"
+#include "base/io/checked_file.h"
 #include "function/codegen/compiler.h"
 
 void orl_function_free(struct orl_function *function)

@@ -1,9 +1,9 @@
-#include "function/language/function_lexer.h"
+#include "function/language/definitions.h"
 
 #include <stdbool.h>
 #include <string.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 static bool is_letter(char c)
 {

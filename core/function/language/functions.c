@@ -4,10 +4,10 @@
 
 #include <oriel/base/scanner.h>
 
-#include "base/memory/array.h"
-#include "function/interpreter/builtins.h"
+#include "base/memory/memory.h"
+#include "function/function.h"
+#include "function/interpreter/machine.h"
 #include "function/language/definitions.h"
-#include "function/language/standard.h"
 
 static bool add_context(struct orl_functions *functions, const char *name, const char *file)
 {

@@ -1,11 +1,9 @@
-#include "function/language/syntax.h"
+#include "function/language/definitions.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "function/language/definitions.h"
-#include "function/language/function_lexer.h"
+#include "base/memory/memory.h"
 
 /* Parser state for one text. */
 struct parser {

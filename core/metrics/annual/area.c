@@ -5,10 +5,8 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "base/statistics/percent.h"
-#include "base/statistics/sum.h"
-#include "metrics/annual/pass_probability.h"
-#include "metrics/annual/sensor_year.h"
+#include "base/statistics/numeric.h"
+#include "metrics/annual/annual_figures.h"
 
 static double area_at(const double *area, size_t i)
 {

@@ -1,4 +1,4 @@
-#include "metrics/annual/pass_probability.h"
+#include "metrics/annual/annual_figures.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -6,7 +6,7 @@
 
 #include <oriel/annual/annual_metrics.h>
 #include <oriel/base/thread_pool.h>
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 enum { PLACES = 1 << 14 };
 static const double nothing = 1e-18; /* negligible probability; such places are dropped */

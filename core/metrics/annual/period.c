@@ -1,10 +1,13 @@
 /* Steps of a year that count. */
-#include <oriel/annual/annual_metrics.h>
-
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "metrics/annual/calendar.h"
+#include <oriel/annual/annual_metrics.h>
+#include <oriel/base/scanner.h>
+
+#include "base/text/words.h"
+#include "metrics/annual/annual_figures.h"
 
 enum { YEAR_H = 8760, LEAP_YEAR_H = 8784, MOST_STEPS_AN_HOUR = 60 };
 
@@ -103,4 +106,182 @@ void orl_annual_period_done(struct orl_annual_period *period)
         return;
     free(period->columns);
     *period = (struct orl_annual_period){.columns = NULL};
+}
+
+/* Hours of use of a room, by weekdays and hours or from a file. */
+
+void orl_occupancy_init(struct orl_occupancy *occupancy)
+{
+    *occupancy = (struct orl_occupancy){
+        .from_h = 8, .to_h = 18, .days = 0x7f, .first_day = ORL_FIRST_DAY_OF_WEATHER};
+}
+
+/* Returns 0 Monday ... 6 Sunday. */
+static unsigned weekday_of(const struct orl_occupancy *occupancy,
+                           const struct orl_annual_steps *steps, uint32_t day)
+{
+    const uint32_t days = steps->count / (24 * steps->per_hour), weeks_d = 7 * 53;
+    const bool is_before = occupancy->begins_day > 0 && day >= occupancy->begins_day;
+    return (day + occupancy->first_day + (is_before ? weeks_d - days : 0)) % 7;
+}
+
+void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_annual_steps *steps,
+                        unsigned char *ret_marks)
+{
+    const double from = occupancy->from_h, to = occupancy->to_h;
+    for (uint32_t i = 0; i < steps->count; i++) {
+        const double hour = orl_calendar_hour_of(steps, i);
+        const unsigned day = weekday_of(occupancy, steps, i / (24 * steps->per_hour));
+        const bool within = to >= from ? hour >= from && hour < to : hour >= from || hour < to;
+        ret_marks[i] = within && (occupancy->days >> day & 1);
+    }
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+enum { MOST_FIELDS = 4 };
+
+struct occupancy_reader {
+    struct orl_scanner scanner;
+    const struct orl_annual_steps *steps;
+    unsigned char *marks;
+    struct orl_annual_steps lines; /* year divided into one step per line */
+    uint32_t count;
+    int fields; /* fields per line, the same in all lines; 0: no line was read yet */
+    bool has_words;
+    struct orl_error *err;
+};
+
+static int report_line_error(const struct occupancy_reader *r, int code, const char *what)
+{
+    orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
+    return code;
+}
+
+/* Finds the resolution of the file from the hour of its first line: 0.5 for hours, 0.25 for half
+ * hours. */
+static int find_resolution(struct occupancy_reader *r, double hour)
+{
+    const double per_hour = hour > 0 && hour < 0.5 ? round(0.5 / hour) : 1;
+    if (per_hour != 1 && per_hour != r->steps->per_hour)
+        return report_line_error(r, ORL_ERR_RANGE, "the file's steps are not those of the year");
+    r->lines.per_hour = (uint32_t)per_hour;
+    r->lines.count = r->steps->count / r->steps->per_hour * (uint32_t)per_hour;
+    return 0;
+}
+
+static int check_time(struct occupancy_reader *r, const double values[MOST_FIELDS])
+{
+    int code = r->count == 0 ? find_resolution(r, values[2]) : 0;
+    if (code < 0)
+        return code;
+    const struct orl_calendar_day day = orl_calendar_day_of(&r->lines, r->count);
+    const double middle = orl_calendar_hour_of(&r->lines, r->count);
+    if (values[0] == day.month && values[1] == day.day &&
+        fabs(values[2] - middle) <= 0.5 / r->lines.per_hour + 1e-6)
+        return 0;
+    report_line_error(r, ORL_ERR_RANGE, "this is not the time of the line");
+    orl_error_hint(r->err, "%d,%d,%g is wanted here: month, day, hour of the middle", day.month,
+                   day.day, middle);
+    return ORL_ERR_RANGE;
+}
+
+/* Returns true if the first field is a number, including "nan", "inf" and misspelt numbers. */
+static bool begins_number(struct orl_slice line)
+{
+    struct orl_cells cells;
+    struct orl_slice cell = {NULL, 0};
+    double value;
+    orl_cells_init(&cells, line);
+    if (!orl_cells_next(&cells, &cell) || cell.length == 0)
+        return true;
+    const char c = cell.text[0];
+    return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-' ||
+           orl_number_read(cell.text, cell.length, &value) != ORL_NUMBER_INVALID;
+}
+
+/* Splits a line into numbers separated by commas, semicolons or blanks. Returns their count, or an
+ * error. */
+static int split_line(struct occupancy_reader *r, struct orl_slice line,
+                      double ret_values[MOST_FIELDS])
+{
+    struct orl_cells cells;
+    struct orl_slice cell;
+    double value = 0;
+    int n = 0;
+    orl_cells_init(&cells, line);
+    for (; orl_cells_next(&cells, &cell); n++) {
+        const int code = orl_scanner_number(&r->scanner, cell, NULL, &value, r->err);
+        if (code < 0)
+            return code;
+        if (n < MOST_FIELDS)
+            ret_values[n] = value;
+    }
+    if (n == 2 && orl_slice_is_decimal_comma(line))
+        return orl_scanner_number(&r->scanner, line, NULL, &value, r->err);
+    return n;
+}
+
+static int read_line(struct occupancy_reader *r, struct orl_slice line)
+{
+    double values[MOST_FIELDS] = {0};
+    line = orl_slice_trim(line);
+    if (line.length == 0 || line.text[0] == '#')
+        return 0;
+    if (r->count == 0 && !r->has_words && !begins_number(line)) {
+        r->has_words = true;
+        return 0;
+    }
+    const int n = split_line(r, line, values);
+    if (n < 0)
+        return n;
+    if (n != 1 && n != MOST_FIELDS)
+        return report_line_error(r, ORL_ERR_SYNTAX,
+                                 "one number is wanted, or \"month,day,hour,value\"");
+    if (r->fields != 0 && n != r->fields)
+        return report_line_error(r, ORL_ERR_SYNTAX,
+                                 "lines of one number and \"month,day,hour,value\" are mixed");
+    r->fields = n;
+    if (r->count == r->steps->count)
+        return report_line_error(r, ORL_ERR_RANGE,
+                                 "the file has more lines than the year has steps");
+    const int code = n == MOST_FIELDS ? check_time(r, values) : 0;
+    if (code == 0)
+        r->marks[r->count++] = values[n - 1] > 0;
+    return code;
+}
+
+/* Copies hourly marks to the steps of each hour, from the last one on. */
+static void expand_hours(unsigned char *marks, const struct orl_annual_steps *steps)
+{
+    for (uint32_t i = steps->count; i-- > 0;)
+        marks[i] = marks[i / steps->per_hour];
+}
+
+static int report_line_count(const struct occupancy_reader *r)
+{
+    orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
+                  r->steps->count);
+    orl_error_at(r->err, r->scanner.name, 0, NULL);
+    orl_error_hint(r->err, "a line for each hour of the weather file's year is wanted: %u",
+                   r->steps->count / r->steps->per_hour);
+    return ORL_ERR_RANGE;
+}
+
+int orl_occupancy_read(const char *name, const char *text, size_t size,
+                       const struct orl_annual_steps *steps, unsigned char *ret_marks,
+                       struct orl_error *err)
+{
+    struct occupancy_reader r = {.steps = steps, .marks = ret_marks, .err = err};
+    struct orl_slice line;
+    int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
+    while (code == 0 && orl_scanner_line(&r.scanner, &line))
+        code = read_line(&r, line);
+    if (code < 0)
+        return code;
+    if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count)
+        return report_line_count(&r);
+    if (r.count != steps->count)
+        expand_hours(ret_marks, steps);
+    return 0;
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 struct target_parser {
     const char *text, *at;

@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 
-#include "photon/density/disc_search.h"
-#include "photon/map/normal_code.h"
+#include "photon/density/nested_discs.h"
+#include "photon/map/quantization.h"
 
 /*
  * The smallest disc is one that would hold about twice 256 photons in even light. It is not chosen

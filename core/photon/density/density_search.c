@@ -1,10 +1,9 @@
-#include "photon/density/density_search.h"
+#include "photon/density/density_estimate.h"
 
 #include "base/multiversion.h"
-#include "photon/map/boxes.h"
-#include "photon/map/flux.h"
-#include "photon/surface/footprint_side.h"
-#include "photon/surface/surface_sheet.h"
+#include "photon/map/map_layout.h"
+#include "photon/map/quantization.h"
+#include "photon/surface/footprint.h"
 
 /* Up to this k the search does not start from a small radius. */
 enum { FEW = 16 };

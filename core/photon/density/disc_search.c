@@ -1,10 +1,10 @@
-#include "photon/density/disc_search.h"
+#include "photon/density/nested_discs.h"
 
 #include <stdlib.h>
 
 #include "base/multiversion.h"
-#include "photon/map/boxes.h"
-#include "photon/surface/surface_sheet.h"
+#include "photon/map/map_layout.h"
+#include "photon/surface/footprint.h"
 
 enum { CAPACITY = ORL_DISC_SEARCH_CAPACITY, BINS = 512, MOST_TURNS = 32 };
 

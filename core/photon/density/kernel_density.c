@@ -1,11 +1,11 @@
-#include "photon/density/kernel_density.h"
+#include "photon/density/density_estimate.h"
 
 #include <stdlib.h>
 
 #include "base/multiversion.h"
-#include "photon/map/boxes.h"
-#include "photon/map/flux.h"
-#include "photon/surface/surface_sheet.h"
+#include "photon/map/map_layout.h"
+#include "photon/map/quantization.h"
+#include "photon/surface/footprint.h"
 
 enum { BESIDE = 2, NEIGHBOURS = 2 * BESIDE + 1 };
 

@@ -1,10 +1,10 @@
-#include "photon/density/leaf_center.h"
+#include "photon/density/leaf_sites.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "photon/map/map_layout.h"
-#include "photon/surface/surface_sheet.h"
+#include "photon/surface/footprint.h"
 
 enum { HALF = ORL_MAP_LEAF / 2 };
 

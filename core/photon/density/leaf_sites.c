@@ -4,10 +4,9 @@
 #include <stdlib.h>
 
 #include "base/multiversion.h"
-#include "base/sampling/sincos.h"
-#include "photon/map/boxes.h"
-#include "photon/map/zorder.h"
-#include "photon/surface/surface_sheet.h"
+#include "base/sampling/sampling.h"
+#include "photon/map/map_layout.h"
+#include "photon/surface/footprint.h"
 
 enum { NEIGHBOURS = 8, LINE = 64, CHUNK = 1 << 12 };
 

@@ -1,10 +1,10 @@
-#include "photon/density/leaf_sums.h"
+#include "photon/density/nested_discs.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/multiversion.h"
-#include "photon/map/flux.h"
+#include "photon/map/quantization.h"
 
 enum { CHUNK = 1 << 12 };
 

@@ -3,9 +3,8 @@
 #include <string.h>
 
 #include "base/multiversion.h"
-#include "photon/density/disc_search.h"
-#include "photon/map/flux.h"
-#include "photon/surface/footprint_side.h"
+#include "photon/map/quantization.h"
+#include "photon/surface/footprint.h"
 
 /* Factor on the area that a neighbouring estimate used. */
 static const float first_beyond = 1.15F;

@@ -4,11 +4,10 @@
 #include <string.h>
 
 #include "photon/density/adaptive_density.h"
-#include "photon/density/leaf_center.h"
-#include "photon/map/boxes.h"
-#include "photon/map/flux.h"
+#include "photon/density/leaf_sites.h"
 #include "photon/map/map_layout.h"
-#include "photon/surface/surface_sheet.h"
+#include "photon/map/quantization.h"
+#include "photon/surface/footprint.h"
 
 enum { LEAVES_A_RECORD = 2, PHOTONS_A_RECORD = LEAVES_A_RECORD * ORL_MAP_LEAF };
 enum { GROUP = 4 };

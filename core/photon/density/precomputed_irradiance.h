@@ -31,7 +31,7 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "photon/density/density_search.h"
+#include "photon/density/density_estimate.h"
 
 struct orl_precomputed_build_args {
     const struct orl_photon_map *global;

@@ -1,11 +1,10 @@
-#include "photon/density/texels.h"
+#include "photon/density/irradiance_tables.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "photon/map/flux.h"
-#include "photon/surface/facet_grid.h"
-#include "photon/surface/photon_facets.h"
+#include "photon/map/quantization.h"
+#include "photon/surface/flat_facets.h"
 
 enum { MOST_ACROSS = 4096, LEAVES_A_CHUNK = 1024, SLICES = 16, LINE = 64 };
 

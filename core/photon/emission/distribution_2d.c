@@ -1,4 +1,4 @@
-#include "photon/emission/distribution_2d.h"
+#include "photon/emission/emit_sampling.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -26,9 +26,9 @@
 #ifndef ORL_PHOTON_EMISSION_EMIT_H
 #define ORL_PHOTON_EMISSION_EMIT_H
 
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
 #include "light/exterior.h"
-#include "scene/material/sun_bsdf_table.h"
+#include "scene/material/kinds.h"
 
 enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,

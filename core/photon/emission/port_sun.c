@@ -1,9 +1,9 @@
-#include "photon/emission/port_sun.h"
+#include "photon/emission/port_emission.h"
 
 #include <stdlib.h>
 
 #include "scene/geometry/instances.h"
-#include "scene/geometry/quadric.h"
+#include "scene/geometry/intersect.h"
 
 enum { MOST_SUN_BSDF_TABLES = 16 }; /* each takes some megabytes for fine data */
 /* Limit of facets times strata, beyond which the search for shadow boxes would take longer than it

@@ -1,11 +1,11 @@
-#include "photon/map/sorting.h"
+#include "photon/map/write_map.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "photon/map/zorder.h"
+#include "base/sampling/sampling.h"
+#include "photon/map/map_layout.h"
 
 enum { CODE_BITS = ORL_ZORDER_POSITION_BITS + 5 }; /* there are fewer than 32 bins */
 enum { DIGIT = 8, BUCKETS = 1 << DIGIT, FEW = 32, AHEAD = 8, CHUNK = 1 << 15 };

@@ -5,7 +5,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/huge_pages.h"
+#include "base/memory/memory.h"
 
 enum { SMALL_BATCH = 64, DOUBLINGS = 7, BATCH = SMALL_BATCH << DOUBLINGS };
 enum { BATCHES_A_MEMBER = 32 }; /* maximum batches of each kind in a round */

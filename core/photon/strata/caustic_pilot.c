@@ -1,10 +1,154 @@
-#include "photon/strata/caustic_pilot.h"
+#include "photon/strata/strata.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "photon/strata/caustic_targets.h"
+#include "light/path.h"
+#include "photon/emission/emit_sampling.h"
 #include "photon/tracing/trace.h"
+#include "scene/material/scatter.h"
+
+enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
+static const double uniform_share = 0.1; /* share of photons that start anywhere on the pane */
+/* if a larger share of the cells leads to targets, photons start anywhere */
+static const double most_cells = 0.5;
+
+static bool is_target_material(const struct orl_material *m)
+{
+    return orl_material_is_mirror(m) || orl_material_has_lobes(m);
+}
+
+/* Inverts orl_facet_sample: computes the two numbers that give a point on a polygon. */
+static void invert_facet_sample(const struct orl_geometry *g, const struct orl_facet *f,
+                                struct orl_vec3 point, double ret_u[2])
+{
+    double below = 0, best = -INFINITY;
+    ret_u[0] = ret_u[1] = 0;
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const struct orl_triangle t = orl_triangle_get(g, orl_facet_triangle(f, i));
+        const struct orl_vec3 ab = orl_sub(t.b, t.a), ac = orl_sub(t.c, t.a);
+        const struct orl_vec3 ap = orl_sub(point, t.a), n = orl_cross(ab, ac);
+        const double n2 = orl_dot(n, n), area = 0.5 * sqrt(n2);
+        const double b = n2 > 0 ? orl_dot(orl_cross(ap, ac), n) / n2 : 0;
+        const double c = n2 > 0 ? orl_dot(orl_cross(ab, ap), n) / n2 : 0;
+        const double inside = fmin(fmin(b, c), 1 - b - c);
+        if (inside > best) {
+            const double s = fmin(fmax(b + c, 0), 1);
+            best = inside;
+            ret_u[0] = (below + s * s * area) / f->area;
+            ret_u[1] = s > 0 ? fmin(fmax(c / s, 0), 1) : 0;
+        }
+        below += area;
+    }
+}
+
+/*
+ * Returns the port by which a ray from inside leaves the scene, straight through panes; ORL_NO_PORT
+ * if it does not. Of several ports it is the last, where the light entered first.
+ */
+static int32_t find_exit_port(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,
+                              struct orl_vec3 direction, struct orl_hit *ret_hit, double *ret_share)
+{
+    struct orl_path path = orl_path_from(point, direction);
+    int32_t port = ORL_NO_PORT;
+    *ret_share = 1;
+    for (int pane = 0; pane < MOST_PANES; pane++) {
+        struct orl_hit hit;
+        if (!orl_path_intersect(lit_scene, &path, &hit))
+            return port;
+        const struct orl_material *m = orl_lit_scene_material(lit_scene, &hit);
+        *ret_share *= orl_luma(orl_material_straight(m, &hit, orl_path_back(&path)));
+        if (!(*ret_share > 0))
+            return ORL_NO_PORT;
+        orl_path_skip_surface(&path, lit_scene, &hit);
+        if (orl_lit_scene_crossing(lit_scene, &hit) == ORL_CROSSING_OUTWARDS) {
+            *ret_hit = hit;
+            port = lit_scene->port_of_facet[hit.facet];
+        }
+    }
+    return ORL_NO_PORT;
+}
+
+static int add_watts(double **target_flux, size_t cell, double watts)
+{
+    if (!*target_flux)
+        *target_flux = calloc(ORL_CAUSTIC_TARGET_CELLS, sizeof **target_flux);
+    if (!*target_flux)
+        return ORL_ERR_NOMEM;
+    (*target_flux)[cell] += watts;
+    return 0;
+}
+
+/* Traces rays from points of one facet towards one sun. of_port: per port, the stratum of the
+ * port and that sun. */
+static int trace_from_facet(const struct orl_emission *e, uint32_t facet, uint32_t sun,
+                            uint32_t samples, const size_t *of_port, double **target_flux)
+{
+    const struct orl_lit_scene *lit_scene = e->lit_scene;
+    const struct orl_geometry *g = lit_scene->geometry;
+    int code = 0;
+    for (uint32_t i = 0; i < samples && code == 0; i++) {
+        struct orl_vec3 point, normal;
+        struct orl_hit hit = {.facet = 0};
+        double u[4], at[2], share;
+        orl_sobol_point(&e->sobol, i, facet, 4, u);
+        orl_facet_sample(g, facet, u, &point, &normal);
+        const struct orl_vec3 towards = orl_sun_sample(&lit_scene->suns[sun], u + 2);
+        point = orl_facet_ray_origin(g, facet, point, normal, towards);
+        const int32_t port = find_exit_port(lit_scene, point, towards, &hit, &share);
+        if (port == ORL_NO_PORT || !(share > 0) || of_port[port] == SIZE_MAX)
+            continue;
+        struct orl_facet own;
+        invert_facet_sample(g, orl_facet_get_own(g, hit.facet, &own), hit.point, at);
+        code = add_watts(&target_flux[of_port[port]], orl_caustic_target_cell(at),
+                         share * orl_luma(lit_scene->suns[sun].irradiance) *
+                             fabs(orl_dot(towards, normal)) * orl_facet_area(g, facet) / samples);
+    }
+    return code;
+}
+
+int orl_caustic_target_find(const struct orl_emission *emission, const struct orl_thread_pool *pool,
+                            double **target_flux)
+{
+    const struct orl_lit_scene *lit_scene = emission->lit_scene;
+    const struct orl_geometry *g = lit_scene->geometry;
+    size_t *of_port = malloc((lit_scene->n_ports + 1) * sizeof *of_port);
+    size_t facets = 1;
+    int code = of_port ? 0 : ORL_ERR_NOMEM;
+    for (size_t i = 0; i < g->n_facets; i++)
+        facets += orl_facet_area(g, i) > 0 &&
+                  is_target_material(&lit_scene->materials[orl_facet_material(g, i)]);
+    const size_t share = MOST_RAYS / (facets * (lit_scene->n_suns + 1));
+    const uint32_t samples = (uint32_t)(share > MOST_A_FACET    ? MOST_A_FACET
+                                        : share < LEAST_A_FACET ? LEAST_A_FACET
+                                                                : share);
+    for (uint32_t sun = 0; sun < lit_scene->n_suns && lit_scene->n_ports > 0 && code == 0; sun++) {
+        for (size_t p = 0; p < lit_scene->n_ports; p++)
+            of_port[p] = SIZE_MAX;
+        for (size_t s = 0; s < emission->n_strata; s++)
+            if (emission->strata[s].kind == ORL_STRATUM_PORT_SUN && emission->strata[s].sun == sun)
+                of_port[emission->strata[s].port] = s;
+        for (uint32_t i = 0; i < g->n_facets && code == 0; i++)
+            if (orl_facet_area(g, i) > 0 &&
+                is_target_material(&lit_scene->materials[orl_facet_material(g, i)]))
+                code = orl_thread_pool_cancelled(pool)
+                           ? ORL_ERR_CANCELLED
+                           : trace_from_facet(emission, i, sun, samples, of_port, target_flux);
+    }
+    free(of_port);
+    return code;
+}
+
+int orl_caustic_target_build(struct orl_stratum *stratum, const double *target_flux)
+{
+    size_t cells = 0;
+    for (size_t i = 0; i < ORL_CAUSTIC_TARGET_CELLS; i++)
+        cells += target_flux[i] > 0;
+    if (cells == 0 || (double)cells > most_cells * ORL_CAUSTIC_TARGET_CELLS)
+        return 0;
+    return orl_distribution_2d_init(&stratum->place, ORL_CAUSTIC_TARGET_SIDE,
+                                    ORL_CAUSTIC_TARGET_SIDE, target_flux, uniform_share);
+}
 
 enum {
     CAUSTIC_EMISSIONS = 1 << 17,

@@ -1,4 +1,4 @@
-#include "photon/surface/outline.h"
+#include "photon/surface/footprint.h"
 
 #include "scene/geometry/instances.h"
 

@@ -1,4 +1,162 @@
 /*
+ * Discs in which photons in flight are counted, around sensors in free space where no photon lands.
+ * Photons carry flux. So the flux through a disc on its lit side, divided by the disc's area, is
+ * the irradiance there, whatever the photons' paths.
+ *
+ * A disc ends where an object stands on its plane. Its reach is stored by sectors; crossings beyond
+ * the reach are not counted, nor is that area. Photons whose light another estimator counts are not
+ * counted here (is_unsampled in trace.c): suns by their images in flat mirrors, or by one pane's
+ * lobes.
+ *
+ * The hierarchy is immutable once made, and any thread may query it. It borrows the discs.
+ */
+#ifndef ORL_PHOTON_TRACING_TRACE_H
+#define ORL_PHOTON_TRACING_TRACE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/base/input_checks.h>
+
+#include "base/statistics/numeric.h"
+#include "photon/emission/emit.h"
+#include "photon/map/map.h"
+#include "scene/material/scatter.h"
+
+enum { ORL_COUNTING_DISC_SECTORS = 32 };
+
+struct orl_counting_disc {
+    struct orl_vec3 center;
+    struct orl_frame frame; /* n: towards the lit side */
+    double radius;
+    float
+        /* distance of the nearest dielectric or curved mirror on its plane; INFINITY: none */
+        curved_distance;
+    /* squared reach by sectors, counted from frame.u; at most radius^2 */
+    float reach2[ORL_COUNTING_DISC_SECTORS];
+};
+
+/* The crossing of a photon through a disc. */
+struct orl_disc_crossing {
+    uint32_t disc;
+    float distance2; /* squared distance from the disc's center */
+    float flux[3];
+    uint8_t batch;
+    bool lamp; /* light of a lamp, not of a sun */
+};
+
+struct orl_disc_crossings {
+    struct orl_disc_crossing *crossings; /* owned by the caller, who frees it */
+    size_t count, capacity;
+    bool out_of_memory;
+};
+
+struct orl_counting_discs;
+
+/* Builds the hierarchy. Returns 0 or ORL_ERR_NOMEM. */
+int orl_counting_discs_new(const struct orl_counting_disc *discs, size_t count,
+                           struct orl_counting_discs **ret_discs);
+void orl_counting_discs_free(struct orl_counting_discs *discs); /* NULL is allowed */
+
+/* A straight part of a photon's path, to its next hit. */
+struct orl_ray_segment {
+    struct orl_vec3 origin, direction;
+    double distance;     /* to the hit; INFINITY: none */
+    struct orl_rgb flux; /* at its origin */
+    /* the spotlight's beam at the origin (orl_spotlight_falloff); focus 0: no such beam */
+    double focus, lamp_distance, spread;
+    bool lamp;
+    uint8_t batch;
+};
+
+/* Records a crossing for every disc that the segment crosses. */
+void orl_counting_discs_record(const struct orl_counting_discs *discs,
+                               const struct orl_ray_segment *ray_segment,
+                               struct orl_disc_crossings *crossings);
+
+/*
+ * Results of traced photons: deposits on surfaces, or crossings through discs, and counts of
+ * failures.
+ *
+ * Fluxes are in W by channel, before the division by the number of emissions (photon/map/map.h).
+ * Ownership: photons and crossings are the caller's. Threads: each has its own.
+ */
+
+struct orl_deposits {
+    struct orl_photon *photons;
+    size_t count, capacity;
+    bool out_of_memory;
+    struct orl_health health;         /* without the fluxes, which are the sums below */
+    struct orl_sum flux, flux_capped; /* luma of photons traced, and of photons given up */
+    /* Caustic photons in orl_trace_many: discs in which they are counted, instead of being
+     * deposited on surfaces; NULL: none. Suns by images in flat mirrors, or by the lobes of one
+     * pane, are not counted, because sensors sample them otherwise. */
+    const struct orl_counting_discs *discs;
+    struct orl_disc_crossings crossings;
+    /* Caustic photons: true keeps only those that backward paths (render/backward/backward.h)
+     * find by chance. Those that backward paths sample are neither deposited nor counted. */
+    bool unsampled_only;
+};
+
+/* Reserves memory for more photons. Returns false and sets out_of_memory if there is none. */
+bool orl_deposits_reserve(struct orl_deposits *deposits, size_t more);
+
+/* Deposits a photon. One that is not finite, also as floats, is dropped and counted. */
+void orl_deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,
+                 uint8_t batch, enum orl_photon_class class);
+
+/* Counts a photon that is cut at a bounce limit, with its flux. */
+void orl_deposits_count_capped(struct orl_deposits *deposits, struct orl_rgb flux);
+
+/* Returns the counts, with the fluxes. */
+struct orl_health orl_deposits_health(const struct orl_deposits *deposits);
+
+/*
+ * The estimator that is responsible for a caustic photon's path (partition of path space).
+ *
+ * Photons that sensors count in flight (counting_discs.h) carry only light that the sensor does not
+ * sample itself. A sensor samples suns by their images in flat mirrors, and by the lobes of one
+ * pane.
+ *
+ * For backward paths (render/backward/backward.h), photons carry only light that paths find by
+ * chance. Paths sample suns and lamps, with their images, from all surfaces with lobes. They hit
+ * lights only by chance by way of curved or refracting surfaces, or of mirrors with more
+ * orientations than there are images.
+ */
+
+enum orl_path_estimator {
+    ORL_ESTIMATOR_SHADOW_RAYS, /* straight so far */
+    /* by mirrors of the image classes, if the image is shown; lamps by one mirror */
+    ORL_ESTIMATOR_VIRTUAL_LIGHTS,
+    /* sensors: a sun by the lobes of one pane; paths: any light by any lobes */
+    ORL_ESTIMATOR_LOBES,
+    ORL_ESTIMATOR_NONE,
+};
+
+#define ORL_OWNER_NO_LAMP UINT32_MAX
+struct orl_path_owner {
+    enum orl_path_estimator estimator;
+    int16_t image;           /* the sun's image from which the photon comes; negative: none */
+    bool for_backward_paths; /* true: for backward paths; false: for a sensor */
+    /* light of a lamp by a mirror that has its image (light/virtual_lamps.h) */
+    bool lamp_has_image;
+    uint32_t lamp; /* the lamp's facet; ORL_OWNER_NO_LAMP for a sun */
+};
+
+struct orl_path_owner orl_path_owner_init(const struct orl_lit_scene *lit_scene,
+                                          const struct orl_photon_ray *photon_ray,
+                                          bool for_backward_paths);
+
+/* Updates the state after an event at a hit, other than a straight passage. */
+void orl_path_owner_update(struct orl_path_owner *path_owner, const struct orl_lit_scene *lit_scene,
+                           const struct orl_hit *hit, enum orl_scatter_event event);
+
+/* Returns true if no other estimator finds the photon in its current state. */
+bool orl_path_owner_is_none(const struct orl_path_owner *path_owner,
+                            const struct orl_lit_scene *lit_scene);
+
+/*
  * Tracing of a photon from its port or emitter, from surface to surface, until it is absorbed,
  * leaves, or reaches the bounce limit. Deposits go to the caller (deposits.h).
  *
@@ -17,11 +175,6 @@
  * Two limits end endless paths: the number of bounces, and the number of consecutive bounces
  * without a deposit (facing mirrors). Photons that are cut are counted, with their flux.
  */
-#ifndef ORL_PHOTON_TRACING_TRACE_H
-#define ORL_PHOTON_TRACING_TRACE_H
-
-#include "photon/emission/emit.h"
-#include "photon/tracing/deposits.h"
 
 enum { ORL_TRACE_MOST_BOUNCES = 100000, ORL_TRACE_MOST_UNSTORED = 1000 };
 

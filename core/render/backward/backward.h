@@ -28,11 +28,11 @@
 #ifndef ORL_RENDER_BACKWARD_BACKWARD_H
 #define ORL_RENDER_BACKWARD_BACKWARD_H
 
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
 #include "render/gather/direction_sampling.h"
 #include "render/gather/gather.h"
 #include "render/gather/vpl.h"
-#include "render/image/paint.h"
+#include "render/image/image.h"
 
 struct orl_backward {
     const struct orl_lit_scene *lit_scene; /* borrowed */

@@ -1,7 +1,7 @@
 /* Views by the backward technique: every pixel is the mean of a number of rays through it. */
 #include "render/backward/backward.h"
-#include "render/image/small_lights.h"
-#include "render/picture/error_map.h"
+#include "render/image/image.h"
+#include "render/picture/false_color.h"
 
 /* Samples per ray: for pictures, and for sums over many pixels. */
 static const struct samples_per_ray {

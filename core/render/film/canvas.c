@@ -4,12 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "base/io/out_file.h"
 #include "base/text/stroke_font.h"
-#include "render/film/pdf.h"
-#include "render/film/png.h"
+#include "render/film/image_files.h"
 /* Widths of strokes, as a share of the letters' size. */
 
 static const double usual_weight = 0.13, bold_weight = 0.17;

@@ -1,11 +1,11 @@
-#include "render/film/exr.h"
+#include "render/film/image_files.h"
 
 #include <OpenEXR/openexr.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "base/io/out_file.h"
 

@@ -1,4 +1,4 @@
-#include "render/film/pdf.h"
+#include "render/film/image_files.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "render/film/read_hdr.h"
+#include "render/film/image_files.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
-#include "render/film/view.h"
+#include "render/film/film.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/base/coordinates.h>
+#include <oriel/base/input_checks.h>
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 

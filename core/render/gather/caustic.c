@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 #include "render/gather/gather.h"
-#include "scene/geometry/surface_offset.h"
+#include "scene/geometry/geometry.h"
 
 enum { WIDTH_PROBES = 31, BLUR_GROUPS = 16, BLUR_POINTS = 8 /* points in each group */ };
 

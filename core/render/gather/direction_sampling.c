@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 
 /* Inputs for building a sampler. */
 struct maker {

@@ -35,13 +35,12 @@
 #ifndef ORL_RENDER_GATHER_GATHER_H
 #define ORL_RENDER_GATHER_GATHER_H
 
-#include "base/sampling/sobol.h"
+#include "base/sampling/sampling.h"
 #include "base/statistics/estimate.h"
 #include "light/exterior.h"
 #include "photon/density/adaptive_density.h"
-#include "photon/density/kernel_density.h"
-#include "photon/density/leaf_irradiance.h"
-#include "photon/density/texels.h"
+#include "photon/density/density_estimate.h"
+#include "photon/density/irradiance_tables.h"
 #include "photon/shooting/shoot.h"
 #include "render/gather/photon_guiding.h"
 

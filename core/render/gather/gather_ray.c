@@ -2,7 +2,7 @@
 #include "photon/density/precomputed_irradiance.h"
 #include "render/gather/direction_sampling.h"
 #include "render/gather/icache.h"
-#include "scene/material/color_at.h"
+#include "scene/material/kinds.h"
 
 enum { SURE_BOUNCES = 4 };
 /* Smaller, because one ray of many sees it and noise averages out. */

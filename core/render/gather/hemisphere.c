@@ -1,7 +1,7 @@
 /* The gathered part at a place: a stratified hemisphere of one ray a stratum, and three or fifteen
  * more in strata whose neighbours differ. */
 #include "render/gather/gather.h"
-#include "scene/built/proxies.h"
+#include "scene/built/scene.h"
 
 enum { AHEAD = 16 };
 

@@ -99,4 +99,58 @@ bool orl_irradiance_records_lookup(const struct orl_irradiance_record *records, 
                                    const struct orl_shading_point *place,
                                    struct orl_cached_irradiance *ret_cached);
 
+/* Makes a record of the irradiance cache (icache.h) for a picture: a hemisphere of rays, and a
+ * radius, which the pixel size bounds from both sides. */
+
+/* The footprint of a pixel: an angle, in radians, or a width in parallel views. */
+struct orl_pixel_footprint {
+    double angle, width; /* one of them is 0 */
+    double start;        /* distance from the eye at which rays start: -vo */
+    double nearest;      /* smaller distances from the eye are rounding errors of the geometry */
+};
+
+/* Returns the least radius that pixels allow at that distance from a ray's start. */
+double orl_pixel_footprint_radius(const struct orl_pixel_footprint *footprint, double distance);
+
+/* Makes a record from a hemisphere of that many rows and about three columns for each. icache:
+ * records made before, or NULL. */
+struct orl_irradiance_record
+orl_irradiance_record_make(const struct orl_gather *gather, const struct orl_shading_point *place,
+                           double least, uint32_t rows, const struct orl_icache *icache,
+                           struct orl_random *random, struct orl_search *search);
+
+/*
+ * Thins out records that are still to be made: of those closer together than a quarter of their
+ * least reach, with about the same normal, it keeps the first. Other places of the view are at
+ * least a pixel apart, which is more. This bounds the number of records at one place where pixels
+ * are smaller than the geometry's precision: an eye in the plane of a wall, a telescope. Keeps the
+ * order. Returns 0 or ORL_ERR_NOMEM.
+ */
+int orl_irradiance_records_thin(struct orl_irradiance_record *records, size_t *count);
+
+/*
+ * Smooths records by local regression. Where many records stand close, as along the lines where
+ * surfaces meet, each has few rays, and their noise shows as stitches. A record's value is replaced
+ * by the plane through the records about it (local linear regression, weighted by inverse
+ * variance). Only records on the same surface without an occluder in between count. Its gradients
+ * become that plane's.
+ *
+ * Discs have radii of 3 to 24 pixels. The largest is used whose value lies within the error of
+ * every smaller one's, and whose records scatter about their plane as their rays explain. This is
+ * the intersection of confidence intervals (Goldenshluger and Nemirovski 1997, Mathematical Methods
+ * of Statistics 6, 135; Katkovnik 1999, IEEE Transactions on Signal Processing 47, 2567). Curved
+ * light, such as a contact shadow or its edge, is therefore left as it is.
+ *
+ * A fitted record shares its rays with its neighbours. Its error is therefore added to that of the
+ * photons, which all records share, and is averaged like it (orl_icache_lookup).
+ */
+
+/*
+ * Fits all records at once, from their original values, so that the result depends neither on order
+ * nor on the crew. Their radii and the index stay the same. Returns 0, ORL_ERR_NOMEM or the codes
+ * of orl_parallel_try.
+ */
+int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry,
+                   struct orl_thread_pool *pool);
+
 #endif

@@ -7,7 +7,7 @@
  */
 #include <stdlib.h>
 
-#include "photon/map/zorder.h"
+#include "photon/map/map_layout.h"
 #include "render/gather/icache_iterator.h"
 
 enum { BLOCK = 8 };

@@ -1,4 +1,4 @@
-#include "render/gather/icache_fit.h"
+#include "render/gather/icache.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
-#include "render/gather/irradiance_record.h"
+#include "render/gather/icache.h"
 
 #include <stdlib.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 
 /* Returns the columns of a hemisphere, about three for each row. The number is a multiple of four.
  * In rooms aligned with the axes a perpendicular wall then ends at a column. */

@@ -2,9 +2,9 @@
 
 #include <stdlib.h>
 
-#include "photon/map/flux.h"
 #include "photon/map/map_layout.h"
-#include "scene/material/hemisphere.h"
+#include "photon/map/quantization.h"
+#include "scene/material/scatter.h"
 
 enum { RUN = 16, MOST_DEPTH = 18, ROOM = 8 * ORL_GUIDE_PATCHES };
 

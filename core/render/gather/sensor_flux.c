@@ -2,8 +2,7 @@
 
 #include <stdlib.h>
 
-#include "scene/material/bounds.h"
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 
 enum { WIDTHS = 8, TASK = 8192, FIRST_ROUND = ORL_SENSOR_FLUX_FIRST_ROUND, TASKS_A_ROUND = 64 };
 

@@ -1,7 +1,7 @@
 /* Tests whether caustics in mid-air need photons. */
 #include "render/gather/sensor_flux.h"
 #include "scene/geometry/instances.h"
-#include "scene/material/bounds.h"
+#include "scene/material/scatter.h"
 
 static bool has_lamps(const struct orl_lit_scene *lit_scene)
 {

@@ -1,4 +1,4 @@
-#include "render/gather/sun_lobe.h"
+#include "render/gather/direction_sampling.h"
 
 #include <stdlib.h>
 #include <string.h>

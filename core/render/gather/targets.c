@@ -1,11 +1,11 @@
-#include "render/gather/targets.h"
+#include "render/gather/direction_sampling.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "scene/geometry/instances.h"
-#include "scene/geometry/quadric.h"
-#include "scene/material/bounds.h"
+#include "scene/geometry/intersect.h"
+#include "scene/material/scatter.h"
 
 /* Largest radius of a target, as a share of the scene's; reflectance from which a flat surface is a
  * mirror. */

@@ -1,4 +1,4 @@
-#include "render/heat_map/planes.h"
+#include "render/heat_map/heat_map.h"
 
 #include <stdlib.h>
 #include <string.h>

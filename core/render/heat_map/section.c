@@ -1,4 +1,4 @@
-#include "render/heat_map/section.h"
+#include "render/heat_map/heat_map.h"
 
 #include "scene/geometry/instances.h"
 

@@ -1,4 +1,4 @@
-#include "render/image/adaptive_tile_pixels.h"
+#include "render/image/adaptive_tile.h"
 
 /*
  * Shares of the luma by which neighbours differ: from the first on there is a shadow's edge between

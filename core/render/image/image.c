@@ -2,9 +2,8 @@
 
 #include <stdlib.h>
 
-#include "render/gather/icache_fit.h"
+#include "render/gather/icache.h"
 #include "render/image/adaptive_tile.h"
-#include "render/image/small_lights.h"
 
 enum { LAMP_RAYS = 4 };
 /* Rays into a pane's lobes; fewer if the rest is not gathered and the picture has larger other

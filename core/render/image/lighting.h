@@ -6,7 +6,7 @@
 #ifndef ORL_RENDER_IMAGE_LIGHTING_H
 #define ORL_RENDER_IMAGE_LIGHTING_H
 
-#include "render/gather/irradiance_record.h"
+#include "render/gather/icache.h"
 #include "render/image/shade.h"
 
 struct orl_lighting {

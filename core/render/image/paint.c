@@ -1,9 +1,9 @@
-#include "render/image/paint.h"
+#include "render/image/image.h"
 
 #include <math.h>
 #include <stdatomic.h>
 
-#include "base/sampling/golden_order.h"
+#include "base/sampling/sampling.h"
 
 /* Tiles are small if pixels are painted one by one, so that all threads finish at about the same
  * time. */

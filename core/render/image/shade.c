@@ -1,7 +1,6 @@
 #include "render/image/shade.h"
 
-#include "scene/built/proxies.h"
-#include "scene/built/volume.h"
+#include "scene/built/scene.h"
 #include "scene/material/patterns/texture.h"
 
 /* Cosine of the largest deflection of a ray that counts as direct: a hundredth of a sun's

@@ -1,9 +1,9 @@
-#include "render/image/small_lights.h"
+#include "render/image/image.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 #include "light/direct.h"
 
 /* Rays of a disc, per side of the square that its points come from. They are few and cheap. With

@@ -1,11 +1,10 @@
-#include "render/picture/error_map.h"
+#include "render/picture/false_color.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/statistics/nth_element.h"
-#include "render/picture/legend.h"
+#include "base/statistics/numeric.h"
 
 /* Ends of the scale. */
 static const double least = 1e-3, most = 1;

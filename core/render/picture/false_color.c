@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/picture/isolines.h"
-
 static double value_at(const struct orl_film *film, const struct orl_scale *scale, uint32_t x,
                        uint32_t y)
 {

@@ -1,8 +1,8 @@
-#include "render/picture/fovea.h"
+#include "render/picture/display.h"
 
 #include <stdlib.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 /* Share of the light that the eye scatters (the 0.087 of Holladay's formula, less the part that
  * falls beyond the picture; as in Radiance's pcond). */

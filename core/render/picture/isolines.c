@@ -1,4 +1,4 @@
-#include "render/picture/isolines.h"
+#include "render/picture/false_color.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
-#include "render/picture/tonemap_ward_larson.h"
+#include "render/picture/display.h"
 
 #include <string.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 /* Ranges of the display and of the eye, cd/m2. */
 static const double display_most = 100, display_range = 100;

@@ -8,7 +8,7 @@
 #ifndef ORL_RENDER_SEQUENCE_CONTACT_SHEET_H
 #define ORL_RENDER_SEQUENCE_CONTACT_SHEET_H
 
-#include <oriel/job/sequence.h>
+#include <oriel/job/picture.h>
 
 #include "base/text/stroke_font.h"
 

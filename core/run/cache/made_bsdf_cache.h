@@ -2,7 +2,7 @@
 #ifndef ORL_RUN_CACHE_MADE_BSDF_CACHE_H
 #define ORL_RUN_CACHE_MADE_BSDF_CACHE_H
 
-#include <oriel/bsdf/bsdf_cache.h>
+#include <oriel/bsdf/bsdf_store.h>
 
 /* Operations for one kind of BSDF; ctx receives the result. */
 struct orl_made_bsdf_calls {

@@ -1,17 +1,174 @@
-#include "run/cache/parsed_scene_cache.h"
+#include "run/cache/scene_cache.h"
 
 #include <sodium.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "base/program_id.h"
-#include "run/cache/file_cache.h"
-#include "run/cache/loaded_bsdf_cache.h"
+#include <oriel/base/sha256.h>
+
+#include "bsdf/loaded_bsdf.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/estimate/progress.h"
 #include "run/run_state.h"
 #include "scene/built/scene.h"
 #include "scene/cache/scene_cache_file.h"
 #include "scene/parse/parse.h"
 
-enum { LEAST_SURFACES = 10000, LEAST_BYTES = 1 << 18 };
+/* Writes to the path that the store supplied, and commits. */
+static int write_and_commit(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
+                            const char *path, double seconds, struct orl_error *err)
+{
+    const struct orl_map_store *const store = state->env->store;
+    struct orl_map_info info = {.seconds = seconds};
+    snprintf(info.kind, sizeof info.kind, "%s", entry->kind);
+    snprintf(info.key, sizeof info.key, "%s", entry->key);
+    const int code = entry->write(entry->ctx, path, &info, err);
+    return code < 0 ? code : store->commit(store->ctx, &info, err);
+}
+
+static int make_and_store(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
+                          const char *path, struct orl_error *err)
+{
+    const struct orl_run_env *const env = state->env;
+    const struct orl_map_store *const store = env->store;
+    const double started = env->now_s(env->ctx);
+    struct orl_error why = {0};
+    const int code = entry->make(entry->ctx, err);
+    if (code < 0 || (entry->is_worth_storing && !entry->is_worth_storing(entry->ctx))) {
+        store->abandon(store->ctx, entry->kind, entry->key);
+        return code;
+    }
+    if (write_and_commit(state, entry, path, env->now_s(env->ctx) - started, &why) == 0) {
+        store->release(store->ctx, entry->kind, entry->key);
+    } else {
+        store->abandon(store->ctx, entry->kind, entry->key);
+        orl_run_warn(state, "the %s '%s' could not be kept for later jobs: %s", entry->what,
+                     entry->name, why.message);
+    }
+    return 0;
+}
+
+int orl_file_cache_get(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
+                       struct orl_error *err)
+{
+    const struct orl_map_store *const store = state->env->store;
+    struct orl_map_info info;
+    char path[4096];
+    bool hit = true;
+    for (int attempt = 0; attempt < 2 && hit; attempt++) {
+        int code = store->acquire(store->ctx, entry->kind, entry->key, state->env->cancel, path,
+                                  &hit, &info, err);
+        if (code == ORL_ERR_CANCELLED)
+            return code;
+        if (code < 0)
+            break;
+        if (!hit)
+            return make_and_store(state, entry, path, err);
+        code = entry->open(entry->ctx, path, err);
+        if (code == 0 || code == ORL_ERR_CANCELLED) {
+            store->release(store->ctx, entry->kind, entry->key);
+            return code;
+        }
+        if (code != ORL_ERR_VERSION || !entry->may_be_outdated)
+            orl_run_warn(state,
+                         "the %s '%s' was kept, but damaged or out of date: it is read again",
+                         entry->what, entry->name);
+        store->abandon(store->ctx, entry->kind, entry->key);
+    }
+    memset(err, 0, sizeof *err);
+    return entry->make(entry->ctx, err);
+}
+
+enum { LEAST_BSDF_BYTES = 1 << 20 };
+
+/* Makes the key from the XML and the storage format. */
+static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
+                     char ret_key[ORL_DIGEST_HEX + 1])
+{
+    unsigned char digest[ORL_SHA256_BYTES];
+    char text[16 + ORL_COMPILED_DIGEST];
+    const int length = snprintf(text, 16, "oriel bsdf %d", ORL_COMPILED_VERSION);
+    memcpy(text + length, content, ORL_COMPILED_DIGEST);
+    orl_sha256(text, (size_t)length + ORL_COMPILED_DIGEST, digest);
+    sodium_bin2hex(ret_key, ORL_DIGEST_HEX + 1, digest, sizeof digest);
+}
+
+/* A request for one BSDF. */
+struct request {
+    struct orl_run_state *state;
+    const struct orl_bsdf_xml *xml;
+    const unsigned char *content;
+    struct orl_bsdf *bsdf; /* result, once loaded */
+};
+
+/* Verifies the XML if its digest was supplied by the caller: it may have changed since. */
+static int check_content(const struct request *r, struct orl_error *err)
+{
+    unsigned char content[ORL_COMPILED_DIGEST];
+    if (!r->state->env->files->digest)
+        return 0;
+    orl_sha256(r->xml->data, r->xml->size, content);
+    if (memcmp(content, r->content, sizeof content) == 0)
+        return 0;
+    return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
+}
+
+static int make_bsdf(void *ctx, struct orl_error *err)
+{
+    struct request *const r = ctx;
+    const int code = check_content(r, err);
+    return code < 0 ? code : orl_bsdf_load(r->xml, &r->bsdf, err);
+}
+
+static int write_bsdf(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err)
+{
+    const struct request *const r = ctx;
+    struct orl_bsdf_info about;
+    orl_bsdf_describe(r->bsdf, &about);
+    info->stored = about.values;
+    return orl_bsdf_write(r->bsdf, r->content, path, &info->bytes, err);
+}
+
+static int open_cached_bsdf(void *ctx, const char *path, struct orl_error *err)
+{
+    struct request *const r = ctx;
+    return orl_bsdf_open(path, r->content, &r->bsdf, err);
+}
+
+static int load(void *ctx, const struct orl_bsdf_xml *given,
+                const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
+                struct orl_error *err)
+{
+    struct orl_run_state *const state = ctx;
+    struct orl_bsdf_xml cancellable = *given;
+    struct request r = {.state = state, .xml = &cancellable, .content = content};
+    char key[ORL_DIGEST_HEX + 1];
+    const struct orl_file_cache_entry entry = {.kind = "bsdf",
+                                               .key = key,
+                                               .what = "BSDF",
+                                               .name = given->name,
+                                               .ctx = &r,
+                                               .open = open_cached_bsdf,
+                                               .make = make_bsdf,
+                                               .write = write_bsdf};
+    cancellable.cancel = state->env->cancel;
+    cancellable.pool = state->env->pool;
+    orl_run_report_progress(state, 0);
+    if (!state->env->store || given->size < LEAST_BSDF_BYTES)
+        return orl_bsdf_load(&cancellable, ret_bsdf, err);
+    make_key(content, key);
+    const int code = orl_file_cache_get(state, &entry, err);
+    if (code == 0)
+        *ret_bsdf = r.bsdf;
+    return code;
+}
+
+struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)
+{
+    return (struct orl_bsdf_loader){state, load, state->env->cancel};
+}
+
+enum { LEAST_SURFACES = 10000, LEAST_SCENE_BYTES = 1 << 18 };
 
 struct scene_reader {
     struct orl_run_state *state;
@@ -60,7 +217,7 @@ static int digest_files(struct scene_reader *r, struct orl_sha256 *hash, bool *r
         const struct orl_source *const item = &r->sources.items[index];
         orl_sha256_add(hash, item->content, sizeof item->content);
         bytes += item->file.size;
-        *ret_large = *ret_large || bytes >= LEAST_BYTES || names_other_files(&item->file);
+        *ret_large = *ret_large || bytes >= LEAST_SCENE_BYTES || names_other_files(&item->file);
     }
     return code;
 }
@@ -121,7 +278,7 @@ static int write_scene(void *ctx, const char *path, struct orl_map_info *info,
     return orl_parsed_scene_save(r->parsed_scene, r->content, path, &info->bytes, err);
 }
 
-static int open_cached(void *ctx, const char *path, struct orl_error *err)
+static int open_cached_scene(void *ctx, const char *path, struct orl_error *err)
 {
     struct scene_reader *const r = ctx;
     init_sources(r);
@@ -144,7 +301,7 @@ int orl_run_read_scene(struct orl_run_state *state, struct orl_parsed_scene *ret
         .name = state->job->n_scene_files > 0 ? state->job->scene_files[0] : "",
         .may_be_outdated = true,
         .ctx = &r,
-        .open = open_cached,
+        .open = open_cached_scene,
         .make = make_scene,
         .is_worth_storing = is_worth_storing,
         .write = write_scene};

@@ -7,16 +7,14 @@
 
 #include <oriel/base/sha256.h>
 
-#include "base/memory/memory_cache.h"
-#include "render/film/view.h"
-#include "run/cache/parsed_scene_cache.h"
+#include "render/film/film.h"
 #include "run/diagnostics/diagnostics.h"
-#include "run/diagnostics/run_warnings.h"
-#include "run/estimate/stage_progress.h"
-#include "run/request/requested_sky.h"
+#include "run/estimate/progress.h"
+#include "run/request/job_inputs.h"
 #include "run/run_state.h"
 #include "scene/built/scene.h"
-#include "scene/geometry/antimatter/linings.h"
+#include "scene/geometry/antimatter/antimatter.h"
+#include <oriel/base/memory_cache.h>
 
 /* ---- The cache
    ------------------------------------------------------------------------------- */

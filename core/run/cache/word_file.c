@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
-#include "base/io/checksum.h"
+#include "base/io/checked_file.h"
 
 struct header {
     char magic[8]; /* "ORIELKP" and NUL */

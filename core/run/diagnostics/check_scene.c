@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "light/weather.h"
-#include "render/heat_map/section.h"
+#include "light/daylight/weather.h"
+#include "render/heat_map/heat_map.h"
 #include "run/cache/scene_cache.h"
-#include "run/request/view_lines.h"
+#include "run/request/job_inputs.h"
 #include "scene/built/scene.h"
 #include "scene/geometry/instances.h"
 #include "scene/parse/parse.h"

@@ -1,3 +1,330 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <oriel/job/paths.h>
+
+#include "base/sampling/sampling.h"
+#include "light/exterior.h"
+#include "light/eye_path.h"
+#include "plan/decide.h"
+#include "run/diagnostics/cross_check_path.h"
+#include "run/diagnostics/cross_check_verdict.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/run_state.h"
+#include "run/stages/rendering.h"
+#include "scene/geometry/geometry.h"
+#include "scene/material/scatter.h"
+
+enum { SURE_BOUNCES = 2 };
+
+struct plain_path {
+    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
+    struct orl_health *health;
+    uint32_t reflections, most_reflections; /* number of diffuse reflections, and its limit */
+    /* Radiance before the first diffuse reflection: suns and lamps that surfaces on the path
+     * reflect diffusely (lit), and the rest, which is set at that reflection. */
+    struct orl_rgb lit, unreflected;
+};
+
+static struct plain_path *plain_path_of(struct orl_eye_path *p)
+{
+    return (struct plain_path *)p;
+}
+
+static struct orl_rgb subtract(struct orl_rgb a, struct orl_rgb b)
+{
+    return orl_rgb_add(a, orl_rgb_scale(b, -1));
+}
+
+static bool continue_outdoors(struct orl_eye_path *p)
+{
+    return orl_exterior_continue(p, plain_path_of(p)->health);
+}
+
+/* Returns the radiance that a diffuse surface reflects of suns and lamps. */
+static struct orl_rgb lit_by_lights(struct orl_eye_path *p, struct orl_rgb albedo)
+{
+    const struct orl_vec3 normal = orl_hit_facing(&p->hit);
+    const struct orl_direct_query query = {
+        .point = orl_hit_ray_origin(p->lit_scene->geometry, &p->hit, normal),
+        .normal = normal,
+        .through_ports = true,
+        .mirrored = true};
+    return orl_rgb_scale(orl_rgb_mul(albedo, orl_direct_light(p->lit_scene, &query, p->random)),
+                         1 / ORL_PI);
+}
+
+/* Adds the light that the surface emits, and that it reflects of suns and lamps. */
+static enum orl_lobes shade_hit(struct orl_eye_path *p, const struct orl_material *m)
+{
+    struct plain_path *t = plain_path_of(p);
+    const struct orl_vec3 eye = orl_path_back(&p->path);
+    const struct orl_rgb albedo = orl_material_diffuse(m, &p->hit);
+    const bool reflects = t->reflections < t->most_reflections;
+    orl_eye_path_add_radiance(p, orl_emitted_radiance(p->lit_scene, &p->hit, eye, &p->chance));
+    if (orl_rgb_max(albedo) > 0 && reflects) {
+        const struct orl_rgb before = p->seen;
+        orl_eye_path_add_radiance(p, lit_by_lights(p, albedo));
+        if (t->reflections == 0)
+            t->lit = orl_rgb_add(t->lit, subtract(p->seen, before));
+    }
+    if (orl_material_has_lobes(m))
+        orl_eye_path_add_radiance(p, orl_direct_by_lobes(p->lit_scene, &p->hit, m, eye, p->random));
+    return reflects ? ORL_LOBE_ALL : (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED);
+}
+
+static bool continue_path(struct orl_eye_path *p, const struct orl_surface_sample *s)
+{
+    struct plain_path *t = plain_path_of(p);
+    if (p->bounce >= SURE_BOUNCES &&
+        !orl_path_roulette(&p->path, orl_smaller(orl_rgb_max(p->path.weight), 1), p->random))
+        return false;
+    p->chance = orl_mis_pdf_update(p->lit_scene, &p->hit, orl_path_back(&p->path), s, p->chance);
+    if (s->event == ORL_EVENT_DIFFUSE && t->reflections++ == 0)
+        t->unreflected = subtract(p->seen, t->lit);
+    orl_eye_path_cross_port(p, s);
+    return true;
+}
+
+static const struct orl_path_visitor visitor = {
+    .on_outdoors = continue_outdoors, .met = shade_hit, .on_sampled = continue_path};
+
+static double lux_of(struct orl_rgb irradiance)
+{
+    return ORL_EFFICACY_LM_PER_W * orl_luma(irradiance);
+}
+
+/* Adds the light of suns and lamps by shadow rays from the place. The same points of the lights are
+ * sampled with mirrors and without, and the difference is the mirrored light. */
+static void add_lights(const struct orl_lit_scene *lit_scene, const struct orl_shading_point *place,
+                       struct orl_random *random, struct orl_plain_light *light)
+{
+    const double u0 = orl_random_uniform(random), u[2] = {u0, orl_random_uniform(random)};
+    struct orl_direct_query query = {
+        .point = place->point, .normal = place->normal, .through_ports = true, .u = u};
+    light->lx[ORL_LIGHT_STRAIGHT] = lux_of(orl_direct_light(lit_scene, &query, random));
+    if (lit_scene->images.n_mirrors == 0 && lit_scene->virtual_lamps.n_images == 0)
+        return;
+    query.mirrored = true;
+    light->lx[ORL_LIGHT_MIRRORED] =
+        lux_of(orl_direct_light(lit_scene, &query, random)) - light->lx[ORL_LIGHT_STRAIGHT];
+}
+
+struct orl_plain_light orl_plain_path(const struct orl_lit_scene *lit_scene,
+                                      const struct orl_shading_point *place,
+                                      uint32_t most_reflections, struct orl_random *random,
+                                      struct orl_health *health)
+{
+    const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
+    struct orl_plain_light light = {{0}};
+    struct plain_path plain_path = {
+        .eye = {.lit_scene = lit_scene,
+                .random = random,
+                .path = orl_path_from(place->point, orl_hemisphere_about(place->normal, u0, u1)),
+                .chance = orl_mis_pdf_zero(),
+                .outside = place->outside},
+        .health = health,
+        .most_reflections = most_reflections};
+    add_lights(lit_scene, place, random, &light);
+    orl_eye_path_trace(&plain_path.eye, &visitor, health);
+    const struct orl_rgb unreflected = plain_path.reflections > 0
+                                           ? plain_path.unreflected
+                                           : subtract(plain_path.eye.seen, plain_path.lit);
+    light.lx[ORL_LIGHT_OUTDOORS] = ORL_PI * lux_of(unreflected);
+    light.lx[ORL_LIGHT_REFLECTED] = ORL_PI * lux_of(subtract(plain_path.eye.seen, unreflected));
+    return light;
+}
+
+static const double least_effective = 30; /* effective number of samples */
+/* A difference counts beyond so many joint standard errors, and such a share of the light. */
+static const double differs_in_errors = 5, differs_by = 0.1;
+/* A difference of a class counts if it is this share of the class's light. It is attributed to
+ * groups in which it is also this share of all light. */
+static const double differs_by_class = 0.25, matters = 0.05;
+static const double bound_in_errors = 2;
+
+/* A group, with the technique's result for the same sensors. */
+struct compared {
+    const struct orl_plain_group *group;
+    double lx; /* sum of the technique's values */
+    /* Sum of the standard errors implied by the intervals; those of neighbours are assumed
+     * correlated. */
+    double error;
+};
+
+static struct compared compare_group(const struct orl_result *r,
+                                     const struct orl_plain_groups *groups, size_t index)
+{
+    struct compared c = {.group = &groups->groups[index]};
+    const size_t end = c.group->first + c.group->count;
+    for (size_t i = c.group->first; i < end; i += groups->stride) {
+        c.lx += r->illuminance_lx[i];
+        c.error += (r->interval_95_lx[i][1] - r->interval_95_lx[i][0]) / (2 * 1.96);
+    }
+    return c;
+}
+
+static bool is_known(const struct compared *c)
+{
+    return c->group->effective >= least_effective;
+}
+
+static double variance_of(const struct compared *c)
+{
+    return c->group->variance + c->error * c->error;
+}
+
+/* ---- Classes --------------------------------------------------------------------------------- */
+
+/* Least-squares fit of the differences of all groups by the light of one class. */
+struct match {
+    double share;  /* the factor of the class's light: 1 if all of it is missing */
+    double errors; /* that factor over its standard error */
+};
+
+static struct match match_class(const struct orl_result *r, const struct orl_plain_groups *groups,
+                                int light)
+{
+    double product = 0, squares = 0;
+    for (size_t g = 0; g < groups->count; g++) {
+        const struct compared c = compare_group(r, groups, g);
+        const double variance = variance_of(&c), lx = c.group->classes[light];
+        if (!is_known(&c) || !(variance > 0))
+            continue;
+        product += (c.group->sum - c.lx) * lx / variance;
+        squares += lx * lx / variance;
+    }
+    return squares > 0 ? (struct match){product / squares, product / sqrt(squares)}
+                       : (struct match){0, 0};
+}
+
+/* Returns the class whose fit is the most significant. */
+static enum orl_light_class find_class(const struct orl_result *r,
+                                       const struct orl_plain_groups *groups,
+                                       struct match *ret_match)
+{
+    enum orl_light_class best = ORL_LIGHT_STRAIGHT;
+    *ret_match = (struct match){0, 0};
+    for (int light = 0; light < ORL_LIGHT_CLASSES; light++) {
+        const struct match match = match_class(r, groups, light);
+        if (fabs(match.errors) <= fabs(ret_match->errors))
+            continue;
+        best = (enum orl_light_class)light;
+        *ret_match = match;
+    }
+    return best;
+}
+
+const char *orl_light_class_name(enum orl_light_class light)
+{
+    static const char *const names[] = {"direct light of suns and lamps",
+                                        "mirrored light of suns and lamps",
+                                        "direct light from outdoors", "reflected light"};
+    return names[light];
+}
+
+/* ---- Groups ---------------------------------------------------------------------------------- */
+
+/* Widens the group's intervals to include `sum` and marks its sensors. Each sensor's bound is in
+ * proportion to its value, or the mean if none has any light. */
+static void widen_group(struct orl_run_state *state, const struct compared *c, double sum)
+{
+    struct orl_result *r = state->result;
+    const struct orl_plain_group *group = c->group;
+    for (size_t i = group->first; i < group->first + group->count; i++) {
+        double *const interval = r->interval_95_lx[i];
+        const double bound =
+            c->lx > 0 ? r->illuminance_lx[i] * sum / c->lx : sum / (double)group->traced;
+        interval[0] = fmin(interval[0], fmax(bound, 0));
+        interval[1] = fmax(interval[1], bound);
+        orl_run_mark_unreliable(state, i, ORL_DOUBT_CROSS_CHECK);
+    }
+    r->cross_check.sensors_off += group->count;
+}
+
+/* The class that best fits the differences of all groups. If match.share is 0, no class fits well
+ * enough to count. */
+struct verdict {
+    enum orl_light_class light;
+    struct match match;
+};
+
+/* Returns true if the group differs, by itself or as part of a class, and has widened it then. */
+static bool evaluate_group(struct orl_run_state *state, const struct compared *c, bool find_all,
+                           const struct verdict *verdict)
+{
+    const double off = c->group->sum - c->lx, scatter = sqrt(c->group->variance);
+    const double of_class = verdict->match.share * c->group->classes[verdict->light];
+    const bool by_itself = fabs(off) >= differs_in_errors * sqrt(variance_of(c)) &&
+                           fabs(off) >= differs_by * c->lx && (off > 0 || find_all);
+    if (!by_itself && !(fabs(of_class) >= matters * c->lx))
+        return false;
+    const double difference = by_itself ? off : of_class;
+    const double by_paths = c->group->sum + copysign(bound_in_errors * scatter, difference);
+    const double by_class = c->lx + of_class * (1 + bound_in_errors / fabs(verdict->match.errors));
+    const double sum = by_itself        ? by_paths
+                       : difference > 0 ? fmax(by_paths, by_class)
+                                        : fmin(by_paths, by_class);
+    widen_group(state, c, sum);
+    return true;
+}
+
+/* Returns the ratio of a group's light by paths to its light by the technique, at most 1000. */
+static double ratio_of(const struct compared *c)
+{
+    return c->group->sum / fmax(c->lx, 1e-3 * c->group->sum);
+}
+
+static void warn_of_worst(struct orl_run_state *state, const struct compared *worst)
+{
+    struct orl_result *r = state->result;
+    const enum orl_technique technique = r->plan.technique;
+    const struct orl_plain_group *group = worst->group;
+    orl_run_warn(state,
+                 "cross-check: plain path tracing finds %.2g times the light that technique %s has "
+                 "found at %zu sensor%s from sensors[%zu] on, beyond the errors of both; the "
+                 "difference is most like the %s. Intervals of %zu sensor%s are widened to include "
+                 "it. Compare with technique %s",
+                 ratio_of(worst), orl_technique_name(technique), group->count,
+                 orl_plural(group->count), group->first,
+                 orl_light_class_name(r->cross_check.differs_in), r->cross_check.sensors_off,
+                 orl_plural(r->cross_check.sensors_off),
+                 technique == ORL_TECHNIQUE_BACKWARD ? "gather" : "backward");
+}
+
+void orl_cross_check_evaluate(struct orl_run_state *state, const struct orl_plain_groups *groups)
+{
+    struct orl_result *r = state->result;
+    struct orl_cross_check *check = &r->cross_check;
+    struct verdict verdict;
+    struct compared worst = {.group = NULL};
+    double all = 0, by_paths = 0, variance = 0;
+    verdict.light = check->differs_in = find_class(r, groups, &verdict.match);
+    if (fabs(verdict.match.errors) < differs_in_errors ||
+        fabs(verdict.match.share) < differs_by_class ||
+        (verdict.match.share < 0 && !groups->find_all))
+        verdict.match.share = 0;
+    for (size_t g = 0; g < groups->count; g++) {
+        const struct compared c = compare_group(r, groups, g);
+        check->paths += (uint64_t)groups->paths * c.group->traced;
+        if (!is_known(&c))
+            continue;
+        check->sensors += c.group->traced;
+        all += c.lx;
+        by_paths += c.group->sum;
+        variance += c.group->variance;
+        if (evaluate_group(state, &c, groups->find_all, &verdict) &&
+            (!worst.group || fabs(log(ratio_of(&c))) > fabs(log(ratio_of(&worst)))))
+            worst = c;
+    }
+    const bool known = all > 0 && (groups->find_all || by_paths >= all);
+    check->ratio = known ? by_paths / all : NAN;
+    check->ratio_error = known ? sqrt(variance) / all : NAN;
+    if (worst.group)
+        warn_of_worst(state, &worst);
+}
+
 /*
  * Cross-check of sensors by plain path tracing with shadow rays (cross_check_path.h), which uses no
  * photons, ports, importance-sampled rays or caches. Sensors form groups of neighbours. For each
@@ -6,20 +333,6 @@
  * Paths omit suns reflected or refracted by curved mirrors and dielectrics, and rarely hit suns and
  * lamps through lobes. With such light, a smaller sum by paths means nothing.
  */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <oriel/job/paths.h>
-
-#include "base/sampling/random.h"
-#include "plan/decide.h"
-#include "run/diagnostics/cross_check_path.h"
-#include "run/diagnostics/cross_check_verdict.h"
-#include "run/diagnostics/diagnostics.h"
-#include "run/run_state.h"
-#include "run/stages/sensor_results.h"
-#include "scene/geometry/surface_offset.h"
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11 };
 /* Maximum of shadow rays, with those to all lights at one surface of each path: more lights reduce

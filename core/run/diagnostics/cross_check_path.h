@@ -6,7 +6,7 @@
 #ifndef ORL_RUN_DIAGNOSTICS_CROSS_CHECK_PATH_H
 #define ORL_RUN_DIAGNOSTICS_CROSS_CHECK_PATH_H
 
-#include <oriel/base/health.h>
+#include <oriel/base/input_checks.h>
 #include <oriel/job/run.h>
 
 #include "light/lit_scene.h"

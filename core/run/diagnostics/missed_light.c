@@ -11,15 +11,14 @@
 
 #include <oriel/job/paths.h>
 
-#include "base/sampling/random.h"
-#include "photon/shooting/photon_pilot.h"
+#include "base/sampling/sampling.h"
+#include "photon/shooting/shoot.h"
 #include "render/gather/sensor_flux.h"
 #include "run/diagnostics/diagnostics.h"
-#include "run/diagnostics/run_warnings.h"
-#include "run/estimate/stage_progress.h"
+#include "run/estimate/progress.h"
 #include "run/run_state.h"
+#include "run/stages/rendering.h"
 #include "run/stages/run_stages.h"
-#include "run/stages/sensor_results.h"
 
 /* Seed salt: keeps these random streams distinct from those of maps. */
 static const uint64_t unsampled_photons_salt = 0x6368616e6365;

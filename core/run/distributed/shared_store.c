@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 static int name_file(const struct orl_shared_store *state, const char *kind, const char *key,
                      bool mine, char ret_path[4096], struct orl_error *err)

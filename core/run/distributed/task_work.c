@@ -5,8 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/bsdf/bsdf_store.h>
+
 #include "run/cache/word_file.h"
-#include "run/diagnostics/run_warnings.h"
+#include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 
 /* Version of the tasks' content and file layout; raised when either changes. */
@@ -290,4 +292,47 @@ void orl_run_move_health(const struct orl_run_state *state, struct orl_health *r
         orl_health_add(ret_health, &state->searches[i].health);
         state->searches[i].health = (struct orl_health){.rays = 0};
     }
+}
+
+/* Version of a lot's content and file layout; change it with either. */
+static const char bsdf_recipe[] = "oriel bsdf lots 2";
+
+static void name_bsdf_task(const char *job, const struct orl_bsdf_tasks *bsdf_tasks, size_t index,
+                           struct orl_job_task *ret_task)
+{
+    struct orl_sha256 hash;
+    const uint64_t number = index;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, bsdf_recipe, sizeof bsdf_recipe);
+    orl_sha256_add(&hash, job, strlen(job) + 1);
+    orl_sha256_add(&hash, bsdf_tasks->name, strlen(bsdf_tasks->name) + 1);
+    orl_sha256_add(&hash, &number, sizeof number);
+    *ret_task =
+        (struct orl_job_task){.kind = "lot", .core_s = bsdf_tasks->core_s(bsdf_tasks->ctx, index)};
+    ret_task->work = ret_task->core_s;
+    orl_task_key_end(&hash, ret_task->key);
+}
+
+static int run_bsdf_tasks(void *ctx, const struct orl_bsdf_tasks *bsdf_tasks, struct orl_error *err)
+{
+    const struct orl_bsdf_task_store *state = ctx;
+    const struct orl_run_env run = {.store = state->store, .tasks = state->tasks};
+    struct orl_task_work work = {.n = bsdf_tasks->n,
+                                 .ctx = bsdf_tasks->ctx,
+                                 .make = bsdf_tasks->make,
+                                 .take = bsdf_tasks->take,
+                                 .told = bsdf_tasks->told};
+    work.tasks = calloc(bsdf_tasks->n + 1, sizeof *work.tasks);
+    if (!work.tasks)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+    for (size_t i = 0; i < bsdf_tasks->n; i++)
+        name_bsdf_task(state->tasks->job, bsdf_tasks, i, &work.tasks[i]);
+    const int code = orl_run_tasks(&run, &work, err);
+    free(work.tasks);
+    return code;
+}
+
+struct orl_bsdf_distributor orl_bsdf_distribute(struct orl_bsdf_task_store *state)
+{
+    return (struct orl_bsdf_distributor){state, run_bsdf_tasks};
 }

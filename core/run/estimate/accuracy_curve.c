@@ -1,6 +1,6 @@
 /* Predicts the cost of an accuracy before a job is started: two small rounds by its technique, with
  * some of its sensors and coarse pictures, extrapolated by the model of round_cost.h. */
-#include "run/estimate/accuracy_curve.h"
+#include "run/estimate/round_cost.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@
 
 #include "run/goals/rounds.h"
 #include "run/run_state.h"
-#include "scene/material/function_brdf/function_lobes.h"
+#include "scene/material/function_brdf/function_brdf_check.h"
 
 enum { MOST_SENSORS = 64, MOST_PIXELS = 4096, MOST_PIXELS_OF_MAPS = 16384 };
 /* An unreachable accuracy: a pilot ends by its number of rounds. */

@@ -6,8 +6,8 @@
 #include <oriel/base/limits.h>
 
 #include "render/film/film.h"
-#include "run/estimate/run_cost.h"
-#include "run/goals/sample_allocation.h"
+#include "run/estimate/progress.h"
+#include "run/goals/percentile.h"
 #include "run/run_state.h"
 #include "run/stages/run_stages.h"
 

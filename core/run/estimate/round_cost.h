@@ -1,3 +1,16 @@
+/* Estimates the work of a job for an accuracy before its errors are known. */
+#ifndef ORL_RUN_ESTIMATE_ROUND_COST_H
+#define ORL_RUN_ESTIMATE_ROUND_COST_H
+
+#include <oriel/job/run.h>
+
+#include "run/goals/percentile.h"
+#include "run/run_state.h"
+
+/* Returns the total samples of a sensor, as rounds count them (round_cost.h), by backward or by
+ * maps. of_round: samples of a round, for goals of a DGP error. NaN: limited only by a deadline. */
+double orl_goal_estimate_samples(const struct orl_goal *goal, bool backward, double of_round);
+
 /*
  * The cost of work: samples, their meaning for each technique, their time and their effect.
  *
@@ -10,11 +23,6 @@
  * The schedule of rounds is defined here, because it also determines the cost of another digit: a
  * small round to measure, then one meant to reach the goal, then the remainder.
  */
-#ifndef ORL_RUN_ESTIMATE_ROUND_COST_H
-#define ORL_RUN_ESTIMATE_ROUND_COST_H
-
-#include "run/goals/percentile.h"
-#include "run/run_state.h"
 
 /* The work that a number of samples causes in one job. */
 struct orl_work {
@@ -105,5 +113,31 @@ void orl_run_compute_curve(const struct orl_run_state *state,
 void orl_run_store_pixels(struct orl_run_state *state, size_t index, const struct orl_film *film);
 void orl_run_compute_cost(struct orl_run_state *state);
 void orl_run_free_pixels(struct orl_run_state *state);
+
+/*
+ * The pilot of a job: predicts time over accuracy from a short run (oriel/job/run.h,
+ * orl_plan_accuracy_curve). Seconds are those of the whole job: the pilot's sensors and views are
+ * scaled by the ratio of numbers. By photon maps the pilot's rounds have as many of the plan's
+ * photons as one or two seconds trace; the job's rounds have all.
+ */
+
+enum { ORL_PILOT_ROUNDS = 2 };
+
+struct orl_pilot {
+    /* Ratio of the job's sensors, and views' work, to the pilot's. */
+    double sensor_factor, view_factor;
+    double samples; /* samples of its rounds (round_cost.h); 0: the minimum of a job */
+    struct orl_accuracy_curve *curve; /* out */
+};
+
+/* Returns the pilot's job, whatever goal `job` has. Borrows from job. */
+struct orl_job orl_pilot_job(const struct orl_job *job, enum orl_technique technique);
+
+/* Returns the reason why no accuracy of the job can be predicted, a constant; NULL if a pilot can
+ * predict them. Call it after the plan is made. */
+const char *orl_run_no_curve_reason(const struct orl_run_state *state);
+
+/* Runs the pilot after its plan is made; fills state->pilot->curve. */
+int orl_run_pilot(struct orl_run_state *state, struct orl_error *err);
 
 #endif

@@ -5,14 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
-#include "run/diagnostics/run_warnings.h"
+#include "base/sampling/sampling.h"
+#include "run/diagnostics/diagnostics.h"
 #include "run/distributed/task_work.h"
-#include "run/estimate/accuracy_curve.h"
-#include "run/estimate/stage_progress.h"
-#include "run/goals/deadline.h"
-#include "run/goals/next_round.h"
-#include "run/goals/sample_allocation.h"
+#include "run/estimate/progress.h"
+#include "run/estimate/round_cost.h"
+#include "run/goals/percentile.h"
 #include "run/run_state.h"
 #include "run/stages/run_stages.h"
 

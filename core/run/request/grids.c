@@ -1,4 +1,4 @@
-#include "run/request/grids.h"
+#include "run/request/job_inputs.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -7,11 +7,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/io/out_file.h"
 #include <oriel/base/limits.h>
-#include <oriel/base/npy.h>
 
 #include "base/io/out_file.h"
-#include "run/request/sensors_file.h"
 #include "run/run_state.h"
 
 enum { NAME_MAX_BYTES = 200, PATH_SIZE = 4096 };

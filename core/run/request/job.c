@@ -1,18 +1,18 @@
-#include <oriel/job/run.h>
-
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <oriel/base/coordinates.h>
+#include <oriel/base/input_checks.h>
 #include <oriel/base/limits.h>
+#include <oriel/job/run.h>
 
-#include "light/daylight.h"
+#include "light/daylight/daylight.h"
 #include "metrics/glare.h"
-#include "render/film/view.h"
-#include "run/request/grids.h"
+#include "render/film/film.h"
+#include "run/request/job_inputs.h"
 #include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 void orl_sky_request_init(struct orl_sky_request *request)
 {
@@ -407,4 +407,27 @@ const char *orl_stage_name(enum orl_stage stage)
 bool orl_goal_is_set(const struct orl_goal *goal)
 {
     return goal->relative_error > 0 || goal->deadline_s > 0 || goal->dgp_error > 0;
+}
+
+/* Samples per pixel, and the number of rounds. */
+
+uint32_t orl_run_pixel_samples(const struct orl_run_state *state)
+{
+    const uint32_t asked = state->job->pixel_samples;
+    return asked                                ? asked
+           : orl_job_asks_for_glare(state->job) ? ORL_DEFAULT_GLARE_PIXEL_SAMPLES
+                                                : ORL_DEFAULT_PIXEL_SAMPLES;
+}
+
+/* Returns the number of rounds. By photon maps each costs the full time of the views, however few
+ * the photons: use the fewest whose spread has some degrees of freedom. */
+uint32_t orl_run_count_batches(const struct orl_run_state *state)
+{
+    enum { OF_PATHS = 8, OF_MAPS = 4 };
+    const uint32_t most = orl_run_pixel_samples(state);
+    if (!orl_job_asks_for_glare(state->job))
+        return 1;
+    if (state->result->plan.technique != ORL_TECHNIQUE_BACKWARD)
+        return OF_MAPS;
+    return most < OF_PATHS ? most : OF_PATHS;
 }

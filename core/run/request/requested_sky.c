@@ -1,10 +1,10 @@
 /* Loads the sky that the job requests: opens its weather file and adds its lights to the scene. */
 #include <string.h>
 
-#include "light/daylight.h"
-#include "light/time_shift.h"
-#include "run/diagnostics/run_warnings.h"
-#include "run/request/requested_sky.h"
+#include "light/daylight/daylight.h"
+#include "light/daylight/weather.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/request/job_inputs.h"
 #include "run/run_state.h"
 
 void orl_weather_cache_done(struct orl_weather_cache *weather)

@@ -1,10 +1,10 @@
 #include <stdlib.h>
 
-#include <oriel/base/coordinates.h>
+#include <oriel/base/input_checks.h>
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 
-#include "run/request/sensors_file.h"
+#include "run/request/job_inputs.h"
 
 enum { NUMBERS = 6, POLL_LINES = 4096 };
 

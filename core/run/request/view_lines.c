@@ -6,9 +6,9 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 
-#include "render/film/view.h"
-#include "run/request/view_lines.h"
-#include "run/stages/view_glare.h"
+#include "render/film/film.h"
+#include "run/request/job_inputs.h"
+#include "run/stages/rendering.h"
 
 enum { LINE_MAX_BYTES = 4096, NAME_MAX_BYTES = 64 };
 

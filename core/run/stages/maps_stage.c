@@ -3,10 +3,9 @@
 #include <string.h>
 
 #include "photon/density/precomputed_irradiance.h"
-#include "run/cache/map_keys.h"
-#include "run/diagnostics/run_warnings.h"
+#include "run/diagnostics/diagnostics.h"
 #include "run/distributed/task_work.h"
-#include "run/estimate/stage_progress.h"
+#include "run/estimate/progress.h"
 #include "run/run_state.h"
 #include "run/stages/run_stages.h"
 

@@ -4,13 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/picture/error_map.h"
+#include "render/picture/false_color.h"
+#include "run/estimate/progress.h"
 #include "run/estimate/round_cost.h"
-#include "run/estimate/run_cost.h"
-#include "run/estimate/stage_progress.h"
 #include "run/run_state.h"
 #include "run/stages/rendering.h"
-#include "run/stages/sensor_results.h"
 
 void orl_run_add_sparse_errors(struct orl_result *result, const struct orl_sensor *sensors,
                                const struct orl_ray_moments *rays)

@@ -2,12 +2,10 @@
 
 #include <math.h>
 
+#include "run/estimate/progress.h"
 #include "run/estimate/round_cost.h"
-#include "run/estimate/run_cost.h"
-#include "run/estimate/stage_progress.h"
 #include "run/output/output_files.h"
 #include "run/run_state.h"
-#include "run/stages/sensor_results.h"
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
 

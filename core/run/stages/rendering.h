@@ -1,14 +1,52 @@
-/* State of the render stage: sensors in chunks, views one by one. render_stage.c renders all of
- * them; shared_sensors.c and shared_views.c distribute them as pieces. */
+/* The render stage, and a sensor's values in the result. */
 #ifndef ORL_RUN_STAGES_RENDERING_H
 #define ORL_RUN_STAGES_RENDERING_H
 
 #include <stdatomic.h>
 
-#include "base/sampling/golden_order.h"
+#include "base/sampling/sampling.h"
+#include "base/statistics/estimate.h"
 #include "render/film/film.h"
+#include "render/image/image.h"
 #include "run/distributed/task_work.h"
-#include "run/stages/sensor_results.h"
+#include "run/run_state.h"
+
+/* Result of a sensor. */
+struct orl_sensor_estimate {
+    struct orl_estimate estimate;
+    /* 1: it receives caustics otherwise than by density (render/gather/gather.h) */
+    uint64_t in_free_space;
+};
+
+/* Callbacks of a technique for the render stage. */
+struct orl_renderer {
+    void *ctx;
+    /* Computes a sensor and records it; called by any member of the crew. */
+    void (*sensor)(void *ctx, size_t index, uint32_t member, struct orl_sensor_estimate *ret_found);
+    /* Records a sensor that another process has computed. */
+    void (*sensor_loaded)(void *ctx, size_t index, const struct orl_sensor_estimate *found);
+    /* Work for all sensors together, after all of them; may be NULL. */
+    int (*sensors)(void *ctx, struct orl_error *err);
+    int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
+};
+
+uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index);
+
+/* Stores a sensor's value and errors in the result, in lux. */
+void orl_run_store_sensor(const struct orl_run_state *state, size_t index,
+                          const struct orl_estimate *estimate);
+
+/* Widens errors and intervals by the light that sensors have missed by chance, as the other sensors
+ * show (base/statistics/sparse_events.h). Call it after all are recorded. */
+void orl_run_add_sparse_errors(struct orl_result *result, const struct orl_sensor *sensors,
+                               const struct orl_ray_moments *rays);
+
+/* Render stage: computes sensors and views into the result and the output folder. */
+int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
+                   struct orl_error *err);
+
+/* State of the render stage: sensors in chunks, views one by one. render_stage.c renders all of
+ * them; shared_sensors.c and shared_views.c distribute them as pieces. */
 
 /* Maximum sensors of a chunk; cancelling is polled between chunks. */
 enum { ORL_SENSOR_CHUNK = 128 };
@@ -76,5 +114,22 @@ int orl_rendering_finish_view(struct orl_rendering *rendering, size_t index,
 /* Distributes views as pieces of a distributed run. */
 int orl_rendering_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
                               struct orl_error *err);
+
+/* Glare of a view, in the result. */
+
+/* Reads the luminances of the mask that a view with metrics names; the caller owns *ret_mask, which
+ * is NULL if there is no mask. Fails if the picture cannot be read or has another size. */
+int orl_run_read_mask(const struct orl_files *files, const struct orl_view_request *view,
+                      float **ret_mask, struct orl_error *err);
+
+/* Stores the glare of a view with metrics in the result. */
+int orl_run_evaluate_glare(struct orl_run_state *state, size_t index, const struct orl_film *film,
+                           struct orl_error *err);
+/* Stores the errors of that glare, from the view's batches; call it after orl_run_evaluate_glare.
+ */
+struct orl_view_batches;
+int orl_run_evaluate_glare_errors(struct orl_run_state *state, size_t index,
+                                  const struct orl_film *film,
+                                  const struct orl_view_batches *batches, struct orl_error *err);
 
 #endif

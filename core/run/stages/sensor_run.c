@@ -1,8 +1,7 @@
-#include "run/stages/sensor_run.h"
-#include "run/diagnostics/run_warnings.h"
-#include "run/estimate/run_cost.h"
-#include "run/estimate/stage_progress.h"
+#include "run/diagnostics/diagnostics.h"
+#include "run/estimate/progress.h"
 #include "run/run_state.h"
+#include "run/stages/run_stages.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -8,10 +8,8 @@
 
 #include "run/cache/scene_cache.h"
 #include "run/distributed/task_work.h"
-#include "run/estimate/run_cost.h"
-#include "run/request/grids.h"
-#include "run/request/requested_sky.h"
-#include "run/request/sensors_file.h"
+#include "run/estimate/progress.h"
+#include "run/request/job_inputs.h"
 
 /* Rough time under a sky without light, relative to others; for progress only. */
 static const double dark_share = 0.1;

@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "metrics/view_batches.h"
-#include "run/diagnostics/run_warnings.h"
+#include "metrics/glare.h"
+#include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
-#include "run/stages/view_glare.h"
+#include "run/stages/rendering.h"
 
 /* A view that covers less than this share of the hemisphere lacks light at the eye. */
 static const double almost_all = 0.98;

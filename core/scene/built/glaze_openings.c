@@ -1,15 +1,12 @@
-#include "scene/built/glaze_openings.h"
+#include "scene/built/ports.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/arena.h"
-#include "scene/built/escape.h"
-#include "scene/built/focusing.h"
+#include "base/memory/memory.h"
 #include "scene/geometry/instances.h"
-#include "scene/geometry/unglazed_openings.h"
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 
 enum { RAYS = 1024 }; /* for each side of an opening */
 enum { PROBES = 16 }; /* along each edge of an opening */

@@ -1,12 +1,123 @@
-#include "scene/built/escape.h"
-#include "scene/built/focusing.h"
-#include "scene/built/scene.h"
-
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "base/sampling/random.h"
-#include "scene/material/hemisphere.h"
+#include "base/sampling/sampling.h"
+#include "scene/built/ports.h"
+#include "scene/built/scene.h"
+#include "scene/geometry/instances.h"
+#include "scene/material/scatter.h"
+
+enum { AT_ONCE = 64 };
+static const double least_seen = 1e-3;  /* minimum share of escaping rays for an outside face */
+static const double least_contrast = 4; /* minimum ratio of its share to the other face's */
+
+/* Returns how many of n rays (at most AT_ONCE) leave from a side. */
+static uint32_t count_leaving(const struct orl_geometry *g, uint32_t facet, bool front, uint32_t n,
+                              struct orl_random *random)
+{
+    const struct orl_vec3 normal = orl_facet_normal(g, facet);
+    const struct orl_frame frame = orl_frame_about(front ? normal : orl_neg(normal));
+    uint32_t left = 0;
+    double u[AT_ONCE][2];
+    struct orl_vec3 points[AT_ONCE], directions[AT_ONCE];
+    for (uint32_t k = 0; k < n; k++) {
+        u[k][0] = orl_random_uniform(random);
+        u[k][1] = orl_random_uniform(random);
+        const double x = orl_random_uniform(random), y = orl_random_uniform(random);
+        directions[k] = orl_to_world(&frame, orl_hemisphere_point(x, y));
+    }
+    orl_facet_sample_many(g, facet, (const double(*)[2])u, n, points);
+    for (uint32_t k = 0; k < n; k++) {
+        const struct orl_vec3 start = orl_facet_ray_origin(g, facet, points[k], normal, frame.n);
+        left += !orl_geometry_occluded(g, start, directions[k], INFINITY);
+    }
+    return left;
+}
+
+void orl_escape_shares(const struct orl_geometry *geometry, uint32_t facet, uint32_t rays,
+                       struct orl_random *random, double ret_shares[2])
+{
+    uint32_t left[2] = {0, 0}, sent = 0;
+    while (sent < rays && !orl_escape_is_decided(left, sent)) {
+        const uint32_t n = rays - sent < AT_ONCE ? rays - sent : AT_ONCE;
+        for (int side = 0; side < 2; side++)
+            left[side] += count_leaving(geometry, facet, side == 0, n, random);
+        sent += n;
+    }
+    for (int side = 0; side < 2; side++)
+        ret_shares[side] = (double)left[side] / sent;
+}
+
+bool orl_escape_shows_outside(const double shares[2])
+{
+    const double more = fmax(shares[0], shares[1]), less = fmin(shares[0], shares[1]);
+    return more >= least_seen && more >= least_contrast * less;
+}
+
+static const double seldom = 2e-3;
+/* Weight of a ray that meets a convex mirror. If such mirrors fill a share p of a window's view,
+ * they reflect p / 4 of the sun's irradiance onto it; lenses and hollow mirrors of the same size
+ * send several times p. */
+static const double convex_weight = 0.1;
+
+/* Returns true if a mirror is seen from the side where it spreads light; textured ones are taken to
+ * do so. */
+static bool is_convex(const struct orl_facet *f, const struct orl_hit *hit)
+{
+    const bool inwards =
+        f->kind == ORL_SURFACE_BUBBLE || f->kind == ORL_SURFACE_TUBE || f->kind == ORL_SURFACE_CUP;
+    return orl_surface_kind_is_flat(f->kind) || hit->front != inwards;
+}
+
+bool orl_focusing_exists(const struct orl_scene *scene)
+{
+    struct orl_facet_iterator walk = orl_facet_iterator(scene->geometry);
+    while (orl_facet_iterator_next(&walk)) {
+        struct orl_facet own;
+        const struct orl_facet *f = orl_facet_get(scene->geometry, walk.facet, &own);
+        const struct orl_material *m = &scene->parsed_scene.materials[f->material];
+        if (orl_material_deviates(m) ||
+            (orl_material_is_mirror(m) && (!orl_surface_kind_is_flat(f->kind) || m->texture)))
+            return true;
+    }
+    return false;
+}
+
+static double weight_of(struct orl_focusing_probe *probe, const struct orl_hit *hit)
+{
+    static const double parallel = 0.999;
+    struct orl_facet own;
+    const struct orl_facet *f = orl_facet_get(probe->scene->geometry, hit->facet, &own);
+    const struct orl_material *m = orl_scene_material(probe->scene, hit->facet);
+    const bool flat_normals = orl_surface_kind_is_flat(f->kind);
+    if (!orl_material_deviates(m)) {
+        const bool curved = !flat_normals || m->texture;
+        return !orl_material_is_mirror(m) || !curved ? 0 : is_convex(f, hit) ? convex_weight : 1;
+    }
+    if (!flat_normals || m->texture || probe->any_orientation)
+        return 1;
+    for (int i = 0; i < 2; i++) {
+        if (!(orl_dot(probe->flat_normals[i], probe->flat_normals[i]) > 0))
+            probe->flat_normals[i] = hit->normal;
+        if (fabs(orl_dot(probe->flat_normals[i], hit->normal)) >= parallel)
+            return 0;
+    }
+    return 1;
+}
+
+void orl_focusing_trace(struct orl_focusing_probe *probe, struct orl_vec3 from,
+                        struct orl_vec3 direction)
+{
+    struct orl_hit hit;
+    probe->rays++;
+    if (orl_geometry_intersect(probe->scene->geometry, from, direction, INFINITY, &hit))
+        probe->focusing_rays += weight_of(probe, &hit);
+}
+
+bool orl_focusing_is_significant(const struct orl_focusing_probe *probe)
+{
+    return probe->focusing_rays > 0 && probe->focusing_rays >= seldom * (double)probe->rays;
+}
 
 /*
  * Search for photon ports. Rays are traced from both faces of a window, with all surfaces opaque.

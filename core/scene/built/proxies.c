@@ -1,9 +1,9 @@
-#include "scene/built/proxies.h"
+#include "scene/built/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sampling/random.h"
+#include "base/sampling/sampling.h"
 
 enum { POINTS = 32, FIRST_POINTS = 6, LOOKS = 5, MOST_WAYS = 256, MOST_PANES = 64 };
 static const double hidden_share = 0.75;

@@ -3,15 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/built/glaze_openings.h"
-#include "scene/built/proxies.h"
-#include "scene/built/volume.h"
-#include "scene/geometry/antimatter/linings.h"
+#include "scene/built/ports.h"
+#include "scene/geometry/antimatter/antimatter.h"
 #include "scene/geometry/coincidence/coincident.h"
 #include "scene/geometry/instances.h"
-#include "scene/material/bounds.h"
 #include "scene/material/function_brdf/function_brdf_check.h"
 #include "scene/material/patterns/pattern.h"
+#include "scene/material/scatter.h"
 
 /*
  * Sizes per pair of triangles, corner and facet, with their share of the hierarchy. With the labels

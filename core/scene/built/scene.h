@@ -13,9 +13,10 @@
 #include <oriel/base/sha256.h>
 #include <oriel/base/thread_pool.h>
 
+#include "base/sampling/sampling.h"
 #include "scene/geometry/geometry.h"
 #include "scene/material/scatter.h"
-#include "scene/surface_labels.h"
+#include "scene/surfaces.h"
 
 enum { ORL_NO_PORT = -1 };
 
@@ -139,5 +140,81 @@ static inline bool orl_port_owns(const struct orl_geometry *geometry, const stru
 {
     return !port->shared || orl_port_owns_shared(geometry, port, point);
 }
+
+/*
+ * BSDFs that stand for geometry. A BSDF with a thickness is a proxy: it was measured from the
+ * slats, prisms or other surfaces within that distance, on the side opposite its normal (negative
+ * thickness: on the side of its normal). Light meets the proxy, and views see the geometry.
+ *
+ * So there are two scenes. In the scene of light (orl_scene.geometry) the surfaces that a proxy
+ * stands for are removed. There the proxy scatters as any BSDF does, on both sides. Rays that leave
+ * it to the side of the geometry start beyond it, because partly covered surfaces may remain there.
+ *
+ * If two proxies stand for the same geometry, one to each side, the first serves both. They
+ * are such a pair if they face opposite ways and their two thicknesses together span the distance
+ * between them. (In Radiance each scatters only light from its outer side, at any distance, with
+ * the same result. Files have pairs a little further apart than either is thick.)
+ *
+ * In the scene of views (orl_scene.seen) there are no proxies. The surfaces behind them are lit by
+ * paths in that scene, which are separate and only for view rays. No light is counted twice:
+ * photons, gather rays and shadow rays use one scene, views of hidden surfaces the other.
+ *
+ * A surface is hidden if at least three quarters of it, seen across the proxy's plane, have the
+ * proxy within its thickness. A reveal that ends at the proxy's edge is not hidden, because the
+ * directions spread a little to all sides. Radiance differs: it lets shadow rays pass proxies to
+ * the geometry.
+ */
+
+/*
+ * Splits the geometry of a new scene into the two; without proxies nothing changes. Returns 0,
+ * ORL_ERR_NOMEM, or ORL_ERR_LIMIT if proxies have more orientations than are searched.
+ */
+int orl_proxies_split(struct orl_scene *scene, struct orl_error *err);
+
+/* Returns the crossing of the last port that is a proxy and that a view ray passes within a
+ * distance. */
+enum orl_port_crossing orl_proxies_last_crossing(const struct orl_scene *scene,
+                                                 struct orl_vec3 origin, struct orl_vec3 direction,
+                                                 double distance);
+
+/*
+ * Mist: volumes that absorb and scatter light, between surfaces that light passes as if they did
+ * not exist. The surfaces have a geometry of their own. A ray's path through mist lies between its
+ * crossings of them; inside is behind the normal. Where volumes overlap, extinctions add up, and
+ * each volume scatters its own share.
+ *
+ * A scattering distance is sampled by the extinction of one of three channels. Weights use the mean
+ * pdf of all three (the balance heuristic), so they are at most three. Phase functions are
+ * Henyey-Greenstein, sampled exactly.
+ *
+ * Lengths are metres, extinction is 1/m. References: Henyey and Greenstein 1941; Wilkie et al.,
+ * "Hero Wavelength Spectral Sampling", 2014, on weights of several channels.
+ */
+
+/* Moves the surfaces of mist from the scene's geometry to one of their own. Returns 0,
+ * ORL_ERR_NOMEM, or ORL_ERR_LIMIT. */
+int orl_volume_split(struct orl_scene *scene, struct orl_error *err);
+
+/* Returns the share of light that is neither absorbed nor scattered over a distance, which may
+ * be infinite. */
+struct orl_rgb orl_volume_transmittance(const struct orl_scene *scene, struct orl_vec3 origin,
+                                        struct orl_vec3 direction, double distance);
+
+/* A sampled scattering event, or the passage without one, and the path's weight. */
+struct orl_volume_event {
+    bool scattered;
+    /* distance: of the event; forward: parameter of its phase function, -1 to 1 */
+    double distance, asymmetry;
+    struct orl_rgb weight;
+};
+struct orl_volume_event orl_volume_sample_event(const struct orl_scene *scene,
+                                                struct orl_vec3 origin, struct orl_vec3 direction,
+                                                double distance, struct orl_random *random);
+
+/* Return the phase function, 1/sr, for the cosine between old and new direction, and a direction
+ * sampled from it. */
+double orl_phase_function(double asymmetry, double cosine);
+struct orl_vec3 orl_phase_function_sample(double asymmetry, struct orl_vec3 along,
+                                          const double u[2]);
 
 #endif

@@ -1,4 +1,4 @@
-#include "scene/built/volume.h"
+#include "scene/built/scene.h"
 
 #include <stdlib.h>
 

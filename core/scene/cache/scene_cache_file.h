@@ -18,9 +18,10 @@
 #include <stdint.h>
 
 #include <oriel/base/files.h>
+#include <oriel/base/sha256.h>
 
 #include "base/io/checked_file.h"
-#include "scene/parse/sources.h"
+#include "scene/parse/parse.h"
 #include "scene/parsed_scene.h"
 
 /* Returns false if there are too many names looked for in vain to be listed. */
@@ -41,5 +42,42 @@ int orl_parsed_scene_save(const struct orl_parsed_scene *parsed_scene,
 int orl_parsed_scene_load(const char *path, const unsigned char content[ORL_CHECKED_FILE_CONTENT],
                           struct orl_sources *sources, struct orl_parsed_scene *ret_parsed_scene,
                           struct orl_error *err);
+
+/*
+ * Identity of this build of the program. Cache keys include it if the cached data may depend on all
+ * of the program's code.
+ */
+
+/* Adds the linker's digest of the program (its note NT_GNU_BUILD_ID). Returns false if there is
+ * none. */
+bool orl_program_id_add(struct orl_sha256 *hash);
+
+/*
+ * Shared state of this folder: one traversal of a description that either writes or reads it.
+ */
+
+struct orl_scene_cache_stream {
+    struct orl_serializer serializer;
+    struct orl_parsed_scene *d; /* not modified when writing */
+    /* Only when reading: */
+    struct orl_sources sources; /* the scene's files, in the order of the description */
+    struct orl_error *err;      /* errors with more detail than the stream's code */
+};
+
+/* cache_surfaces.c: surfaces, and pairs of coincident ones that face opposite ways. */
+void orl_cache_surfaces(struct orl_scene_cache_stream *k, struct orl_surface **surfaces, size_t *n);
+void orl_cache_opposed(struct orl_scene_cache_stream *k, struct orl_opposed_pair **opposed,
+                       size_t *n);
+
+/* cache_patterns.c: all patterns with their functions; call it after orl_cache_grids. */
+void orl_cache_patterns(struct orl_scene_cache_stream *k);
+/* The pattern that a material or another pattern refers to. */
+void orl_cache_pattern(struct orl_scene_cache_stream *k, struct orl_pattern **slot);
+
+/* cache_materials.c: all materials; call it after orl_cache_patterns. */
+void orl_cache_materials(struct orl_scene_cache_stream *k);
+
+/* cache_grids.c */
+void orl_cache_grids(struct orl_scene_cache_stream *k);
 
 #endif

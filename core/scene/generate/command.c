@@ -1,4 +1,4 @@
-#include "scene/generate/command.h"
+#include "scene/generate/generate.h"
 
 #include <stdbool.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 void orl_text_done(struct orl_text *text)
 {

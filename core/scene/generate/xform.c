@@ -4,7 +4,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 const struct orl_xform orl_xform_identity = {.row = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                                              .scale = 1.0};

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/geometry/embree.h"
+#include "scene/geometry/intersect.h"
 #include "scene/geometry/packed.h"
 
 /* Returns a quad whose first triangle is the second of the given one. */

@@ -7,14 +7,11 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/thread_pool.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 #include "scene/geometry/antimatter/antimatter.h"
-#include "scene/geometry/embree.h"
 #include "scene/geometry/instances.h"
+#include "scene/geometry/intersect.h"
 #include "scene/geometry/packed.h"
-#include "scene/geometry/quadric.h"
-#include "scene/geometry/triangulation/corners.h"
-#include "scene/geometry/triangulation/mesh_quads.h"
 #include "scene/geometry/triangulation/triangulate.h"
 
 static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)

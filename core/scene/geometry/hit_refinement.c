@@ -1,8 +1,7 @@
-#include "scene/geometry/hit_refinement.h"
+#include "scene/geometry/intersect.h"
 
 #include "scene/geometry/instances.h"
 #include "scene/geometry/packed.h"
-#include "scene/geometry/quadric.h"
 
 /* Returns true if a point in the facet's plane lies on it, rim included; *ret_triangle: on which
  * triangle. */

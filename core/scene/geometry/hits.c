@@ -1,8 +1,7 @@
 /* Ray hits with antimatter taken into account; samples on facets. */
 #include "scene/geometry/antimatter/antimatter.h"
-#include "scene/geometry/hit_refinement.h"
 #include "scene/geometry/instances.h"
-#include "scene/geometry/quadric.h"
+#include "scene/geometry/intersect.h"
 
 enum { AT_ONCE = 64 }; /* rays traced together */
 

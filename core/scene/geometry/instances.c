@@ -5,7 +5,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/thread_pool.h>
 
-#include "scene/geometry/quadric.h"
+#include "scene/geometry/intersect.h"
 
 /* ---- By index
  * --------------------------------------------------------------------------------- */

@@ -10,8 +10,8 @@
 #ifndef ORL_SCENE_GEOMETRY_INSTANCES_H
 #define ORL_SCENE_GEOMETRY_INSTANCES_H
 
-#include "scene/geometry/embree.h"
-#include "scene/placements.h"
+#include "scene/geometry/intersect.h"
+#include "scene/surfaces.h"
 
 struct orl_instance {
     const struct orl_geometry *prototype;

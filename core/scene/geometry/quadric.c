@@ -1,4 +1,4 @@
-#include "scene/geometry/quadric.h"
+#include "scene/geometry/intersect.h"
 
 static bool is_inverted(enum orl_surface_kind kind)
 {

@@ -1,4 +1,4 @@
-#include "scene/geometry/surface_offset.h"
+#include "scene/geometry/geometry.h"
 
 enum { MOST_SURFACES = 8, TOUCH_RAYS = 64 };
 

@@ -9,7 +9,7 @@
 
 #include <oriel/base/scanner.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 #include "scene/grid/ies.h"
 
 struct reading {

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,8 +8,8 @@
 /* ---- Radiance pictures ----------------------------------------------------------------------- */
 
 /* Reads the format and the pixels' aspect from the header. */
-static int take_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
-                     struct orl_error *err)
+static int take_rgbe_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
+                          struct orl_error *err)
 {
     static const char aspect[] = "PIXASPECT=", format[] = "FORMAT=";
     double *const all = ctx;
@@ -33,7 +34,7 @@ static int read_hdr(const char *name, const void *data, size_t size, struct orl_
     struct orl_grid *grid = NULL;
     unsigned char(*pixels)[4] = NULL;
     double aspect = 1;
-    int code = orl_rgbe_begin(&rgbe, name, data, size, take_line, &aspect, err);
+    int code = orl_rgbe_begin(&rgbe, name, data, size, take_rgbe_line, &aspect, err);
     if (code == 0)
         code = orl_grid_new_picture(name, rgbe.width, rgbe.height, aspect, &grid, err);
     if (code < 0 || !grid)
@@ -76,4 +77,114 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
     orl_error_hint(err, "image editors make one of these, Radiance's ra_* one of its own");
     orl_error_at(err, name, 0, NULL);
     return ORL_ERR_UNSUPPORTED;
+}
+
+/*
+ * Radiance's pictures of spectra: a pixel has NCOMP components with a common exponent, evenly
+ * spaced over the wavelengths of WAVELENGTH_SPLITS, from the first number to the last.
+ * Reference: "Radiance File Formats", picture files.
+ */
+
+enum { LEAST_COMPONENTS = 4, MOST_COMPONENTS = 496 };
+
+struct header {
+    double components;
+    double first_nm, last_nm, aspect;
+};
+
+static int take_spectra_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
+                             struct orl_error *err)
+{
+    static const char components[] = "NCOMP=", splits[] = "WAVELENGTH_SPLITS=",
+                      aspect[] = "PIXASPECT=", format[] = "FORMAT=";
+    struct header *const h = ctx;
+    if (strncmp(line, components, sizeof components - 1) == 0)
+        h->components = floor(strtod(line + sizeof components - 1, NULL));
+    if (strncmp(line, aspect, sizeof aspect - 1) == 0)
+        h->aspect *= strtod(line + sizeof aspect - 1, NULL);
+    if (strncmp(line, splits, sizeof splits - 1) == 0) {
+        char *at = (char *)(uintptr_t)line + sizeof splits - 1;
+        double nm[4];
+        for (int i = 0; i < 4; i++)
+            nm[i] = strtod(at, &at);
+        h->first_nm = nm[0];
+        h->last_nm = nm[3];
+    }
+    if (strncmp(line, format, sizeof format - 1) == 0 && !strstr(line, "Radiance_spectra")) {
+        const int code = orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
+                                       "the picture's FORMAT is not Radiance_spectra");
+        orl_error_hint(err, "colorpict is for pictures of three colours");
+        return code;
+    }
+    return 0;
+}
+
+static int check_header(const struct orl_rgbe *rgbe, const struct header *h, struct orl_error *err)
+{
+    if (!(h->components >= LEAST_COMPONENTS && h->components <= MOST_COMPONENTS))
+        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
+                             "a picture of spectra has NCOMP= 4 to 496 in its header");
+    if (!(h->last_nm >= 1 && h->first_nm >= 1 && h->first_nm != h->last_nm && h->first_nm < 1e5 &&
+          h->last_nm < 1e5))
+        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
+                             "WAVELENGTH_SPLITS= takes four wavelengths, in nm");
+    if (!(h->aspect > 1e-6 && h->aspect < 1e6))
+        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "the pixels' aspect is out of range");
+    if (memcmp(rgbe->order, "-Y+X", 4) != 0 || rgbe->width < 2 || rgbe->height < 2)
+        return orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
+                             "its lines are to go down, and to the right: -Y and +X, 2 at least");
+    if ((size_t)rgbe->width * rgbe->height > ORL_GRID_VALUES / (size_t)h->components)
+        return orl_rgbe_fail(rgbe, ORL_ERR_LIMIT, err, "it has too many values");
+    if ((size_t)(rgbe->end - rgbe->at) / ((size_t)h->components + 1) <
+        (size_t)rgbe->width * rgbe->height)
+        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "it ends before its last pixel");
+    return 0;
+}
+
+static struct orl_grid *new_grid(const struct orl_rgbe *rgbe, const struct header *h)
+{
+    const double wide = rgbe->width, high = rgbe->height * h->aspect;
+    const double short_side = fmin(wide, high), step = (h->last_nm - h->first_nm) / h->components;
+    struct orl_grid *const grid = calloc(1, sizeof *grid);
+    if (!grid)
+        return NULL;
+    grid->n_axes = 3;
+    grid->channels = 1;
+    grid->axes[0] = (struct orl_grid_axis){.size = wide / short_side, .n = rgbe->width};
+    grid->axes[1] = (struct orl_grid_axis){.size = high / short_side, .n = rgbe->height};
+    grid->axes[2] = (struct orl_grid_axis){.origin = h->first_nm + step / 2,
+                                           .size = step * (h->components - 1),
+                                           .n = (uint32_t)h->components};
+    grid->n_values = (size_t)rgbe->width * rgbe->height * (size_t)h->components;
+    grid->values = malloc(grid->n_values * sizeof *grid->values);
+    if (grid->values)
+        return grid;
+    free(grid);
+    return NULL;
+}
+
+int orl_grid_read_spectra(const char *name, const void *data, size_t size,
+                          struct orl_grid **ret_grid, struct orl_error *err)
+{
+    struct header h = {.first_nm = 780, .last_nm = 380, .aspect = 1};
+    struct orl_rgbe rgbe;
+    int code = orl_rgbe_begin(&rgbe, name, data, size, take_spectra_line, &h, err);
+    if (code == 0)
+        code = check_header(&rgbe, &h, err);
+    if (code < 0)
+        return code;
+    struct orl_grid *const grid = new_grid(&rgbe, &h);
+    if (!grid)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
+    const size_t n = (size_t)h.components;
+    const unsigned char *pixel = rgbe.at;
+    for (uint32_t y = rgbe.height; y-- > 0;)
+        for (uint32_t x = 0; x < rgbe.width; x++, pixel += n + 1) {
+            float *const values = grid->values + ((size_t)x * rgbe.height + y) * n;
+            const double unit = ldexp(1, (int)pixel[n] - 136);
+            for (size_t i = 0; i < n; i++)
+                values[i] = pixel[n] > 0 ? (float)((pixel[i] + 0.5) * unit) : 0;
+        }
+    *ret_grid = grid;
+    return 0;
 }

@@ -11,7 +11,7 @@
  */
 #include "scene/material/kinds.h"
 
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 
 struct lobe {
     struct orl_frame frame; /* u along the anisotropy axis */

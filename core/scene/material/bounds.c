@@ -1,4 +1,4 @@
-#include "scene/material/bounds.h"
+#include "scene/material/scatter.h"
 
 #include "scene/material/kinds.h"
 

@@ -1,8 +1,7 @@
 #include "scene/material/kinds.h"
 
 #include "base/multiversion.h"
-#include "scene/material/hemisphere.h"
-#include "scene/material/ward.h"
+#include "scene/material/scatter.h"
 
 /*
  * Division of the light, as in Radiance: a share `specular` is mirrored, white for plastic and

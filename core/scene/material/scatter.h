@@ -1,4 +1,29 @@
 /*
+ * Maps the unit square to the hemisphere: uniform numbers to cosine-weighted directions.
+ */
+#ifndef ORL_SCENE_MATERIAL_SCATTER_H
+#define ORL_SCENE_MATERIAL_SCATTER_H
+
+#include "base/sampling/sampling.h"
+#include "bsdf/tree/shirley.h"
+#include "scene/geometry/geometry.h"
+#include "scene/material/function_brdf/function_brdf.h"
+
+/* Returns the unit vector with z >= 0 for (u, v) in [0,1]^2; equal areas map to equal projected
+ * solid angles. */
+static inline struct orl_vec3 orl_hemisphere_point(double u, double v)
+{
+    return orl_square_to_hemisphere((struct orl_square){2 * u - 1, 2 * v - 1});
+}
+
+/* orl_hemisphere_point about a unit normal. */
+static inline struct orl_vec3 orl_hemisphere_about(struct orl_vec3 normal, double u, double v)
+{
+    const struct orl_frame frame = orl_frame_about(normal);
+    return orl_to_world(&frame, orl_hemisphere_point(u, v));
+}
+
+/*
  * Scattering of light by materials: evaluation, sampling, and the shares of the parts.
  * All functions take a hit, because materials may depend on the place (color_at.h). bounds.h gives
  * bounds and means over a surface before any ray is traced. The kinds of scattering that a material
@@ -39,12 +64,6 @@
  * direction alone, taken from the diffuse part. It is neither reciprocal nor equal for light and
  * eye, and is left out: such surfaces have the written specularity at all angles.
  */
-#ifndef ORL_SCENE_MATERIAL_SCATTER_H
-#define ORL_SCENE_MATERIAL_SCATTER_H
-
-#include "base/sampling/random.h"
-#include "scene/geometry/geometry.h"
-#include "scene/material/function_brdf/function_brdf.h"
 
 enum orl_scatter_event {
     ORL_EVENT_ABSORBED,
@@ -251,5 +270,33 @@ struct orl_rgb orl_material_emission(const struct orl_material *material, const 
 struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_vec3 normal);
 /* Returns true if a BSDF material has only its data: no diffuse additions, no straight part. */
 bool orl_bsdf_surface_is_data_only(const struct orl_material *material);
+
+/*
+ * Material properties over a whole surface, for plans, surveys and light set-up before any ray is
+ * traced.
+ * `_most` is a bound that holds at every point, in the brightest channel, 0..1; `_mean` is the mean
+ * by area. The functions of scatter.h at orl_hit_surface_mean give other means. Light arrives at
+ * the given cosine and an arbitrary azimuth; for BSDFs a bound holds for that direction only.
+ */
+
+/* Bound of orl_material_diffuse. */
+double orl_material_max_diffuse(const struct orl_material *material);
+
+/* Bounds of orl_material_albedo and orl_material_mirrored, on that side. */
+double orl_material_max_albedo(const struct orl_material *material, bool front, double cosine,
+                               enum orl_lobes lobes);
+double orl_material_max_mirrored(const struct orl_material *material, bool front, double cosine);
+
+/* Bound of the lobes' albedo for light from that side; for BSDFs from any direction, with the
+ * diffuse additions. */
+double orl_material_max_lobes(const struct orl_material *material, bool front, double cosine);
+
+/* Returns true if the surface mirrors light at any angle, so that a flat one shows images of the
+ * sun. */
+bool orl_material_is_mirror(const struct orl_material *material);
+
+/* Mean radiance of an emitter over area, and over direction weighted by the cosine. */
+struct orl_rgb orl_material_mean_radiance(const struct orl_material *material);
+struct orl_rgb orl_material_max_radiance(const struct orl_material *material);
 
 #endif

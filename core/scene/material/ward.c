@@ -1,4 +1,4 @@
-#include "scene/material/ward.h"
+#include "scene/material/kinds.h"
 
 #include "scene/material/patterns/pattern.h"
 

@@ -1,4 +1,4 @@
-#include "scene/parse/lexer.h"
+#include "scene/parse/primitive.h"
 
 #include <stdlib.h>
 

@@ -8,7 +8,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/thread_pool.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 enum { WARNINGS_MAX = 100, TEXT_MAX = 640 };
 

@@ -10,11 +10,9 @@
 #include "function/function.h"
 #include "scene/generate/xform.h"
 #include "scene/material/function_brdf/function_brdf.h"
-#include "scene/parse/deferred_errors.h"
 #include "scene/parse/instance/instanced_files.h"
+#include "scene/parse/parse.h"
 #include "scene/parse/primitive.h"
-#include "scene/parse/refusals.h"
-#include "scene/parse/sources.h"
 #include "scene/parse/symbols.h"
 #include "scene/parsed_scene.h"
 
@@ -171,5 +169,22 @@ void orl_parser_tally(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_warning_tally *tally);
 /* Adds warnings for the tallies. */
 void orl_parser_report(struct orl_parser *parser);
+
+/*
+ * The primitives instance and mesh: scenes that oconv has compiled into an octree, and triangles
+ * that obj2mesh has compiled. Their octrees are skipped; for an octree that is not frozen, the
+ * files it names are read.
+ *
+ * Names inside are separate: a file sees no modifiers from outside, and its own are not visible
+ * there. A modifier of the primitive itself, other than void, replaces all modifiers inside.
+ *
+ * Normals and (u, v) of a mesh's corners are kept (smoothing.c). Files that occur several times may
+ * be stored once (instanced_files.h).
+ */
+
+bool orl_parser_is_compiled(const char *type);
+/* Reads the file that the current primitive names. */
+int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_error *err);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include <oriel/base/scanner.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 enum { HEAD_WORDS = 3 };
 

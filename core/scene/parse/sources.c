@@ -1,4 +1,4 @@
-#include "scene/parse/sources.h"
+#include "scene/parse/parse.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 void orl_sources_init(struct orl_sources *sources, const struct orl_files *files,
                       const struct orl_bsdf_loader *loader, struct orl_arena *arena)

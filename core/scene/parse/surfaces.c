@@ -9,7 +9,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 #include "scene/parse/parser.h"
 
 struct surface_type {

@@ -13,22 +13,14 @@
 #include <oriel/bsdf/bsdf.h>
 #include <oriel/job/run.h>
 
-#include "bsdf_json/bsdf_fit_json.h"
 #include "bsdf_json/bsdf_json.h"
-#include "checks/child/child_document.h"
-#include "checks/child/child_plan.h"
-#include "checks/child/child_previews.h"
-#include "checks/child/fork_server.h"
-#include "checks/child/mapped_inputs.h"
-#include "checks/child/sandbox.h"
-#include "checks/child/scene_document.h"
-#include "checks/frames.h"
+#include "checks/child/messages.h"
 #include "checks/job_manifest.h"
-#include "health/crash_record.h"
+#include "health/crash.h"
 #include "project/main_files.h"
 #include "project/project.h"
-#include "result/scene_json.h"
-#include "uploads/unzip.h"
+#include "result/result_json.h"
+#include "uploads/uploads.h"
 #include "json/encode.h"
 
 /* A running check: its request and the files that the request names. */

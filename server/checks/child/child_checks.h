@@ -25,8 +25,13 @@
 #define ORL_SERVER_CHECKS_CHILD_CHILD_CHECKS_H
 
 #include <jansson.h>
+#include <stdint.h>
 
 #include <oriel/base/error.h>
+
+#include "checks/child/messages.h"
+#include "checks/job_manifest.h"
+#include "uploads/uploads.h"
 
 /* Runs one check in the child, over the socket, and ends the process. */
 void orl_child_check(int fd);
@@ -34,5 +39,92 @@ void orl_child_check(int fd);
 /* Convert errors to and from JSON for the verdict. */
 json_t *orl_child_error_to_json(const struct orl_error *err);
 void orl_child_error_from_json(const json_t *json, struct orl_error *ret_err);
+
+/*
+ * The fork server is a fork server: a process of the daemon's own program that only forks children.
+ * Each child runs one check of untrusted data (child_checks.h); there is one child at a time. The
+ * fork server is small, has one thread, and has its libraries loaded, so a child costs a
+ * millisecond or two. It reads nothing of the data that its children receive.
+ *
+ * The daemon starts fork servers and talks to them through check_pool.h. A fork server ends with
+ * the daemon, and its children end with the fork server.
+ */
+
+/* The first argument of a fork server process; the second is the daemon's process id. */
+#define ORL_FORK_SERVER_MODE "--keeper"
+enum { ORL_FORK_SERVER_FD = 3 }; /* the fork server's end of the socket */
+
+/* Exit status of a child that ran out of memory where no error could be returned. */
+enum { ORL_CHILD_NO_MEMORY = 71 };
+
+/* Serves until the daemon is gone. Returns the process's exit status. */
+int orl_fork_server_main(const char *daemon_pid);
+
+/*
+ * Confines a process that is about to read untrusted data to what that needs. It bounds memory,
+ * processor time and files, forbids other programs, the network and opening files, and drops
+ * privileges. The process also becomes the first that the kernel kills when memory runs out.
+ *
+ * Builds with sanitizers have neither the memory bound (the shadow memory is far larger) nor the
+ * system-call filter (sanitizers need other calls).
+ * Threads: the process must have one only.
+ */
+
+struct orl_sandbox_limits {
+    uint64_t memory; /* bytes of data; stacks and mapped files do not count */
+    uint32_t cpu_s;
+};
+
+/* Confines the process for good. ORL_ERR_INTERNAL if the system refuses. */
+int orl_sandbox_enter(const struct orl_sandbox_limits *bounds, struct orl_error *err);
+
+/*
+ * A scene as one JSON document: {"files": [{"name", "text" | "base64", "resource"}], "bsdfs":
+ * {"name": "id"}}; or a Honeybee model, {"type": "Model", ...} (honeybee/hbjson.h).
+ */
+
+/* Sends the document's files to the sink, in their order. *ret_rest is {"resources": [true, ...],
+ * "bsdfs": ...}: one resource flag for each file, and the document's "bsdfs" if it has them. For a
+ * model it is {"model": true}. */
+int orl_scene_document_read(const struct orl_file *document, const struct orl_incoming_sink *sink,
+                            json_t **ret_rest, struct orl_error *err);
+
+/*
+ * Checks a job's document together with its scene's files (README.md has the table). These are the
+ * scenes that the states of shades make, their schedules, matrices of other scenes, and glare
+ * masks.
+ */
+
+/* Runs in the child. opened: all files of the scene, with the document as its single file. Adds to
+ * *found. */
+int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_found *found,
+                       struct orl_error *err);
+
+/*
+ * The plan of a render job before it is accepted (core's orl_plan_job), made in a check child with
+ * one thread. Nothing is freed: the process ends with the check.
+ */
+
+/* Number of skies that are planned; the first ones if the job has more. */
+enum { ORL_PLAN_SKIES = 16 };
+
+/*
+ * Plans the job. opened: the scene's files, with the document as the single file. *ret_result is a
+ * new reference: {"plans": [{"sky", "plan", "warnings", "curve"}], "more"}. sky is null if the job
+ * has no list of skies.
+ */
+int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct orl_error *err);
+
+/*
+ * Previews of stored objects, made in a check child: a scene's floor plan, and the directions into
+ * which a BSDF scatters light. Nothing is freed: the process ends with the check.
+ */
+
+/* The request has "height", a number or null; the result is scene_json.h's. */
+int orl_child_outline(const json_t *request, struct orl_mapped_inputs *mapped, json_t **ret_result,
+                      struct orl_error *err);
+/* The request has "front", "theta_deg" and "phi_deg"; the result is bsdf_json.h's. */
+int orl_child_polar(const json_t *request, const struct orl_mapped_inputs *mapped,
+                    json_t **ret_result, struct orl_error *err);
 
 #endif

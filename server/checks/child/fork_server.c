@@ -1,4 +1,4 @@
-#include "checks/child/fork_server.h"
+#include "checks/child/child_checks.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -12,8 +12,7 @@
 
 #include <oriel/job/run.h>
 
-#include "checks/child/child_checks.h"
-#include "checks/frames.h"
+#include "checks/child/messages.h"
 
 enum { CHILD_NICE = 5 };
 

@@ -1,5 +1,5 @@
-#include "checks/child/sandbox.h"
-#include "process/sanitized.h"
+#include "checks/child/child_checks.h"
+#include "process/limits.h"
 
 #include <errno.h>
 #include <fcntl.h>

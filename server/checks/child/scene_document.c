@@ -1,4 +1,4 @@
-#include "checks/child/scene_document.h"
+#include "checks/child/child_checks.h"
 
 #include <sodium.h>
 #include <stdio.h>
@@ -8,8 +8,8 @@
 #include <oriel/base/limits.h>
 
 #include "honeybee/hbjson.h"
-#include "uploads/multipart.h"
-#include "json/members.h"
+#include "uploads/uploads.h"
+#include "json/decode.h"
 
 /* Decodes the content of one file object; the caller owns *ret_data. */
 static int decode_content(const json_t *file, const char *where, unsigned char **ret_data,

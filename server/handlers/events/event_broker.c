@@ -1,4 +1,4 @@
-#include "handlers/events/event_broker.h"
+#include "handlers/events/events.h"
 
 #include <sodium.h>
 #include <stdio.h>
@@ -6,8 +6,7 @@
 #include <string.h>
 
 #include "handlers/events/event_stream.h"
-#include "handlers/events/job_event.h"
-#include "handlers/jobs/job_summary.h"
+#include "handlers/jobs/job_status.h"
 #include "process/limits.h"
 #include "server.h"
 

@@ -1,3 +1,29 @@
+/* A text for event streams, shared by all streams that send it. Threads: the loop thread only. */
+#ifndef ORL_SERVER_HANDLERS_EVENTS_EVENT_STREAM_H
+#define ORL_SERVER_HANDLERS_EVENTS_EVENT_STREAM_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <uv.h>
+
+#include "http/access/access.h"
+#include "http/request/request.h"
+
+struct orl_event_text {
+    unsigned refs;
+    size_t size;
+    char data[];
+};
+
+/* Returns a text with one reference. NULL when out of memory. */
+struct orl_event_text *orl_event_text_new(const char *data, size_t size);
+void orl_event_text_unref(struct orl_event_text *text); /* NULL is allowed */
+
+/* Returns the text "id: ...\nevent: NAME\ndata: {...}\n\n". Takes ownership of data. NULL if data
+ * is NULL or memory runs out. */
+struct orl_event_text *orl_event_text_of(const char *id, const char *name, json_t *data);
+
 /*
  * Streams of server-sent events (WHATWG HTML, 9.2): the common part of streams of one job
  * (events.h) and of all jobs (event_broker.h).
@@ -10,15 +36,6 @@
  *
  * Threads: the loop thread only.
  */
-#ifndef ORL_SERVER_HANDLERS_EVENTS_EVENT_STREAM_H
-#define ORL_SERVER_HANDLERS_EVENTS_EVENT_STREAM_H
-
-#include <stdbool.h>
-#include <uv.h>
-
-#include "handlers/events/event_text.h"
-#include "http/access/access.h"
-#include "http/request/request.h"
 
 struct orl_event_source;
 struct orl_server;

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "handlers/events/event_stream.h"
-#include "handlers/events/job_event.h"
 #include "server.h"
 
 /* A watched job. */

@@ -4,9 +4,7 @@
 #include <string.h>
 
 #include "handlers/events/events.h"
-#include "handlers/events/job_event.h"
-#include "handlers/jobs/job_path.h"
-#include "handlers/pagination.h"
+#include "handlers/jobs/job_status.h"
 #include "http/response/reply.h"
 #include "process/limits.h"
 #include "server.h"

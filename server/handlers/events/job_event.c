@@ -1,4 +1,4 @@
-#include "handlers/events/job_event.h"
+#include "handlers/events/events.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <oriel/base/json_read.h>
 
 #include "handlers/jobs/job_status.h"
-#include "runner/runner_json.h"
+#include "runner/runner.h"
 #include "json/encode.h"
 
 /* The contents of an event. Progress is in tenths of a percent, so that a long job does not send a

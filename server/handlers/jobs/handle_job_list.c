@@ -9,10 +9,8 @@
 #include <oriel/base/json_read.h>
 
 #include "handlers/jobs/job_status.h"
-#include "handlers/jobs/job_summary.h"
-#include "handlers/pagination.h"
 #include "http/response/reply.h"
-#include "job/labels_json.h"
+#include "job/job_json.h"
 #include "process/limits.h"
 #include "process/times.h"
 #include "server.h"

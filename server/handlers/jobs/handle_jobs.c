@@ -1,28 +1,73 @@
-#include "handlers/handlers.h"
-
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include <arpa/inet.h>
 #include <oriel/base/json_read.h>
 
 #include "checks/check_client.h"
 #include "checks/checks.h"
-#include "checks/job_inputs.h"
-#include "handlers/jobs/job_path.h"
+#include "checks/job_manifest.h"
+#include "handlers/handlers.h"
 #include "handlers/jobs/job_status.h"
-#include "handlers/jobs/status_cache.h"
 #include "http/access/access.h"
-#include "http/request/client_name.h"
+#include "http/context.h"
+#include "http/request/request.h"
 #include "http/response/reply.h"
 #include "process/limits.h"
-#include "runner/estimate/job_kinds.h"
-#include "runner/estimate/job_memory.h"
+#include "runner/estimate/job_estimate.h"
 #include "server.h"
 #include "store/rows/scenes.h"
-#include "uploads/multipart.h"
+#include "uploads/uploads.h"
+
+static bool is_name(const char *text)
+{
+    const size_t length = strlen(text);
+    for (size_t i = 0; i < length; i++)
+        if (text[i] < 0x20 || text[i] > 0x7e)
+            return false;
+    return length >= 1 && length <= ORL_CLIENT_OWN_NAME;
+}
+
+static void name_by_address(const struct orl_request *request, char ret_name[ORL_CLIENT_NAME])
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    char text[INET6_ADDRSTRLEN] = "unknown";
+    if (info && info->client_addr && info->client_addr->sa_family == AF_INET6) {
+        struct sockaddr_in6 v6;
+        memcpy(&v6, info->client_addr, sizeof v6);
+        inet_ntop(AF_INET6, &v6.sin6_addr, text, sizeof text);
+    } else if (info && info->client_addr && info->client_addr->sa_family == AF_INET) {
+        struct sockaddr_in v4;
+        memcpy(&v4, info->client_addr, sizeof v4);
+        inet_ntop(AF_INET, &v4.sin_addr, text, sizeof text);
+    }
+    snprintf(ret_name, ORL_CLIENT_NAME, "address:%s", text);
+}
+
+bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME])
+{
+    const char *own = orl_request_header(request, "X-Oriel-Client");
+    if (request->context->config->needs_token) {
+        snprintf(ret_name, ORL_CLIENT_NAME, "token:%s", request->token);
+        return true;
+    }
+    if (!own) {
+        name_by_address(request, ret_name);
+        return true;
+    }
+    if (!is_name(own)) {
+        orl_reply_problem(request, 400, "invalid", "A header is not understood",
+                          "X-Oriel-Client is a name of 1 to %d printable characters",
+                          ORL_CLIENT_OWN_NAME);
+        return false;
+    }
+    snprintf(ret_name, ORL_CLIENT_NAME, "name:%s", own);
+    return true;
+}
 
 enum { REQUEST_KEY_MAX = 255 };
 

@@ -6,16 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "handlers/jobs/job_path.h"
 #include "handlers/jobs/job_status.h"
-#include "http/access/signed_links.h"
+#include "http/access/access.h"
 #include "http/context.h"
 #include "http/response/reply.h"
 #include "process/limits.h"
 #include "process/times.h"
 #include "server.h"
 #include "json/decode.h"
-#include "json/members.h"
 
 enum { LEAST_S = 10, DEFAULT_S = 300 };
 

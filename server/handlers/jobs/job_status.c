@@ -8,10 +8,14 @@
 #include <oriel/base/json_read.h>
 
 #include "annual_job/annual_json.h"
+#include "http/context.h"
+#include "http/response/reply.h"
 #include "job/study_json.h"
+#include "jobs/job_results.h"
 #include "process/times.h"
 #include "result/result_json.h"
-#include "runner/runner_json.h"
+#include "runner/runner.h"
+#include "server.h"
 #include "json/encode.h"
 
 json_t *orl_job_time(int64_t ms)
@@ -260,4 +264,115 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
         return NULL;
     }
     return doc;
+}
+
+/* The state of a running job. */
+struct running {
+    const char *stage; /* NULL: unknown */
+    double percent, eta_s, error;
+};
+
+static struct running read_progress(const struct orl_jobs_job *job)
+{
+    struct running seen = {NULL, (double)NAN, (double)NAN, (double)NAN};
+    struct orl_job_progress progress;
+    if (job->row.state == ORL_JOB_SUCCEEDED)
+        seen.percent = 100;
+    if (job->row.state != ORL_JOB_RUNNING || !orl_jobs_worker(job))
+        return seen;
+    orl_worker_progress(orl_jobs_worker(job), &progress);
+    if (job->row.kind != ORL_JOB_KIND_STUDY)
+        seen.stage = orl_stage_name(progress.stage);
+    else if (progress.step.runs > 0)
+        seen.stage = orl_study_step_name(&progress.step);
+    seen.percent = floor(1000 * progress.job_fraction) / 10;
+    seen.eta_s = round(progress.eta_s);
+    if (progress.outcome.asked)
+        seen.error = progress.outcome.achieved;
+    return seen;
+}
+
+json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
+{
+    const struct orl_job_row *row = &job->row;
+    struct running seen = read_progress(job);
+    if (row->state > ORL_JOB_RUNNING)
+        seen.error = orl_job_results_error(jobs, row->id);
+    json_t *doc = json_pack(
+        "{s:s, s:s?, s:o, s:s, s:s, s:s, s:s, s:i, s:s?, s:o, s:o, s:o, s:o, s:o, s:o}", "id",
+        row->id, "name", row->name, "tags", orl_job_tags(job), "kind",
+        orl_job_request_kind_name(row->kind), "state", orl_jobs_state_name(job), "scene",
+        row->scene, "client", row->client, "priority", row->priority, "stage", seen.stage,
+        "percent", orl_json_from_real(seen.percent), "eta_s", orl_json_from_real(seen.eta_s),
+        "error", orl_json_from_real(seen.error), "created", orl_job_time(row->created_ms),
+        "started", orl_job_time(row->started_ms), "finished", orl_job_time(row->finished_ms));
+    if (doc && row->state == ORL_JOB_QUEUED &&
+        json_object_set_new(doc, "queue_position",
+                            json_integer((json_int_t)orl_jobs_position(jobs, job)))) {
+        json_decref(doc);
+        return NULL;
+    }
+    return doc;
+}
+
+struct orl_status_cache *orl_status_cache_new(void)
+{
+    return calloc(1, sizeof(struct orl_status_cache));
+}
+
+void orl_status_cache_free(struct orl_status_cache *cache)
+{
+    for (size_t i = 0; cache && i < ORL_STATUS_CACHE; i++)
+        free(cache->entries[i].text);
+    free(cache);
+}
+
+/* Returns the job's entry. Ids are random hexadecimal digits, so the last few serve as the hash. */
+static struct orl_status_entry *entry_of(struct orl_status_cache *cache, const char *id)
+{
+    char tail[5];
+    memcpy(tail, id + ORL_JOB_ID - sizeof tail, sizeof tail);
+    return &cache->entries[strtoul(tail, NULL, 16) % ORL_STATUS_CACHE];
+}
+
+/* Compares two rows bytewise. Padding may differ while all members are equal; the text is then made
+ * again. */
+static bool is_same(const void *row, const void *other)
+{
+    return memcmp(row, other, sizeof(struct orl_job_row)) == 0;
+}
+
+const char *orl_status_cache_text(struct orl_status_cache *cache, const struct orl_jobs *jobs,
+                                  const struct orl_jobs_job *job, size_t *ret_size)
+{
+    struct orl_status_entry *entry = entry_of(cache, job->row.id);
+    if (!entry->text || !is_same(&entry->row, &job->row)) {
+        free(entry->text);
+        entry->text = orl_reply_text_of(orl_job_status(jobs, job));
+        entry->size = entry->text ? strlen(entry->text) : 0;
+        memcpy(&entry->row, &job->row, sizeof job->row);
+    }
+    *ret_size = entry->size;
+    return entry->text;
+}
+
+const struct orl_jobs_job *orl_job_of_path(struct orl_request *request)
+{
+    bool several = false;
+    const struct orl_jobs_job *job =
+        orl_jobs_find_prefix(request->server->jobs, request->params[0], &several);
+    if (several)
+        orl_reply_problem(request, 404, "ambiguous", "Several jobs are meant",
+                          "the ids of several jobs begin with %.40s", request->params[0]);
+    else if (!job)
+        orl_reply_not_found(request, "job");
+    else
+        snprintf(request->job, sizeof request->job, "%s", job->row.id);
+    return job;
+}
+
+void orl_job_reply_when_ended(struct orl_request *request, const struct orl_jobs_job *job)
+{
+    if (job->row.state >= ORL_JOB_SUCCEEDED)
+        orl_reply_when_commit_durable(request, job->commit);
 }

@@ -21,7 +21,9 @@
 #define ORL_SERVER_HANDLERS_JOBS_JOB_STATUS_H
 
 #include <jansson.h>
+#include <stddef.h>
 
+#include "http/request/request.h"
 #include "jobs/jobs.h"
 
 /* A new reference; NULL when out of memory. */
@@ -42,5 +44,54 @@ json_t *orl_job_warnings(const struct orl_job_progress *progress);
 
 /* Returns the seconds that a running job has left, to a tenth, or null. A new reference. */
 json_t *orl_job_eta(const struct orl_job_progress *progress);
+
+/*
+ * A short form of a job for lists that are polled: no files, maps or links.
+ *
+ *     {"id", "name", "tags", "kind", "state", "scene", "client", "priority", "stage", "percent",
+ *      "eta_s", "error", "created", "started", "finished", "queue_position"}
+ *
+ * error is the relative error so far of a job with accuracy. error, name, stage, percent and eta_s
+ * are null if unknown or not applicable. queue_position is present while it waits. percent is
+ * rounded to a tenth, eta_s to a second. Smaller changes give an equal text and an equal ETag.
+ */
+
+/* Returns a new reference; NULL when out of memory. */
+json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job);
+
+/*
+ * A cache of ended jobs' documents as text: dashboards poll them, and they seldom change. An entry
+ * holds the row that it was made from, and is valid only while the job's row is equal.
+ *
+ * Memory: ORL_STATUS_CACHE documents, a few kilobytes each.
+ * Threads: the loop thread only.
+ */
+
+enum { ORL_STATUS_CACHE = 256 };
+
+struct orl_status_cache {
+    struct orl_status_entry {
+        struct orl_job_row row; /* its pointers are only compared */
+        char *text;             /* NULL: empty */
+        size_t size;
+    } entries[ORL_STATUS_CACHE];
+};
+
+struct orl_status_cache *orl_status_cache_new(void); /* NULL when out of memory */
+void orl_status_cache_free(struct orl_status_cache *cache);
+
+/* Returns the document of an ended job, borrowed until the next call; NULL when out of memory. */
+const char *orl_status_cache_text(struct orl_status_cache *cache, const struct orl_jobs *jobs,
+                                  const struct orl_jobs_job *job, size_t *ret_size);
+
+/* The job in a request's path. Threads: the loop thread only. */
+
+/* Returns the job by its id, or by a prefix that no other id has (orl_jobs_find_prefix). NULL after
+ * a 404. The log has the whole id. */
+const struct orl_jobs_job *orl_job_of_path(struct orl_request *request);
+
+/* Delays the reply about an ended job until its end is on disk, so that no power cut can undo it
+ * (orl_reply_when_durable). */
+void orl_job_reply_when_ended(struct orl_request *request, const struct orl_jobs_job *job);
 
 #endif

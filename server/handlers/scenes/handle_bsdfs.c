@@ -7,7 +7,7 @@
 
 #include "checks/check_client.h"
 #include "checks/checks.h"
-#include "handlers/scenes/stored_item.h"
+#include "handlers/scenes/upload.h"
 #include "http/response/reply.h"
 #include "server.h"
 #include "store/rows/scenes.h"

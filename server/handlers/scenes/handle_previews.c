@@ -12,11 +12,11 @@
 
 #include "checks/check_client.h"
 #include "checks/checks.h"
-#include "handlers/scenes/stored_item.h"
-#include "http/request/query.h"
+#include "handlers/scenes/upload.h"
+#include "http/request/parse_request.h"
 #include "http/response/reply.h"
 #include "server.h"
-#include "store/rows/scene_lists.h"
+#include "store/rows/scenes.h"
 
 /* Limits of the arguments: a scene's heights in any unit; incidence is less than 90 degrees from
  * the normal. */

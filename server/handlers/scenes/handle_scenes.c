@@ -5,11 +5,10 @@
 #include <strings.h>
 
 #include "checks/checks.h"
-#include "handlers/scenes/scene_upload.h"
-#include "handlers/scenes/stored_item.h"
+#include "handlers/scenes/upload.h"
 #include "http/response/reply.h"
 #include "server.h"
-#include "uploads/unzip.h"
+#include "uploads/uploads.h"
 
 /* A scene being uploaded, shared by the loop and the pool. */
 struct scene_post {

@@ -1,4 +1,4 @@
-#include "handlers/scenes/scene_upload.h"
+#include "handlers/scenes/upload.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "uploads/multipart.h"
+#include "uploads/uploads.h"
 #include "json/decode.h"
 
 void orl_scene_upload_done(struct orl_scene_upload *upload)

@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "http/request/negotiate.h"
+#include "http/request/parse_request.h"
 #include "http/response/reply.h"
-#include "process/dashboard_files.h"
+#include "process/embedded_files.h"
 
 /* Allows only the daemon's own files: no script in the page itself, no eval, and no embedding in
  * other sites' frames. */

@@ -9,8 +9,8 @@
 #include <oriel/base/version.h>
 
 #include "http/connection/connections.h"
+#include "http/context.h"
 #include "http/response/reply.h"
-#include "http/router.h"
 #include "maintenance/scrub.h"
 #include "process/times.h"
 #include "server.h"

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "http/access/access.h"
-#include "http/access/sessions.h"
 #include "http/context.h"
 #include "http/response/reply.h"
 #include "process/times.h"

@@ -1,18 +1,16 @@
 #include "http/access/access.h"
 
-#include <arpa/inet.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
+#include <arpa/inet.h>
+
 #include "http/access/origin_policy.h"
-#include "http/access/sessions.h"
-#include "http/access/signed_links.h"
 #include "http/access/tokens.h"
 #include "http/context.h"
-#include "http/request/negotiate.h"
+#include "http/request/parse_request.h"
 #include "http/response/reply.h"
-#include "http/router.h"
 #include "process/times.h"
 
 static bool is_forwarded(const struct orl_request *request)
@@ -247,4 +245,36 @@ bool orl_access_is_valid(struct orl_http_context *context,
         rc = orl_token_row_find(context->db, context->token_statement, credentials->token, &token,
                                 &found, &err);
     return rc || found;
+}
+
+bool orl_cors_preflight(struct orl_request *request, const char *allow)
+{
+    if (!request->cross_origin || strcmp(request->method, MHD_HTTP_METHOD_OPTIONS) != 0 ||
+        !orl_request_header(request, "Access-Control-Request-Method"))
+        return false;
+    const char *private = orl_request_header(request, "Access-Control-Request-Private-Network");
+    orl_reply_no_content(request);
+    orl_reply_header(request, "Access-Control-Allow-Methods", allow);
+    orl_reply_header(request, "Access-Control-Allow-Headers",
+                     "Authorization, Content-Type, Idempotency-Key, If-None-Match, If-Range, "
+                     "Last-Event-ID, Range, X-Oriel-Client");
+    orl_reply_header(request, "Access-Control-Max-Age", "600");
+    /* A page from a public network may call a daemon on loopback (Private Network Access). */
+    if (private && strcasecmp(private, "true") == 0)
+        orl_reply_header(request, "Access-Control-Allow-Private-Network", "true");
+    return true;
+}
+
+void orl_cors_add(struct orl_request *request)
+{
+    if (request->context->config->n_origins == 0)
+        return;
+    orl_reply_header(request, "Vary", "Origin");
+    if (!request->cross_origin)
+        return;
+    orl_reply_header(request, "Access-Control-Allow-Origin",
+                     orl_request_header(request, MHD_HTTP_HEADER_ORIGIN));
+    orl_reply_header(request, "Access-Control-Expose-Headers",
+                     "Accept-Ranges, Content-Range, ETag, Link, Location, Retry-After, "
+                     "WWW-Authenticate, X-Request-Id");
 }

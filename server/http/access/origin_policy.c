@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "process/origin.h"
+#include "process/config.h"
 
 bool orl_host_is_loopback(const char *host)
 {

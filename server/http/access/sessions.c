@@ -1,11 +1,10 @@
-#include "http/access/sessions.h"
+#include "http/access/access.h"
 
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-#include "http/access/access.h"
 #include "http/access/origin_policy.h"
 #include "http/context.h"
 #include "process/limits.h"

@@ -22,6 +22,8 @@
 #include <microhttpd.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include <oriel/base/error.h>
 #include <sys/socket.h>
 
 enum { ORL_ADDRESS_BUCKETS = 256 };
@@ -79,5 +81,45 @@ void orl_connections_cut_stuck(struct orl_connections *connections);
 
 /* Cuts off clients that are too slow or have disconnected. Called about every second. */
 void orl_connections_sweep(struct orl_connections *connections);
+
+/* Keys of the addresses that connections come from. */
+
+enum { ORL_ADDRESS_KEY = 64 };
+
+/*
+ * Writes the key of an address's owner as text. For IPv6 it is the /64 network, since a subscriber
+ * can choose any address of it. For IPv4, also when mapped into IPv6, it is the address.
+ */
+void orl_address_key(const struct sockaddr *address, char ret_key[ORL_ADDRESS_KEY]);
+
+/*
+ * Certificate and private key of HTTPS. GnuTLS asks for them with every handshake, so they can be
+ * replaced while the daemon runs. Replaced ones stay until the handshakes under way are over.
+ *
+ * Threads: the loop thread only. One per process: GnuTLS's callback has no closure.
+ */
+
+struct orl_certificate;
+
+struct orl_tls {
+    struct orl_certificate *current; /* NULL: none */
+};
+
+/* Protocols of GnuTLS: TLS 1.2 and 1.3, with its default choice of strong ciphers. */
+#define ORL_TLS_PRIORITIES "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:%SERVER_PRECEDENCE"
+
+/*
+ * Reads both PEM files, and serves them from now on; invalid ones change nothing. A key that every
+ * user of the machine can read is refused, and so is a key that does not match the certificate.
+ * newest_connection: serial number of the last connection that may use the previous certificate.
+ */
+int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_path,
+                 uint64_t newest_connection, struct orl_error *err);
+/* Frees the certificates that were replaced before any connection from oldest_handshake on. */
+void orl_tls_free_older(struct orl_tls *tls, uint64_t oldest_handshake);
+void orl_tls_done(struct orl_tls *tls); /* wipes the keys; a zeroed struct is allowed */
+
+/* Returns the value for MHD_OPTION_HTTPS_CERT_CALLBACK, as a number. */
+uintptr_t orl_tls_callback(void);
 
 #endif

@@ -1,4 +1,4 @@
-#include "http/connection/tls.h"
+#include "http/connection/connections.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
 enum { PEM_MAX = 1 << 20 };
 

@@ -1,11 +1,11 @@
-#include "http/quota/clients.h"
+#include "http/quota/quota.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "http/access/access.h"
-#include "http/connection/address.h"
+#include "http/connection/connections.h"
 #include "http/context.h"
 #include "http/response/reply.h"
 #include "process/limits.h"

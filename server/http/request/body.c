@@ -1,4 +1,4 @@
-#include "http/request/body.h"
+#include "http/request/request.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "process/limits.h"
-#include "store/files/mapped_file.h"
+#include "store/files/folders.h"
 #include "store/files/scene_bundle.h"
 
 void orl_body_init(struct orl_body *body, uint64_t limit, struct orl_reservation *reservation)

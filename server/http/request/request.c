@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "health/crash_report.h"
+#include "health/crash.h"
 #include "http/connection/connections.h"
 #include "http/context.h"
 

@@ -1,4 +1,62 @@
 /*
+ * The body of one request: in memory while small, spilled to a file below tmp/ when larger.
+ *
+ * The loop thread appends. When append returns true, the caller suspends the connection and has a
+ * pool thread flush. Afterwards a pool thread views the whole body. A body larger than its limit is
+ * read and dropped (over is set), so that an answer can still be sent.
+ * Threads: one at a time.
+ */
+#ifndef ORL_SERVER_HTTP_REQUEST_REQUEST_H
+#define ORL_SERVER_HTTP_REQUEST_REQUEST_H
+
+#include <microhttpd.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <uv.h>
+
+#include <oriel/base/files.h>
+
+#include "http/quota/quota.h"
+#include "http/request/parse_request.h"
+#include "store/durability/wal.h"
+#include "store/files/folders.h"
+#include "store/rows/stored_jobs.h"
+#include "store/rows/stored_tokens.h"
+
+struct orl_body {
+    uint64_t size, limit;
+    bool over;   /* larger than limit */
+    bool failed; /* a write failed; err has the reason */
+    struct orl_error err;
+    char *buffer;
+    size_t used;
+    int fd; /* the open file; -1 while all data is in the buffer */
+    char path[ORL_PATH_MAX];
+    struct orl_reservation *reservation; /* bounds the bytes on disk; borrowed; NULL: no bound */
+    uint64_t written, reserved; /* bytes written to disk; bytes of them already reserved in hold */
+    struct orl_file view;
+};
+
+void orl_body_init(struct orl_body *body, uint64_t limit, struct orl_reservation *reservation);
+void orl_body_done(struct orl_body *body); /* removes the file, unless the caller took it */
+
+/* Appends data. Returns true if the buffer must be flushed before more arrives. size is at most
+ * half the buffer. */
+bool orl_body_append(struct orl_body *body, const char *data, size_t size);
+/* Pool: writes the buffer to the file. */
+void orl_body_flush(struct orl_body *body, const struct orl_folders *folders);
+/* Pool: returns the whole body, valid until done. */
+int orl_body_view(struct orl_body *body, const struct orl_folders *folders,
+                  struct orl_file *ret_view, struct orl_error *err);
+/* Pool: returns the path of a file with the whole body. The body owns the file; *ret_path is valid
+ * until done. */
+int orl_body_file(struct orl_body *body, const struct orl_folders *folders, const char **ret_path,
+                  struct orl_error *err);
+/* Pool: puts the whole body into a file that the caller then owns, to move away or remove. */
+int orl_body_take_file(struct orl_body *body, const struct orl_folders *folders,
+                       char ret_path[ORL_PATH_MAX], struct orl_error *err);
+
+/*
  * One HTTP request, from its first header to its last byte sent.
  *
  * A handler runs on the loop thread once the body is complete. It either replies (reply.h) or calls
@@ -13,20 +71,6 @@
  *
  * Threads: loop, except for run; between orl_request_work and then, only run touches the request.
  */
-#ifndef ORL_SERVER_HTTP_REQUEST_REQUEST_H
-#define ORL_SERVER_HTTP_REQUEST_REQUEST_H
-
-#include <microhttpd.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <uv.h>
-
-#include "http/quota/clients.h"
-#include "http/request/body.h"
-#include "http/request/target.h"
-#include "store/durability/wal_sync.h"
-#include "store/rows/stored_jobs.h"
-#include "store/rows/stored_tokens.h"
 
 struct orl_http_context;
 struct orl_server;
@@ -97,5 +141,20 @@ struct orl_folders orl_request_folders(struct orl_request *request);
 /* Return a query argument or header, or NULL. */
 const char *orl_request_query(const struct orl_request *request, const char *name);
 const char *orl_request_header(const struct orl_request *request, const char *name);
+
+/*
+ * The name of a request's client, as job documents show it. If tokens are not required, clients
+ * choose their own names, and the job queue is fair between names. If they are required, the queue
+ * is fair between token ids (orl_jobs_fairness_key).
+ */
+
+enum { ORL_CLIENT_NAME = 80, ORL_CLIENT_OWN_NAME = 64 };
+
+/*
+ * Writes the client's name. With tokens it is "token:" and the token's name. Without tokens it is
+ * "name:" and the header X-Oriel-Client, or else "address:" and the address. Returns false after a
+ * 400: the header must have 1 to 64 printable ASCII characters.
+ */
+bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME]);
 
 #endif

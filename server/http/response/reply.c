@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "http/context.h"
-#include "http/response/range.h"
+#include "http/request/parse_request.h"
 #include "json/encode.h"
 #include "json/problem.h"
 

@@ -1,4 +1,4 @@
-#include "runner/estimate/job_kinds.h"
+#include "runner/estimate/job_estimate.h"
 
 #include <oriel/annual/annual_phases.h>
 

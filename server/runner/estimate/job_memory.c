@@ -1,9 +1,9 @@
-#include "runner/estimate/job_memory.h"
+#include "runner/estimate/job_estimate.h"
 
 #include <stdio.h>
 
 #include <oriel/annual/annual_phases.h>
-#include <oriel/annual/viewpoint.h>
+#include <oriel/annual/annual_shades.h>
 
 enum { PARTS = 16 };
 

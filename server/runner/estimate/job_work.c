@@ -1,4 +1,4 @@
-#include "runner/estimate/job_work.h"
+#include "runner/estimate/job_estimate.h"
 
 #include <stdio.h>
 

@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "health/crash_record.h"
+#include "health/crash.h"
 #include "process/times.h"
 #include "runner/worker/worker_run.h"
 

@@ -30,7 +30,7 @@
 
 #include "distributed/distributed_job.h"
 #include "health/metrics.h"
-#include "runner/slurm_config.h"
+#include "runner/runner.h"
 #include "store/files/scene_bundle.h"
 #include "store/rows/stored_jobs.h"
 

@@ -6,7 +6,7 @@
 #include "annual_job/annual_job.h"
 #include "runner/checkpoints.h"
 #include "runner/worker/worker_run.h"
-#include "store/files/mapped_file.h"
+#include "store/files/folders.h"
 
 /* ---- Rows ------------------------------------------------------------------------------------ */
 

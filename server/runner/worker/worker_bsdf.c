@@ -7,12 +7,9 @@
 #include <string.h>
 
 #include <oriel/bsdf/bsdf.h>
-#include <oriel/bsdf/bsdf_cache.h>
-#include <oriel/bsdf/bsdf_distributed.h>
+#include <oriel/bsdf/bsdf_store.h>
 
-#include "bsdf_json/bsdf_fit_json.h"
 #include "bsdf_json/bsdf_json.h"
-#include "bsdf_json/bsdf_make_json.h"
 #include "process/times.h"
 #include "runner/worker/worker_run.h"
 #include "json/encode.h"

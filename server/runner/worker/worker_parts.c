@@ -3,8 +3,8 @@
 #include <stdlib.h>
 
 #include "process/times.h"
-#include "runner/estimate/job_work.h"
-#include "runner/runner_json.h"
+#include "runner/estimate/job_estimate.h"
+#include "runner/runner.h"
 #include "runner/worker/worker_run.h"
 #include "json/encode.h"
 

@@ -11,9 +11,12 @@
 
 #include <sqlite3.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <oriel/base/error.h>
+
+#include "store/files/folders.h"
 
 struct orl_db {
     sqlite3 *handle;
@@ -62,5 +65,60 @@ int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const
 
 /* Returns a column as text; "" for NULL. Valid until the next step. */
 const char *orl_db_text(sqlite3_stmt *stmt, int column);
+
+/*
+ * Checks that a database has all tables and columns that the migrations make. A database that
+ * another program has changed may list every migration and lack some of them.
+ */
+
+/* Compares db with wanted, a database that the migrations have just made. ORL_ERR_CORRUPT: db lacks
+ * a table or column of it. */
+int orl_schema_check(struct orl_db *db, struct orl_db *wanted, struct orl_error *err);
+
+/*
+ * Migrates a database to the current schema.
+ *
+ * Migrations are numbered from 1 without gaps, append-only, each run in one transaction together
+ * with the row that records its number and digest. A database with a later number than the
+ * program's is refused (ORL_ERR_VERSION). So is one with a different recorded digest
+ * (ORL_ERR_CORRUPT): a migration that has been applied somewhere may never be edited.
+ *
+ * Before the first new migration, a copy of the database is left beside it, as
+ * <path>.before-<number>. To go back to an earlier Oriel, put the copy in its place.
+ */
+
+struct orl_migration {
+    const char *name; /* "0001_initial.sql"; the digits are its number */
+    const char *sql;
+};
+
+/* Applies the migrations of list (sorted by number) that the database lacks. */
+int orl_db_migrate(struct orl_db *db, const struct orl_migration *list, size_t count,
+                   struct orl_error *err);
+
+/* Applies the migrations embedded in the daemon. ORL_ERR_CORRUPT: all are applied, but a table or a
+ * column that they make is missing. */
+int orl_db_migrate_embedded(struct orl_db *db, struct orl_error *err);
+
+/*
+ * Opens the database of a data folder and migrates it, after a check that the two belong together.
+ * Refused (ORL_ERR_CORRUPT) are
+ *
+ *   - files of scenes, jobs or maps without a database, or with an empty one: it was lost;
+ *   - a database whose id is not the one in the folder's file oriel.id: it is another folder's.
+ *
+ * In the first case, ORL_LOST_DATABASE_SET_ASIDE starts with a new database: the files, and the
+ * rest of the database, move to orphans/ (orphans.h). In the second case it adopts the database;
+ * files that this does not know are then orphans.
+ *
+ * A folder from before ids were introduced gets the id of its database. Copies of a database have
+ * its id, so an older backup of the folder's own database is accepted.
+ */
+
+enum orl_lost_database_policy { ORL_LOST_DATABASE_REFUSE, ORL_LOST_DATABASE_SET_ASIDE };
+
+/* Opens and migrates the database of the data folder, which this process has opened and locked. */
+int orl_store_open(const struct orl_folders *folders, enum orl_lost_database_policy opening,
+                   struct orl_db *ret_db, struct orl_error *err);
 
 #endif

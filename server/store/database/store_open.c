@@ -1,4 +1,4 @@
-#include "store/database/store_open.h"
+#include "store/database/db.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -7,9 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "store/database/migrate.h"
-#include "store/files/mapped_file.h"
-#include "store/files/orphans.h"
+#include "store/files/folders.h"
+#include "store/files/removal.h"
 
 enum { ID_TEXT = 33 };
 

@@ -1,11 +1,11 @@
-#include "store/durability/wal_checkpoint.h"
+#include "store/durability/wal.h"
 
 #include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "process/signal_stack.h"
+#include "process/signals.h"
 
 struct orl_wal_checkpointer {
     struct orl_db *db; /* the connection that commits */

@@ -1,4 +1,4 @@
-#include "store/durability/wal_sync.h"
+#include "store/durability/wal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,9 +10,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <oriel/base/open.h>
+#include <oriel/base/files.h>
 
-#include "process/signal_stack.h"
+#include "process/signals.h"
 #include "store/files/folders.h"
 
 enum { CHECKPOINT_TRIES = 100, CHECKPOINT_RETRY_NS = 20000000 };

@@ -8,8 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "store/files/async_remove.h"
-#include "store/files/orphans.h"
+#include "store/files/removal.h"
 #include "store/rows/scenes.h"
 
 enum { BUCKETS = 1024 };

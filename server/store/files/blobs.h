@@ -16,7 +16,7 @@
 #include <uv.h>
 
 #include "store/database/db.h"
-#include "store/durability/wal_sync.h"
+#include "store/durability/wal.h"
 #include "store/files/folders.h"
 #include "store/files/scene_bundle.h"
 

@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include <oriel/base/error.h>
+#include <oriel/base/files.h>
 
 enum { ORL_PATH_MAX = 4096, ORL_ROOT_MAX = 2048, ORL_SHA_HEX = 65 };
 
@@ -64,5 +65,11 @@ int orl_blob_store(const struct orl_folders *folders, const char *temporary, con
 void orl_sha256_hex(const void *data, size_t size, char ret_hex[ORL_SHA_HEX]);
 /* Returns true for 64 lower-case hexadecimal digits. */
 bool orl_is_sha256(const char *text);
+
+/* Memory maps of stored files. */
+
+/* Maps a whole file read-only; an empty one gives "". Undo it with orl_unmap_file. */
+int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err);
+void orl_unmap_file(struct orl_file *file);
 
 #endif

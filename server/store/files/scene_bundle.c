@@ -9,7 +9,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/sha256.h>
 
-#include "store/files/mapped_file.h"
+#include "store/files/folders.h"
 
 enum { NAME_MAX_BYTES = 255 };
 

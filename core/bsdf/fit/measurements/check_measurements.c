@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/text/number.h"
-#include "bsdf/fit/measurements/rows.h"
+#include "base/text/words.h"
+#include "bsdf/fit/measurements/measurements.h"
 
 /* Returns the first line that is not a comment or empty; length 0 if there is none. */
 static struct orl_slice first_line(struct orl_scanner scanner)

@@ -1,7 +1,450 @@
-/* Detects the format of a file and reads it. */
-#include "bsdf/fit/measurements/rows.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "base/text/number.h"
+#include <oriel/base/limits.h>
+#include <oriel/base/thread_pool.h>
+
+#include "base/memory/memory.h"
+#include "base/text/words.h"
+#include "bsdf/fit/measurements/measurements.h"
+#include "bsdf/xml/data_text.h"
+
+/* ---- Lines ----------------------------------------------------------------------------------- */
+
+enum { LINES_A_POLL = 4096 };
+
+int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
+                 const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    orl_error_vset(err, code, format, arguments);
+    va_end(arguments);
+    orl_error_at(err, lines->scanner.name, lines->scanner.line, NULL);
+    return code;
+}
+
+int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,
+                      struct orl_error *err)
+{
+    if (lines->scanner.line % LINES_A_POLL == 1 && orl_is_cancelled(lines->options->cancel))
+        return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
+    *ret_more = orl_scanner_line(&lines->scanner, ret_line);
+    return 0;
+}
+
+int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, const char *what,
+                   double *ret_value, struct orl_error *err)
+{
+    double value;
+    const int code = orl_scanner_number(&lines->scanner, word, what, &value, err);
+    if (code < 0)
+        return code;
+    if (!(fabs(value) <= ORL_BSDF_VALUE_MAX))
+        return orl_fit_fail(lines, ORL_ERR_RANGE, err, "%s is beyond all bounds", what);
+    *ret_value = value;
+    return 0;
+}
+
+/* ---- Scans ----------------------------------------------------------------------------------- */
+
+/* Incident directions are the same if they are within half of this, in degrees. */
+static const double same_deg = 0.02;
+
+static struct orl_vec3 direction_of(double theta_deg, double phi_deg)
+{
+    const double theta = theta_deg * ORL_DEG_TO_RAD, phi = phi_deg * ORL_DEG_TO_RAD;
+    const double sine = sin(theta);
+    return orl_v3(sine * cos(phi), sine * sin(phi), theta_deg > 89.9999999 ? 0 : cos(theta));
+}
+
+/* Returns an azimuth in the range 0 to 360. */
+static double wrap_azimuth(double phi_deg)
+{
+    const double phi = fmod(phi_deg, 360);
+    return phi < 0 ? phi + 360 : phi;
+}
+
+/* Near the normal the azimuth is ignored. */
+static bool is_scan_of(const struct orl_fit_scan *scan, bool front, bool transmitted, double theta,
+                       double phi)
+{
+    const double apart = fabs(scan->phi_deg - phi);
+    return scan->front == front && scan->transmitted == transmitted &&
+           fabs(scan->theta_deg - theta) <= 0.5 * same_deg &&
+           (theta <= 0.5 * same_deg ||
+            fmin(apart, 360 - apart) * sin(theta * ORL_DEG_TO_RAD) <= 0.5 * same_deg);
+}
+
+static int add_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data, bool front,
+                    bool transmitted, double theta, double phi, struct orl_error *err)
+{
+    if (data->n_scans >= ORL_LIMIT_MEASURED_SCANS)
+        return orl_fit_fail(lines, ORL_ERR_LIMIT, err,
+                            "more than %u incident directions and sides out",
+                            ORL_LIMIT_MEASURED_SCANS);
+    if (!orl_array_reserve(&data->scans, &data->capacity, data->n_scans, sizeof *data->scans))
+        return orl_fit_fail(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
+    data->last = data->n_scans;
+    data->scans[data->n_scans++] = (struct orl_fit_scan){.front = front,
+                                                         .transmitted = transmitted,
+                                                         .theta_deg = theta,
+                                                         .phi_deg = theta > 0 ? phi : 0,
+                                                         .in = direction_of(theta, phi)};
+    return 0;
+}
+
+/* Finds or adds the scan of a row; usually it is that of the previous row. */
+static int find_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data, bool front,
+                     bool transmitted, double theta, double phi, struct orl_error *err)
+{
+    if (data->n_scans > 0 && is_scan_of(&data->scans[data->last], front, transmitted, theta, phi))
+        return 0;
+    for (size_t i = 0; i < data->n_scans; i++)
+        if (is_scan_of(&data->scans[i], front, transmitted, theta, phi)) {
+            data->last = i;
+            return 0;
+        }
+    return add_scan(lines, data, front, transmitted, theta, phi, err);
+}
+
+/* Changes theta to the angle from its own side's normal, 0 to 90. Returns true on the front. */
+static bool fold_theta(double *theta_deg)
+{
+    const bool front = *theta_deg < 90;
+    if (!front)
+        *theta_deg = 180 - *theta_deg;
+    return front;
+}
+
+static int check_angles(const struct orl_fit_lines *lines, const struct orl_fit_angles *a,
+                        struct orl_error *err)
+{
+    if (!(a->theta_in >= 0 && a->theta_in <= 180 && fabs(a->theta_in - 90) > 1e-6))
+        return orl_fit_fail(lines, ORL_ERR_RANGE, err,
+                            "theta of the incident direction is %g: from 0 to 180 degrees, and "
+                            "not 90",
+                            a->theta_in);
+    if (!(a->theta_out >= 0 && a->theta_out <= 180))
+        return orl_fit_fail(lines, ORL_ERR_RANGE, err,
+                            "theta of the direction out is %g: from 0 to 180 degrees are",
+                            a->theta_out);
+    if (!(fabs(a->phi_in) <= 720 && fabs(a->phi_out) <= 720 && fabs(a->up_deg) <= 720))
+        return orl_fit_fail(lines, ORL_ERR_RANGE, err, "an azimuth is from -720 to 720 degrees");
+    return 0;
+}
+
+int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data,
+                    const struct orl_fit_angles *angles, double value, bool is_dsf,
+                    struct orl_error *err)
+{
+    int code = check_angles(lines, angles, err);
+    if (code < 0)
+        return code;
+    double in = angles->theta_in, out = angles->theta_out;
+    const double turn = lines->options->reversed ? -1 : 1;
+    bool in_front = fold_theta(&in), out_front = fold_theta(&out);
+    const double phi_in = wrap_azimuth(turn * (angles->phi_in - angles->up_deg) + 90);
+    const double phi_out = turn * (angles->phi_out - angles->up_deg) + 90;
+    const struct orl_vec3 d = direction_of(out, phi_out);
+    in_front ^= lines->options->reversed;
+    out_front ^= lines->options->reversed;
+    if (data->n_rows >= ORL_LIMIT_MEASURED_ROWS)
+        return orl_fit_fail(lines, ORL_ERR_LIMIT, err, "more than %lu rows of measurements",
+                            ORL_LIMIT_MEASURED_ROWS);
+    data->n_rows++;
+    /* Along the surface a DSF is 0 for any BSDF. */
+    if (90 - out < lines->options->grazing_deg || (is_dsf && d.z < 1e-3))
+        return 0;
+    code = find_scan(lines, data, in_front, in_front != out_front, in, phi_in, err);
+    if (code < 0)
+        return code;
+    struct orl_fit_scan *scan = &data->scans[data->last];
+    if (!orl_array_reserve(&scan->rows, &scan->capacity, scan->n_rows, sizeof *scan->rows))
+        return orl_fit_fail(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
+    scan->rows[scan->n_rows++] =
+        (struct orl_fit_row){(float)d.x,  (float)d.y,
+                             (float)d.z,  (float)(is_dsf ? value / d.z : value),
+                             lines->file, (uint32_t)lines->scanner.line};
+    return 0;
+}
+
+void orl_fit_data_done(struct orl_fit_data *data)
+{
+    if (!data)
+        return;
+    for (size_t i = 0; i < data->n_scans; i++)
+        free(data->scans[i].rows);
+    free(data->scans);
+    memset(data, 0, sizeof *data);
+}
+
+/* Measurements in pab-opto's text format: header lines that begin with #, then rows of theta, phi
+ * and values. */
+
+/* Header read so far. */
+struct header {
+    struct orl_fit_angles angles;
+    bool has_theta, has_phi, has_format, is_dsf;
+    int values; /* number of values in a row */
+};
+
+static int read_angle(const struct orl_fit_lines *lines, struct orl_slice *line, const char *what,
+                      double *into, bool *has, struct orl_error *err)
+{
+    const int code = orl_fit_number(lines, orl_slice_take_word(line), what, into, err);
+    if (code == 0)
+        *has = true;
+    return code;
+}
+
+static int read_format(const struct orl_fit_lines *lines, struct orl_slice line,
+                       struct header *header, struct orl_error *err)
+{
+    static const char *const bsdf[] = {"BSDF", "BRDF", "BTDF"};
+    const bool angles = orl_slice_is_nocase(orl_slice_take_word(&line), "theta") &&
+                        orl_slice_is_nocase(orl_slice_take_word(&line), "phi");
+    const struct orl_slice kind = orl_slice_take_word(&line);
+    header->is_dsf = orl_slice_is_nocase(kind, "DSF");
+    bool known = header->is_dsf;
+    for (size_t i = 0; i < sizeof bsdf / sizeof *bsdf; i++)
+        known = known || orl_slice_is_nocase(kind, bsdf[i]);
+    header->has_format = true;
+    return angles && known ? 0
+                           : orl_fit_fail(lines, ORL_ERR_UNSUPPORTED, err,
+                                          "the format is none that is read: \"theta phi DSF\", or "
+                                          "BSDF, BRDF, BTDF in place of DSF");
+}
+
+static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_slice word,
+                            struct header *header, struct orl_fit_data *data, struct orl_error *err)
+{
+    if (orl_slice_is_nocase(word, "CIE-XYZ")) {
+        header->values = 3;
+        data->color_left_out = true;
+    } else if (orl_slice_is_nocase(word, "CIE-Y")) {
+        header->values = 1;
+    } else {
+        return orl_fit_fail(lines, ORL_ERR_UNSUPPORTED, err,
+                            "the colorimetry is neither CIE-Y nor CIE-XYZ");
+    }
+    return 0;
+}
+
+/* Reads the sample's name between quotes. */
+static void read_sample_name(struct orl_slice line, struct orl_fit_data *data)
+{
+    const char *first = memchr(line.text, '"', line.length);
+    if (!first)
+        return;
+    const size_t left = line.length - (size_t)(first + 1 - line.text);
+    const char *last = memchr(first + 1, '"', left);
+    size_t length = last ? (size_t)(last - first - 1) : left;
+    length = length < sizeof data->name ? length : sizeof data->name - 1;
+    memcpy(data->name, first + 1, length);
+    data->name[length] = '\0';
+}
+
+/* Unknown lines are ignored; they are the instrument's own. */
+static int read_header(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
+                       struct orl_fit_data *data, struct orl_error *err)
+{
+    bool ignored;
+    line.text++;
+    line.length--;
+    const struct orl_slice key = orl_slice_take_word(&line);
+    if (orl_slice_is_nocase(key, "format:"))
+        return read_format(lines, line, h, err);
+    if (orl_slice_is_nocase(key, "colorimetry:"))
+        return read_colorimetry(lines, orl_slice_take_word(&line), h, data, err);
+    if (orl_slice_is_nocase(key, "sample_name"))
+        read_sample_name(line, data);
+    if (orl_slice_is_nocase(key, "upphi"))
+        return read_angle(lines, &line, "upphi", &h->angles.up_deg, &ignored, err);
+    if (orl_slice_is_nocase(key, "intheta"))
+        return read_angle(lines, &line, "intheta", &h->angles.theta_in, &h->has_theta, err);
+    if (orl_slice_is_nocase(key, "inphi"))
+        return read_angle(lines, &line, "inphi", &h->angles.phi_in, &h->has_phi, err);
+    if (!orl_slice_is_nocase(key, "incident_angle"))
+        return 0;
+    const int code = read_angle(lines, &line, "the first incident_angle", &h->angles.theta_in,
+                                &h->has_theta, err);
+    return code < 0 ? code
+                    : read_angle(lines, &line, "the second incident_angle", &h->angles.phi_in,
+                                 &h->has_phi, err);
+}
+
+static int check_header(const struct orl_fit_lines *lines, const struct header *h,
+                        struct orl_error *err)
+{
+    if (!h->has_format)
+        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                            "before the first row there is no \"#format: theta phi DSF\" (or BSDF, "
+                            "BRDF, BTDF)");
+    if (!h->has_theta || !h->has_phi)
+        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                            "before the first row there is no \"#incident_angle theta phi\", nor "
+                            "#intheta and #inphi");
+    return 0;
+}
+
+static int read_pab_row(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
+                        struct orl_fit_data *data, struct orl_error *err)
+{
+    double values[3] = {0};
+    int code =
+        orl_fit_number(lines, orl_slice_take_word(&line), "theta", &h->angles.theta_out, err);
+    if (code == 0)
+        code = orl_fit_number(lines, orl_slice_take_word(&line), "phi", &h->angles.phi_out, err);
+    for (int i = 0; i < h->values && code == 0; i++)
+        code = orl_fit_number(lines, orl_slice_take_word(&line), "the value", &values[i], err);
+    if (code == 0 && orl_slice_take_word(&line).length > 0)
+        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "a row is theta, phi and %s",
+                            h->values == 3 ? "three values" : "one value");
+    if (code == 0)
+        code = orl_fit_add_row(lines, data, &h->angles, values[h->values / 2], h->is_dsf, err);
+    return code;
+}
+
+int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
+{
+    struct header header = {.values = 1};
+    struct orl_slice line;
+    bool more, in_rows = false;
+    int code;
+    while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
+        struct orl_slice rest = line;
+        const bool is_header = line.length > 0 && line.text[0] == '#';
+        if (is_header && in_rows)
+            continue; /* comments */
+        if (is_header) {
+            code = read_header(lines, line, &header, data, err);
+        } else if (orl_slice_take_word(&rest).length > 0) {
+            code = in_rows ? 0 : check_header(lines, &header, err);
+            in_rows = true;
+            if (code == 0)
+                code = read_pab_row(lines, line, &header, data, err);
+        }
+        if (code < 0)
+            return code;
+    }
+    if (code == 0 && !in_rows)
+        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+    return code;
+}
+
+/* Measurements as CSV: a line of column names, then rows. */
+
+enum { THETA_IN, PHI_IN, THETA_OUT, PHI_OUT, BSDF, DSF, UP, KINDS, COLUMNS_MAX = 16 };
+
+static const char *const names[KINDS] = {"theta_in", "phi_in", "theta_out", "phi_out",
+                                         "bsdf",     "dsf",    "up"};
+
+struct table {
+    char separator;
+    size_t n_columns;
+    int kinds[COLUMNS_MAX]; /* kind of each column */
+    bool has[KINDS];
+};
+
+static char separator_of(struct orl_slice line)
+{
+    static const char separators[] = {';', '\t', ','};
+    for (size_t i = 0; i < sizeof separators; i++)
+        if (memchr(line.text, separators[i], line.length))
+            return separators[i];
+    return ',';
+}
+
+static int read_column_name(const struct orl_fit_lines *lines, struct orl_slice field,
+                            struct table *table, struct orl_error *err)
+{
+    for (int kind = 0; kind < KINDS; kind++) {
+        if (!orl_slice_is_nocase(field, names[kind]))
+            continue;
+        if (table->has[kind])
+            return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "the column %s comes twice",
+                                names[kind]);
+        table->has[kind] = true;
+        table->kinds[table->n_columns++] = kind;
+        return 0;
+    }
+    return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                        "\"%.*s\" is no column: they are theta_in, phi_in, theta_out, phi_out, "
+                        "bsdf or dsf, and up",
+                        (int)(field.length < 40 ? field.length : 40), field.text);
+}
+
+static int read_column_names(const struct orl_fit_lines *lines, struct orl_slice line,
+                             struct table *table, struct orl_error *err)
+{
+    struct orl_slice field;
+    table->separator = separator_of(line);
+    while (orl_slice_take_cell(&line, table->separator, &field)) {
+        const int code = read_column_name(lines, field, table, err);
+        if (code < 0)
+            return code;
+    }
+    for (int kind = 0; kind <= PHI_OUT; kind++)
+        if (!table->has[kind])
+            return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no column %s", names[kind]);
+    if (table->has[BSDF] == table->has[DSF])
+        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                            "one column of bsdf or dsf is wanted, and one alone");
+    return 0;
+}
+
+static int read_csv_row(const struct orl_fit_lines *lines, struct orl_slice line,
+                        const struct table *table, struct orl_fit_data *data, struct orl_error *err)
+{
+    double values[KINDS] = {[UP] = 90};
+    struct orl_slice field;
+    size_t column = 0;
+    for (; orl_slice_take_cell(&line, table->separator, &field); column++) {
+        if (column >= table->n_columns)
+            continue;
+        const int kind = table->kinds[column];
+        const int code = orl_fit_number(lines, field, names[kind], &values[kind], err);
+        if (code < 0)
+            return code;
+    }
+    if (column != table->n_columns)
+        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+                            "a row has %zu columns here, not fewer or more", table->n_columns);
+    const struct orl_fit_angles angles = {values[THETA_IN], values[PHI_IN], values[THETA_OUT],
+                                          values[PHI_OUT], values[UP]};
+    return orl_fit_add_row(lines, data, &angles, values[table->has[DSF] ? DSF : BSDF],
+                           table->has[DSF], err);
+}
+
+int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
+{
+    struct table table = {0};
+    struct orl_slice line;
+    bool more, any = false;
+    int code;
+    while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
+        struct orl_slice rest = line;
+        const struct orl_slice first = orl_slice_take_word(&rest);
+        if (first.length == 0 || first.text[0] == '#')
+            continue;
+        if (table.n_columns == 0) {
+            code = read_column_names(lines, line, &table, err);
+        } else {
+            code = read_csv_row(lines, line, &table, data, err);
+            any = true;
+        }
+        if (code < 0)
+            return code;
+    }
+    if (code == 0 && !any)
+        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+    return code;
+}
+
+/* Detects the format of a file and reads it. */
 
 /* Returns true if the word begins with a number, including "nan" or "inf". */
 static bool begins_number(struct orl_slice word)

@@ -1,10 +1,10 @@
-#include "bsdf/fit/measurements/scans.h"
+#include "bsdf/fit/measurements/measurements.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "bsdf/fit/fit_model.h"
+#include "base/memory/memory.h"
+#include "bsdf/fit/fit.h"
 
 /* Degrees from the normal within which azimuths are ignored. Degrees from an axis within which a
  * direction is on neither side of it. */

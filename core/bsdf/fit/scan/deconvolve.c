@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/multiversion.h"
-#include "bsdf/fit/scan/lobe_shape.h"
+#include "bsdf/fit/scan/scan_light.h"
 
 enum { DECONVOLUTIONS = 6, BLOCK = 64 };
 

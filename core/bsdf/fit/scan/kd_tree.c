@@ -1,4 +1,4 @@
-#include "bsdf/fit/scan/kd_tree.h"
+#include "bsdf/fit/scan/scan_light.h"
 
 static float coordinate_along(const struct orl_fit_center *k, unsigned axis)
 {

@@ -1,13 +1,11 @@
-#include "bsdf/fit/scan/lobe_shape.h"
+#include "bsdf/fit/scan/scan_light.h"
 
 #include <oriel/base/thread_pool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "base/statistics/nth_element.h"
-#include "bsdf/fit/scan/equal_area_square.h"
-#include "bsdf/fit/scan/kd_tree.h"
+#include "base/memory/memory.h"
+#include "base/statistics/numeric.h"
 
 /* Cells of the raster for the broad part are 4.5 degrees wide. */
 enum { BRIGHT_LEVELS = 2, POLL_LEVEL = 2 };

@@ -1,14 +1,12 @@
-#include "bsdf/fit/scan/rbf.h"
+#include "bsdf/fit/scan/scan_light.h"
 
 #include <oriel/base/thread_pool.h>
 #include <oriel/bsdf/bsdf_fit.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "base/statistics/nth_element.h"
-#include "bsdf/fit/scan/equal_area_square.h"
-#include "bsdf/fit/scan/kd_tree.h"
+#include "base/memory/memory.h"
+#include "base/statistics/numeric.h"
 
 /* Radius of a center's Gaussian in sides of its cell. Gaussians of neighbours then meet at 0.7 of
  * their height, and equal centers interpolate to a constant within a thousandth. */

@@ -1,9 +1,9 @@
-#include "bsdf/fit/transport/interpolate.h"
+#include "bsdf/fit/transport/transport.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 /* Shares of all light: corners of less weight are skipped, and lobes of less mass are dropped. */
 static const double least_weight = 1e-6, least_gaussian = 1e-9;

@@ -11,7 +11,9 @@
 #ifndef ORL_BSDF_FIT_TRANSPORT_TRANSPORT_H
 #define ORL_BSDF_FIT_TRANSPORT_TRANSPORT_H
 
-#include "bsdf/fit/scan/lobe_shape.h"
+#include <oriel/base/thread_pool.h>
+
+#include "bsdf/fit/scan/scan_light.h"
 
 /* Motion and widening of a cluster per radian of turn of the incident direction, along the two axes
  * of the frame about that direction (orl_frame_about). */
@@ -72,5 +74,154 @@ struct orl_fit_flow {
 int orl_fit_transport(const double *supply, size_t n_from, const double *demand, size_t n_to,
                       const float *cost, const atomic_bool *cancel, struct orl_fit_flow **ret_flows,
                       size_t *ret_n);
+
+/*
+ * Mesh of incident directions, for interpolation between them.
+ *
+ * Isotropic samples: directions form a row by theta, preceded by the mirror images of the first
+ * ones. Other samples: directions are corners of a Delaunay triangulation of the sphere (of its
+ * stereographic projection), whose sides are arcs of great circles. Outside the mesh the nearest
+ * place on its border is used.
+ *
+ * Ownership: the caller's, freed by orl_fit_mesh_done; shapes are borrowed. Immutable once made.
+ */
+
+enum { ORL_FIT_CORNERS = 3, ORL_FIT_MASSES = ORL_FIT_KINDS + 1 };
+
+struct orl_fit_mesh {
+    bool isotropic;
+    size_t n;
+    const struct orl_fit_shape **shapes; /* owned array of borrowed shapes */
+    double (*positions)[2]; /* theta by azimuth, radians; in a row only the first is used */
+    double (*gradients)[2]; /* gradients of totals along places, 1/radian */
+    uint32_t (*triangles)[ORL_FIT_CORNERS];
+    size_t n_triangles, capacity;
+};
+
+/* Returns 0, ORL_ERR_INVALID (the directions do not surround the normal) or ORL_ERR_NOMEM. */
+int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool isotropic,
+                      struct orl_fit_mesh *ret_mesh, struct orl_error *err);
+void orl_fit_mesh_done(struct orl_fit_mesh *mesh);
+
+/* Place of an incident direction in the mesh. */
+struct orl_fit_location {
+    struct orl_vec3 in, at; /* in: the query; at: the nearest place within the mesh */
+    unsigned count;
+    uint32_t corner[ORL_FIT_CORNERS];
+    double weight[ORL_FIT_CORNERS]; /* weights of the corners; they add up to 1 */
+    double lean[ORL_FIT_CORNERS];   /* such that the weighted corner directions point to at */
+    double mass[ORL_FIT_MASSES];    /* mass of each kind, then of the floor */
+};
+void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
+                         struct orl_fit_location *ret_location);
+
+/* Returns the number of pairs of neighbours; inner edges of a triangulation come twice. */
+size_t orl_fit_mesh_edges(const struct orl_fit_mesh *mesh);
+void orl_fit_mesh_edge(const struct orl_fit_mesh *mesh, size_t index, uint32_t ret_ends[2]);
+/* Sets for each direction: true on the border of the mesh, or at an end of the row. */
+void orl_fit_mesh_border(const struct orl_fit_mesh *mesh, bool *ret_border);
+
+/* Triangulates the places (triangulate_incident.c). Returns false if out of memory. */
+bool orl_fit_triangulate(struct orl_fit_mesh *mesh);
+
+/*
+ * Motion of light clusters as the incident direction turns, at each incident direction. It is
+ * derived from moves to and from all neighbours in the mesh. Between two directions light then
+ * follows a parabola instead of a line. Lobes thus separate, meet, widen and narrow at the right
+ * places.
+ *
+ * A velocity maps turns of the incident direction to turns of the cluster. Mirrored light turns as
+ * much as the incident direction at any distance. Light that does not move has velocity 0. Both are
+ * therefore exact. Velocities are fitted by least squares over the edges; in a row this gives the
+ * parabola through three. At the border velocities are extrapolated from inner directions.
+ */
+
+struct orl_fit_edge {
+    uint32_t a, b; /* a < b */
+    struct orl_fit_plan plans[ORL_FIT_KINDS];
+    int code; /* result of making its plans, an enum orl_err */
+};
+
+/* Velocities of one incident direction, by cluster. */
+struct orl_fit_velocities {
+    struct orl_fit_velocity *of[ORL_FIT_KINDS]; /* owned; NULL: none is known */
+};
+
+/* Returns the tangent vector at `from` of the great circle to `to`, as long as the arc between
+ * them. Both are unit vectors. */
+struct orl_vec3 orl_fit_arc(struct orl_vec3 from, struct orl_vec3 to);
+/* A tangent vector in the frame about an incident direction, radians. */
+struct orl_fit_turn {
+    double u, v;
+};
+struct orl_fit_turn orl_fit_turn_between(struct orl_vec3 from, struct orl_vec3 to);
+/* Returns the end of the arc that starts at a unit vector. */
+struct orl_vec3 orl_fit_arc_end(struct orl_vec3 from, struct orl_vec3 arc);
+/* Returns the arc of a velocity for a turn. */
+struct orl_vec3 orl_fit_velocity_arc(const struct orl_fit_velocity *velocity,
+                                     struct orl_fit_turn turn);
+
+/* Sets the velocities of all directions, and of the moves in the edges' plans. edges: sorted by a,
+ * then b. *ret_slopes: by direction of the mesh, owned by the caller, freed with
+ * orl_fit_velocities_done. Returns false if out of memory. */
+bool orl_fit_velocities_make(struct orl_fit_edge *edges, size_t n, const struct orl_fit_mesh *mesh,
+                             struct orl_fit_velocities **ret_velocities);
+void orl_fit_velocities_done(struct orl_fit_velocities *velocities, size_t n);
+
+/*
+ * Transport plans between the requested incident directions of a mesh, and velocities.
+ *
+ * Ownership: the caller's, freed by _done. Once made, plans may be read by many threads.
+ */
+
+struct orl_fit_plans {
+    struct orl_fit_edge *edges; /* sorted by a, then b */
+    size_t n, capacity;
+    struct orl_fit_velocities *velocities; /* by direction of the mesh; owned */
+    size_t n_directions;
+};
+
+/* Requests the edges that a place needs; any order, repeats are allowed. Returns false if out of
+ * memory. */
+bool orl_fit_plans_request(struct orl_fit_plans *plans, const struct orl_fit_location *location);
+/* Sorts the edges and makes their plans, in parallel or serially (crew NULL). Returns 0 or a
+ * negative enum orl_err. */
+int orl_fit_plans_make(struct orl_fit_plans *plans, const struct orl_fit_mesh *mesh,
+                       struct orl_thread_pool *pool, const atomic_bool *cancel,
+                       struct orl_error *err);
+void orl_fit_plans_done(struct orl_fit_plans *plans);
+
+/* Returns the moves of one direction's light to another's; NULL if there is no plan. */
+const struct orl_fit_moves *orl_fit_plans_moves(const struct orl_fit_plans *plans, uint32_t from,
+                                                uint32_t to, int kind);
+
+/*
+ * Interpolation between incident directions: the lobes of each corner, moved as the plans to the
+ * other corners say, and weighted.
+ *
+ * A lobe moves with its cluster. Its offset from the cluster and its width are scaled like the
+ * cluster's width. A cluster moves to a mean of its places at the corners and of the places that
+ * the velocities at the corners predict. At a corner the result is therefore that corner's shape,
+ * and it varies continuously between corners. Beyond the border of the mesh the narrow part is
+ * turned with the straight direction; the rest stays.
+ *
+ * Ownership: lobes are owned by the caller, who frees them with _done.
+ */
+
+/* A Gaussian of light around the direction (x, y, z). */
+struct orl_fit_gaussian {
+    float x, y, z, mass, sigma_rad;
+};
+
+struct orl_fit_light {
+    struct orl_fit_gaussian *gaussians; /* lobes; owned */
+    size_t n, capacity;
+    double floor; /* constant value beside the lobes, 1/sr */
+};
+
+/* Replaces the contents of *light. Returns false if out of memory. */
+bool orl_fit_interpolate(const struct orl_fit_mesh *mesh, const struct orl_fit_plans *plans,
+                         const struct orl_fit_location *location, struct orl_fit_light *light);
+void orl_fit_light_done(struct orl_fit_light *light);
 
 #endif

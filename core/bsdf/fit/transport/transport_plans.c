@@ -1,9 +1,267 @@
-#include "bsdf/fit/transport/transport_plans.h"
+#include "bsdf/fit/transport/transport.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
+
+/* Limit on turns, as a multiple of the turn of the incident direction (transport_plans.c). */
+static const double steepest = 2.5;
+/* Smallest share of a cluster that must move to one place to define a velocity. */
+static const float least_whole = 0.7F;
+/* Largest share of weight on edges without information for a velocity to be known. */
+static const double max_uninformed = 0.3;
+/* Smallest share of a move whose clusters must have known velocities. */
+static const float least_known = 0.8F;
+
+/* ---- Arcs ------------------------------------------------------------------------------------ */
+
+struct orl_vec3 orl_fit_arc(struct orl_vec3 from, struct orl_vec3 to)
+{
+    const double cosine = orl_dot(from, to);
+    const struct orl_vec3 across = orl_madd(to, from, -cosine);
+    const double sine = orl_length(across);
+    return orl_scale(across, sine > 1e-9 ? atan2(sine, cosine) / sine : 1);
+}
+
+struct orl_vec3 orl_fit_arc_end(struct orl_vec3 from, struct orl_vec3 arc)
+{
+    const double angle = orl_length(arc);
+    return orl_madd(orl_scale(from, cos(angle)), arc, angle > 1e-9 ? sin(angle) / angle : 1);
+}
+
+struct orl_fit_turn orl_fit_turn_between(struct orl_vec3 from, struct orl_vec3 to)
+{
+    const struct orl_frame frame = orl_frame_about(from);
+    const struct orl_vec3 arc = orl_fit_arc(from, to);
+    return (struct orl_fit_turn){orl_dot(arc, frame.u), orl_dot(arc, frame.v)};
+}
+
+struct orl_vec3 orl_fit_velocity_arc(const struct orl_fit_velocity *velocity,
+                                     struct orl_fit_turn turn)
+{
+    const struct orl_vec3 arc =
+        orl_v3((double)velocity->x[0] * turn.u + (double)velocity->x[1] * turn.v,
+               (double)velocity->y[0] * turn.u + (double)velocity->y[1] * turn.v,
+               (double)velocity->z[0] * turn.u + (double)velocity->z[1] * turn.v);
+    const double most = steepest * hypot(turn.u, turn.v), length = orl_length(arc);
+    return length > most ? orl_scale(arc, most / length) : arc;
+}
+
+/* Returns a tangent vector carried along the great circle from one place to another. */
+static struct orl_vec3 carry_tangent(struct orl_vec3 tangent, struct orl_vec3 from,
+                                     struct orl_vec3 to)
+{
+    const double along = orl_dot(tangent, to) / (1 + orl_dot(from, to));
+    return orl_madd(tangent, orl_add(from, to), -along);
+}
+
+/* ---- Making them ----------------------------------------------------------------------------- */
+
+struct velocities {
+    struct orl_fit_edge *edges;
+    size_t n;
+    const struct orl_fit_mesh *mesh;
+    struct orl_fit_velocities *velocities;
+    bool *border; /* by direction of the mesh */
+};
+
+/* Sums of least squares: of turns, and of the clusters' turns and widenings. */
+struct least_squares {
+    double uu, uv, vv, right[4][2];
+    double uninformed, all; /* weight of edges without information, and of all */
+};
+
+static const struct orl_fit_move *whole_move(const struct orl_fit_moves *moves, size_t cluster)
+{
+    const struct orl_fit_move *most = NULL;
+    if (!moves->first)
+        return NULL;
+    for (uint32_t k = moves->first[cluster]; k < moves->first[cluster + 1]; k++)
+        if (!most || moves->moves[k].share > most->share)
+            most = &moves->moves[k];
+    return most && !most->fades && most->share >= least_whole ? most : NULL;
+}
+
+static struct orl_vec3 place_of(const struct orl_fit_move *move)
+{
+    return orl_normalize(orl_v3((double)move->x, (double)move->y, (double)move->z));
+}
+
+/* Adds one edge's information on a cluster. continued: as a parabola, if the other end has a
+ * velocity. */
+static void add_edge(struct least_squares *s, const struct orl_fit_cluster *cluster,
+                     const struct orl_fit_move *move, const struct orl_vec3 in[2], bool continued)
+{
+    const struct orl_fit_turn turn = orl_fit_turn_between(in[0], in[1]);
+    const double size2 = turn.u * turn.u + turn.v * turn.v, weight = 1 / (size2 * sqrt(size2));
+    s->all += weight;
+    if (!move) {
+        s->uninformed += weight;
+        return;
+    }
+    const struct orl_vec3 from = orl_v3((double)cluster->x, (double)cluster->y, (double)cluster->z);
+    const struct orl_vec3 to = place_of(move);
+    struct orl_vec3 arc = orl_fit_arc(from, to);
+    double wider = (double)move->sigma_rad - (double)cluster->sigma_rad;
+    if (continued && move->velocity.known) {
+        const struct orl_fit_turn back = orl_fit_turn_between(in[1], in[0]);
+        const struct orl_vec3 end =
+            carry_tangent(orl_fit_velocity_arc(&move->velocity, back), to, from);
+        arc = orl_add(orl_scale(arc, 2), end);
+        wider = 2 * wider + ((double)move->velocity.sigma[0] * back.u +
+                             (double)move->velocity.sigma[1] * back.v);
+    }
+    const double by[4] = {arc.x, arc.y, arc.z, wider};
+    s->uu += weight * turn.u * turn.u;
+    s->uv += weight * turn.u * turn.v;
+    s->vv += weight * turn.v * turn.v;
+    for (int k = 0; k < 4; k++) {
+        s->right[k][0] += weight * turn.u * by[k];
+        s->right[k][1] += weight * turn.v * by[k];
+    }
+}
+
+/* Solves the sums. A small regularisation makes velocities 0 across a row of directions. */
+static struct orl_fit_velocity solve_least_squares(const struct least_squares *s)
+{
+    const double more = 1e-6 * (s->uu + s->vv), uu = s->uu + more, vv = s->vv + more;
+    const double determinant = uu * vv - s->uv * s->uv;
+    struct orl_fit_velocity velocity = {.known = s->uninformed <= max_uninformed * s->all &&
+                                                 s->uu + s->vv > 0};
+    float *const to[4] = {velocity.x, velocity.y, velocity.z, velocity.sigma};
+    for (int k = 0; k < 4 && velocity.known; k++) {
+        to[k][0] = (float)((s->right[k][0] * vv - s->right[k][1] * s->uv) / determinant);
+        to[k][1] = (float)((s->right[k][1] * uu - s->right[k][0] * s->uv) / determinant);
+    }
+    return velocity;
+}
+
+/* Sets the edges of one direction, in their order; returns their number. */
+static size_t edges_of(const struct velocities *s, uint32_t v,
+                       const struct orl_fit_edge **ret_edges)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (s->edges[i].a == v || s->edges[i].b == v)
+            ret_edges[n++] = &s->edges[i];
+    return n;
+}
+
+static struct orl_fit_velocity velocity_of(const struct velocities *s, uint32_t v, int kind,
+                                           size_t cluster, const struct orl_fit_edge **edges,
+                                           size_t n)
+{
+    const struct orl_fit_cluster *from = &s->mesh->shapes[v]->parts[kind].clusters[cluster];
+    struct least_squares least_squares = {0};
+    for (size_t i = 0; i < n; i++) {
+        const struct orl_fit_edge *edge = edges[i];
+        const uint32_t other = edge->a == v ? edge->b : edge->a;
+        const struct orl_vec3 in[2] = {s->mesh->shapes[v]->in, s->mesh->shapes[other]->in};
+        add_edge(&least_squares, from,
+                 whole_move(&edge->plans[kind].directions[edge->b == v], cluster), in,
+                 s->border[v] && !s->border[other]);
+    }
+    return solve_least_squares(&least_squares);
+}
+
+/* Makes the velocities of directions on the border, or of the others. */
+static bool make_velocities(struct velocities *s, bool border)
+{
+    const struct orl_fit_edge **edges = malloc((s->n + 1) * sizeof(void *));
+    bool fine = edges != NULL;
+    for (uint32_t v = 0; v < s->mesh->n && fine; v++) {
+        if (s->border[v] != border)
+            continue;
+        const size_t n = edges_of(s, v, edges);
+        for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++) {
+            const size_t clusters = s->mesh->shapes[v]->parts[kind].n_clusters;
+            struct orl_fit_velocity *velocities = calloc(clusters + 1, sizeof *velocities);
+            s->velocities[v].of[kind] = velocities;
+            fine = velocities != NULL;
+            for (size_t i = 0; i < clusters && fine; i++)
+                velocities[i] = velocity_of(s, v, kind, i, edges, n);
+        }
+    }
+    free(edges);
+    return fine;
+}
+
+/* Sets each move's velocity to the mean over its clusters; known if nearly all of these are. */
+static bool set_velocities(struct orl_fit_moves *moves, size_t n_moves,
+                           const struct orl_fit_velocity *velocities)
+{
+    float *known = calloc(n_moves + 1, sizeof *known);
+    if (!known)
+        return false;
+    for (size_t k = 0; k < n_moves; k++)
+        moves->moves[k].velocity = (struct orl_fit_velocity){0};
+    for (size_t k = 0; k < moves->n_submoves; k++)
+        if (velocities[moves->submoves[k].to].known)
+            known[moves->submoves[k].move] += moves->submoves[k].share;
+    for (size_t k = 0; k < moves->n_submoves; k++) {
+        const struct orl_fit_submove *submove = &moves->submoves[k];
+        struct orl_fit_move *move = &moves->moves[submove->move];
+        if (!(known[submove->move] > least_known * move->share) || !velocities[submove->to].known)
+            continue;
+        const float share = submove->share / known[submove->move];
+        const struct orl_fit_velocity *of = &velocities[submove->to];
+        for (int axis = 0; axis < 2; axis++) {
+            move->velocity.x[axis] += share * of->x[axis];
+            move->velocity.y[axis] += share * of->y[axis];
+            move->velocity.z[axis] += share * of->z[axis];
+            move->velocity.sigma[axis] += share * of->sigma[axis];
+        }
+        move->velocity.known = true;
+    }
+    free(known);
+    return true;
+}
+
+static bool set_all_velocities(const struct velocities *s)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        const struct orl_fit_edge *edge = &s->edges[i];
+        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
+            for (int direction = 0; direction < 2; direction++) {
+                const uint32_t of = direction ? edge->b : edge->a,
+                               to = direction ? edge->a : edge->b;
+                struct orl_fit_moves *moves = &s->edges[i].plans[kind].directions[direction];
+                const size_t clusters = s->mesh->shapes[of]->parts[kind].n_clusters;
+                if (moves->first && s->velocities[to].of[kind] &&
+                    !set_velocities(moves, moves->first[clusters], s->velocities[to].of[kind]))
+                    return false;
+            }
+    }
+    return true;
+}
+
+bool orl_fit_velocities_make(struct orl_fit_edge *edges, size_t n, const struct orl_fit_mesh *mesh,
+                             struct orl_fit_velocities **ret_velocities)
+{
+    struct velocities s = {edges, n, mesh, calloc(mesh->n + 1, sizeof *s.velocities),
+                           calloc(mesh->n + 1, sizeof *s.border)};
+    bool fine = s.velocities && s.border;
+    if (fine) {
+        orl_fit_mesh_border(mesh, s.border);
+        fine = make_velocities(&s, false) && set_all_velocities(&s) && make_velocities(&s, true) &&
+               set_all_velocities(&s);
+    }
+    free(s.border);
+    if (fine)
+        *ret_velocities = s.velocities;
+    else
+        orl_fit_velocities_done(s.velocities, mesh->n);
+    return fine;
+}
+
+void orl_fit_velocities_done(struct orl_fit_velocities *velocities, size_t n)
+{
+    for (size_t i = 0; velocities && i < n; i++)
+        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
+            free(velocities[i].of[kind]);
+    free(velocities);
+}
 
 /* ---- Plans ----------------------------------------------------------------------------------- */
 

@@ -13,9 +13,8 @@
 #ifndef ORL_BSDF_MAKE_KLEMS_EXIT_HISTOGRAM_H
 #define ORL_BSDF_MAKE_KLEMS_EXIT_HISTOGRAM_H
 
-#include "bsdf/make/batch_mean.h"
-#include "bsdf/make/panel/trace_panel.h"
-#include "bsdf/matrix/basis.h"
+#include "bsdf/make/panel/panel.h"
+#include "bsdf/matrix/matrix.h"
 
 struct orl_gonio_histogram {
     struct orl_basis basis;
@@ -77,5 +76,22 @@ struct orl_bsdf_share orl_gonio_histogram_share(const struct orl_gonio_histogram
                                                 size_t item, bool transmitted);
 struct orl_bsdf_share orl_gonio_histogram_diffuse(const struct orl_gonio_histogram *histogram,
                                                   bool front, bool transmitted);
+
+/* Figures of a result for a panel measured in a Klems basis. */
+
+/* Fills *made except xml and the cell's place. Returns 0 or ORL_ERR_NOMEM. */
+int orl_gonio_summarize(const struct orl_gonio_histogram *histogram,
+                        struct orl_bsdf_make_result *result, struct orl_error *err);
+
+/* Returns the largest relative error of an item, over values of at least a hundredth of the peaks.
+ * peaks: reflected, transmitted. */
+double orl_gonio_max_error(const struct orl_gonio_histogram *histogram, size_t item,
+                           const double peaks[2]);
+/* Returns orl_gonio_max_error as predicted for twice as many paths. It includes values that may be
+ * large enough within two of their errors. */
+double orl_gonio_item_predicted_error(const struct orl_gonio_histogram *histogram, size_t item,
+                                      const double peaks[2]);
+/* Returns the largest values of light from that side, 1/sr: reflected, transmitted. */
+void orl_gonio_peaks(const struct orl_gonio_histogram *histogram, bool front, double ret_peaks[2]);
 
 #endif

@@ -1,13 +1,111 @@
 /*
- * Measures the blocks of a panel's trees (subtree.h) in parallel, here or on other machines if the
- * BSDF is shared (oriel/bsdf/bsdf_distributed.h). With an accuracy, a survey of the blocks comes
- * first.
+ * Decides if light from one incident cell has been sampled enough. Cells out are joined as in a
+ * tree (builder.h) if the data do not distinguish them, and the rest is examined. The error that
+ * counts is that of the cells joined into one. Paths are thus sent until the next subdivision would
+ * have shown any differences.
  */
 #ifndef ORL_BSDF_MAKE_TREES_MEASURE_SUBTREES_H
 #define ORL_BSDF_MAKE_TREES_MEASURE_SUBTREES_H
 
-#include "bsdf/make/panel/panel_sample.h"
-#include "bsdf/make/trees/subtree.h"
+#include "bsdf/make/panel/panel.h"
+#include "bsdf/make/trees/tree_builder.h"
+
+/* Result for one component. */
+struct orl_gonio_convergence {
+    double peak;      /* largest cell, 1/sr */
+    double max_error; /* largest relative error of a cell whose value is at least `from` */
+};
+
+/* Joins 4^levels cells, numbered as in probe.h. The cells are overwritten. */
+struct orl_gonio_convergence orl_gonio_test_convergence(struct orl_gonio_cells cells,
+                                                        unsigned levels,
+                                                        const struct orl_gonio_cull *cull,
+                                                        double from);
+
+/*
+ * Measures light from one finest cell of a tensor tree's incident directions, counted by the finest
+ * cells of directions out. Cells of a square are numbered by the interleaved bits of x and y, as in
+ * trees: coarsest bits highest, each bit of x below that of y.
+ */
+
+struct orl_gonio_probe {
+    const struct orl_gonio_sample *sample;
+    const struct orl_sobol *sobol;
+    uint64_t seed;
+    unsigned rank, levels;     /* there are 2^levels cells a side */
+    bool color;                /* true to count red, green and blue beside luma */
+    bool front;                /* true if light comes from the front */
+    const atomic_bool *cancel; /* may be NULL */
+    /* Counts of one incident cell, by planes: luma, then the three of colour. Owned: */
+    double *sums;  /* [plane][batch][transmitted][cell out] */
+    double *pilot; /* [plane][transmitted][cell out]: sum of all batches put aside */
+    double pilot_totals[ORL_GONIO_BATCHES][2]; /* weights put aside, summed over cells */
+    float *max_weight;    /* [transmitted][cell out]: largest luma of a single path */
+    uint32_t pilot_paths; /* paths in each batch put aside */
+    double totals[ORL_GONIO_BATCHES][2]; /* shares, summed over all incident cells */
+    double lost;
+};
+
+static inline size_t orl_gonio_probe_cells(const struct orl_gonio_probe *probe)
+{
+    return (size_t)1 << 2 * probe->levels;
+}
+
+/* Returns a direction of travel for incident cell a, z > 0; in rank 3 at the azimuth given by
+ * u[1]. */
+struct orl_vec3 orl_gonio_probe_direction(const struct orl_gonio_probe *probe, uint32_t a,
+                                          const double u[2]);
+
+int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err);
+void orl_gonio_probe_done(struct orl_gonio_probe *probe);
+
+/* Sends paths `from` to `to` of each batch into incident cell a: a cell of the square in rank 4, a
+ * ring in rank 3. If cancelled, it sends only some of them. */
+void orl_gonio_probe_trace(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to);
+/* Puts the counts aside, after `paths` paths of each batch. New batches use other random numbers,
+ * and only they give the errors of values (as in exit_histogram.h). */
+void orl_gonio_probe_end_pilot(struct orl_gonio_probe *probe, uint32_t paths);
+/* Fills ret_cells[transmitted * cells + cell out] with leaves, after `paths` paths of each
+ * batch. */
+void orl_gonio_probe_estimate(const struct orl_gonio_probe *probe, uint32_t paths,
+                              struct orl_gonio_cells ret_cells);
+/* orl_gonio_probe_finish_cell adds the sums to the totals, _drop discards them. Both prepare the
+ * probe for another cell. */
+void orl_gonio_probe_finish_cell(struct orl_gonio_probe *probe, uint32_t paths);
+void orl_gonio_probe_clear(struct orl_gonio_probe *probe);
+
+/*
+ * A part of a tree's incident directions that one thread measures: a cell at some level, with all
+ * cells below it. Blocks of a shared BSDF are sent between machines in serialised form.
+ */
+
+struct orl_gonio_subtree {
+    struct orl_gonio_builder builder;
+    struct orl_gonio_cells
+        top_nodes; /* [transmitted][cell out at that level]; owned; NULL at first */
+    double totals[ORL_GONIO_BATCHES][2], lost;
+    double peaks[2]; /* 1/sr; reflected, transmitted: estimates from a few paths */
+    uint64_t paths;
+    bool not_converged; /* true if an error was predicted above the accuracy at the most paths */
+    int code;
+};
+void orl_gonio_subtree_done(struct orl_gonio_subtree *subtree);
+
+/* Returns the serialised size of a block that has n_tops top nodes, or none if it is not measured.
+ */
+size_t orl_gonio_subtree_bytes(const struct orl_gonio_subtree *subtree, size_t n_top_nodes);
+/* Serialises a block. Returns the position after it. */
+char *orl_gonio_subtree_pack(const struct orl_gonio_subtree *subtree, size_t n_top_nodes, char *to);
+/* Reads a block from at most `most` bytes. Returns the position after it, or NULL if its shape
+ * differs or memory is out. The builder's rank, cull and color must be set before. */
+const char *orl_gonio_subtree_unpack(struct orl_gonio_subtree *subtree, size_t n_top_nodes,
+                                     const char *from, size_t most);
+
+/*
+ * Measures the blocks of a panel's trees (subtree.h) in parallel, here or on other machines if the
+ * BSDF is shared (oriel/bsdf/bsdf_distributed.h). With an accuracy, a survey of the blocks comes
+ * first.
+ */
 
 struct orl_gonio_trees {
     const struct orl_bsdf_make_request *request;

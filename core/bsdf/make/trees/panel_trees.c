@@ -1,11 +1,10 @@
-#include "bsdf/make/trees/panel_trees.h"
+#include "bsdf/make/make_bsdf.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "bsdf/make/panel_xml.h"
 #include "bsdf/make/trees/measure_subtrees.h"
-#include "bsdf/make/trees/tree_chromaticity.h"
+#include "bsdf/make/trees/tree_builder.h"
 
 enum { SPLIT_LEVEL = 4 };
 

@@ -1,4 +1,4 @@
-#include "bsdf/make/trees/subtree.h"
+#include "bsdf/make/trees/measure_subtrees.h"
 
 #include <stdlib.h>
 #include <string.h>

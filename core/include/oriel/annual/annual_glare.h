@@ -24,7 +24,7 @@
 
 #include <oriel/annual/annual.h>
 #include <oriel/annual/annual_metrics.h>
-#include <oriel/annual/viewpoint.h>
+#include <oriel/annual/annual_shades.h>
 
 enum { ORL_GLARE_WORST = 5, ORL_GLARE_BOUNDS = 3 };
 extern const double orl_glare_bounds[ORL_GLARE_BOUNDS]; /* 0.35, 0.40, 0.45 */

@@ -1,3 +1,29 @@
+/* Viewpoints: named positions of people with their view directions. */
+#ifndef ORIEL_ANNUAL_ANNUAL_SHADES_H
+#define ORIEL_ANNUAL_ANNUAL_SHADES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/base/error.h>
+#include <oriel/base/vec.h>
+
+struct orl_viewpoint {
+    char *name;                  /* owned */
+    struct orl_vec3 at, towards; /* scene units; `towards` need not be unit */
+};
+
+/* Most viewpoints in a request; and viewpoints whose views are in memory together
+ * (annual/viewpoints/viewpoints.c). */
+enum { ORL_GLARE_MOST_VIEWPOINTS = 256, ORL_GLARE_VIEWPOINTS_AT_ONCE = 4 };
+struct orl_viewpoint_request {
+    struct orl_viewpoint *viewpoints; /* owned; none: no glare is computed */
+    size_t n_viewpoints;
+};
+void orl_viewpoint_request_done(
+    struct orl_viewpoint_request *viewpoint_request); /* zeros are fine */
+
 /*
  * Shades of a year: groups of windows, the states that each group can be in, and the state of each
  * group at every hour.
@@ -37,15 +63,6 @@
  * or buildings that light enters by other ways than windows. The last case also applies if several
  * groups are controlled by sun.
  */
-#ifndef ORIEL_ANNUAL_ANNUAL_SHADES_H
-#define ORIEL_ANNUAL_ANNUAL_SHADES_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <oriel/annual/viewpoint.h>
-#include <oriel/base/error.h>
 
 /* Shade state. It owns its strings and arrays, as do the structs below; orl_window_group_done frees
  * them. */

@@ -22,7 +22,7 @@
 #ifndef ORIEL_ANNUAL_SUN_EXPOSURE_H
 #define ORIEL_ANNUAL_SUN_EXPOSURE_H
 
-#include <oriel/job/named_point.h>
+#include <oriel/base/input_checks.h>
 
 enum { ORL_EXPOSURE_MOST_POINTS = 4096 };
 

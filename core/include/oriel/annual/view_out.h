@@ -37,7 +37,7 @@
 
 #include <stdbool.h>
 
-#include <oriel/job/named_point.h>
+#include <oriel/base/input_checks.h>
 
 enum { ORL_VIEW_OUT_MOST_POINTS = 20000, ORL_VIEW_OUT_MOST_NAMES = 1024 };
 

@@ -5,8 +5,10 @@
 #ifndef ORIEL_BASE_FILES_H
 #define ORIEL_BASE_FILES_H
 
+#include <errno.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include <oriel/base/error.h>
 
@@ -56,5 +58,42 @@ struct orl_files orl_files_from_folder(const char *folder);
 
 /* Implements `passed` for providers whose handle is a read-only mapping. */
 void orl_files_release_pages(void *ctx, const struct orl_file *file, size_t begin, size_t end);
+
+/*
+ * Opens files without blocking. open() of a FIFO waits for the other end, possibly for ever. These
+ * functions do not wait, and reject everything but regular files.
+ *
+ * Errors: as for open(), -1 or NULL with errno set; orl_open_reason() returns the text for that
+ * errno.
+ */
+
+/* errno for a folder, FIFO, socket or device in place of a regular file. */
+#define ORL_OPEN_NOT_REGULAR EINVAL
+
+/*
+ * Opens a regular file, closed on exec. flags: O_RDONLY, O_WRONLY or O_RDWR, with O_CREAT (mode
+ * 0666 less the umask), O_TRUNC, O_APPEND and O_NOFOLLOW.
+ */
+int orl_open_regular(const char *path, int flags);
+
+/* Opens a regular file as a stream. mode: 'r' reads, 'w' truncates or creates, 'a' appends or
+ * creates. */
+FILE *orl_fopen_regular(const char *path, char mode);
+
+/* Opens an existing pipe or device for writing: /dev/null, /dev/stdout, or a FIFO that has a
+ * reader. A FIFO without one fails with ENXIO. Writes may wait for the reader. */
+FILE *orl_fopen_device(const char *path);
+
+/* Returns strerror, or "not a regular file". */
+const char *orl_open_reason(int why);
+/* Returns the code for a file of a store that does not open: ORL_ERR_CORRUPT if it is not regular,
+ * so that it is made again; else ORL_ERR_IO. */
+int orl_open_err_of_stored(int why);
+
+/* Case-insensitive search of file names, for scenes from systems that ignore case. */
+
+/* Finds a file below the folder, or from the root for an absolute name, whose name differs from
+ * this one only in upper and lower case; of several the first by name. */
+bool orl_find_ignoring_case(const char *folder, const char *name, char *ret_name, size_t size);
 
 #endif

@@ -1,12 +1,34 @@
 /*
- * Vectors and colours. World axes: +X east, +Y north, +Z up, metres (scene files may use any unit).
- * Colours are Radiance RGB: W/sr/m2 for radiance, W/m2 for irradiance, W for flux, per channel.
+ * Physical constants and conversions, with their sources. Quantities carry their unit as a suffix
+ * elsewhere: _m, _rad, _sr, _w, _lm, _lx.
  */
 #ifndef ORIEL_BASE_VEC_H
 #define ORIEL_BASE_VEC_H
 
 #include <math.h>
-#include <oriel/base/units.h>
+
+#define ORL_PI 3.14159265358979323846
+
+/* Luminous efficacy of equal-energy white, lm/W: Radiance, src/common/color.h (WHTEFFICACY). */
+#define ORL_EFFICACY_LM_PER_W 179.0
+
+/* Radiance's default RGB primaries: the luminance of each, summing to 1 (src/common/color.h). */
+#define ORL_LUMA_R 0.265074126
+#define ORL_LUMA_G 0.670114631
+#define ORL_LUMA_B 0.064811243
+
+/* Mean angular diameter of the solar disc, degrees, as gendaylit writes it; gensky writes 0.5. */
+#define ORL_SUN_DIAMETER_DEG 0.533
+
+#define ORL_DEG_TO_RAD (ORL_PI / 180.0)
+
+/* Horizontal illuminance outdoors under the CIE overcast sky; reference of daylight factors. */
+#define ORL_OVERCAST_LX 10000.0
+
+/*
+ * Vectors and colours. World axes: +X east, +Y north, +Z up, metres (scene files may use any unit).
+ * Colours are Radiance RGB: W/sr/m2 for radiance, W/m2 for irradiance, W for flux, per channel.
+ */
 
 struct orl_vec3 {
     double x, y, z;

@@ -18,7 +18,7 @@
 
 #include <oriel/base/error.h>
 #include <oriel/base/files.h>
-#include <oriel/base/health.h>
+#include <oriel/base/input_checks.h>
 #include <oriel/base/memory_cache.h>
 #include <oriel/base/thread_pool.h>
 #include <oriel/base/vec.h>
@@ -26,7 +26,6 @@
 #include <oriel/job/job_tasks.h>
 #include <oriel/job/picture.h>
 #include <oriel/job/plan.h>
-#include <oriel/job/sequence.h>
 #include <oriel/job/sky.h>
 
 /* ---- The job --------------------------------------------------------------------------------- */

@@ -1,4 +1,4 @@
-#include "scene/generate/curved/expressions.h"
+#include "scene/generate/solid/solids.h"
 
 #include <stdlib.h>
 #include <string.h>

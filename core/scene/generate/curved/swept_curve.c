@@ -1,5 +1,6 @@
-#include "scene/generate/curved/swept_curve.h"
+#include "scene/generate/curved/curved.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { SEGMENTS_MAX = 50000 };
@@ -42,4 +43,173 @@ int orl_curve_at(const struct orl_generator_curve *curve, int step,
 {
     const double t = (double)step / curve->segments;
     return orl_expressions_at(&curve->expressions, &t, ret_values, err);
+}
+
+/*
+ * genrev: a surface of revolution about the z axis, made of cones, cylinders and rings along a
+ * curve of heights and radii. Where the curve goes down, the front is inside. With -s each piece
+ * has a texture (rev.cal) that interpolates normals between neighbours.
+ */
+
+/* A segment of the curve: heights and radii of its ends, and its normal (height, radius). */
+struct piece {
+    double from[2], to[2], normal[2];
+};
+
+/* Sign of the change from one step to the next: -1, 0 or 1. */
+static int sign_of_change(double from, double to)
+{
+    const double tiny = 1e-9;
+    return to < from - tiny ? -1 : to > from + tiny ? 1 : 0;
+}
+
+/* Adds the coefficients of a normal's coordinate along the piece: a line through the neighbours'
+ * normals. If the piece does not change in that coordinate, the visible side. */
+static int add_line(double change, double start, double before, double after, int side,
+                    struct orl_text *text, struct orl_error *err)
+{
+    const double slope = change != 0 ? (after - before) / change : 0;
+    if (!isfinite(slope))
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "genrev: the curve stands still beside a piece, which -s cannot take");
+    if (change != 0)
+        orl_text_add(text, "\n %.12g %.12g", slope, before - slope * start);
+    else
+        orl_text_add(text, "\n 0 %d", side);
+    return 0;
+}
+
+static int add_texture(const struct orl_generator_curve *curve, const struct piece *piece,
+                       const struct piece *before, const struct piece *after, struct orl_text *text,
+                       struct orl_error *err)
+{
+    const int up = sign_of_change(piece->from[0], piece->to[0]);
+    const int out = sign_of_change(piece->from[1], piece->to[1]);
+    orl_text_add(text, "'%s' texfunc Phong\n4 rev_dx rev_dy rev_dz rev.cal\n0\n4", curve->material);
+    int code = add_line(up ? piece->to[0] - piece->from[0] : 0, piece->from[0], before->normal[0],
+                        after->normal[0], out < 0 ? 1 : -1, text, err);
+    if (code == 0)
+        code = add_line(out ? piece->to[1] - piece->from[1] : 0, piece->from[1], before->normal[1],
+                        after->normal[1], up > 0 ? 1 : -1, text, err);
+    orl_text_add(text, "\n");
+    return code;
+}
+
+static int add_piece(const struct orl_generator_curve *curve, int number,
+                     const struct piece pieces[3], struct orl_text *text, struct orl_error *err)
+{
+    const double *const from = pieces[1].from, *const to = pieces[1].to;
+    const int up = sign_of_change(from[0], to[0]), out = sign_of_change(from[1], to[1]);
+    const char *type = up == 0    ? "ring"
+                       : out == 0 ? (up < 0 ? "tube" : "cylinder")
+                                  : (up < 0 ? "cup" : "cone");
+    char part[24];
+    if (up == 0 && out == 0)
+        return 0;
+    const int code =
+        curve->smooth ? add_texture(curve, &pieces[1], &pieces[0], &pieces[2], text, err) : 0;
+    snprintf(part, sizeof part, "%d", number);
+    orl_text_add_head(text, curve->smooth ? "Phong" : curve->material, type, curve->name, part,
+                      up != 0 && out == 0 ? 7 : 8);
+    orl_text_add_point(text, orl_v3(0, 0, up == 0 ? to[0] : from[0]));
+    orl_text_add_point(text, orl_v3(0, 0, up == 0 ? -out : to[0]));
+    if (up == 0 || out != 0)
+        orl_text_add(text, "\n %.12g", from[1]);
+    orl_text_add(text, " %.12g\n", to[1]);
+    return code;
+}
+
+/* Returns the piece behind `before`, up to the step; beyond the curve's end it is empty, without a
+ * normal. */
+static int find_next_piece(const struct orl_generator_curve *curve, const struct piece *before,
+                           int step, struct piece *ret_piece, struct orl_error *err)
+{
+    double at[ORL_CURVE_EXPRESSIONS_MAX];
+    *ret_piece = (struct piece){{before->to[0], before->to[1]}, {0, 0}, {0, 0}};
+    if (step > curve->segments)
+        return 0;
+    const int code = orl_curve_at(curve, step, at, err);
+    if (code < 0)
+        return code;
+    const double dz = at[0] - before->to[0], dr = at[1] - before->to[1];
+    const double length = sqrt(dz * dz + dr * dr);
+    *ret_piece =
+        (struct piece){{before->to[0], before->to[1]}, {at[0], at[1]}, {-dr / length, dz / length}};
+    return 0;
+}
+
+int orl_genrev(const char *const *words, size_t count, const struct orl_generator_files *files,
+               struct orl_text *text, struct orl_error *err)
+{
+    struct orl_words rest = {"genrev", words + 1, count - 1};
+    struct orl_generator_curve curve = {0};
+    struct piece pieces[3] = {{{0, 0}, {0, 0}, {0, 0}}}; /* previous, current and next piece */
+    double start[ORL_CURVE_EXPRESSIONS_MAX];
+    int code = orl_curve_read(&curve, &rest, 2, true, files, err);
+    if (code == 0)
+        code = orl_curve_at(&curve, 0, start, err);
+    if (code == 0) {
+        pieces[0] = (struct piece){{0, 0}, {start[0], start[1]}, {0, 0}};
+        code = find_next_piece(&curve, &pieces[0], 1, &pieces[1], err);
+    }
+    for (int i = 1; i <= curve.segments && code == 0; i++) {
+        code = find_next_piece(&curve, &pieces[1], i + 1, &pieces[2], err);
+        if (code == 0)
+            code = add_piece(&curve, i, pieces, text, err);
+        pieces[0] = pieces[1];
+        pieces[1] = pieces[2];
+    }
+    orl_expressions_done(&curve.expressions);
+    return code;
+}
+
+/*
+ * genworm: spheres along a curve in space, and between them cones or cylinders tangent to both.
+ */
+
+static void add_joint(const struct orl_generator_curve *curve, int number, const double from[4],
+                      const double to[4], struct orl_text *text)
+{
+    const struct orl_vec3 a = orl_v3(from[0], from[1], from[2]), b = orl_v3(to[0], to[1], to[2]);
+    const struct orl_vec3 way = orl_sub(b, a);
+    const double change = from[3] - to[3];
+    char part[24];
+    snprintf(part, sizeof part, "c%d", number);
+    if (fabs(change) <= 1e-6) {
+        orl_text_add_cylinder(text, curve->material, curve->name, part, a, b, to[3]);
+        return;
+    }
+    /* The cone touches each sphere on a circle that is offset from its centre by the sine of its
+     * slope. */
+    const double slope = change / orl_dot(way, way), cosine2 = 1 - change * slope;
+    const double cosine = cosine2 <= 0 ? 0 : sqrt(cosine2);
+    const double p = slope * from[3], q = slope * to[3];
+    orl_text_add_head(text, curve->material, "cone", curve->name, part, 8);
+    orl_text_add_point(text, orl_v3(a.x + p * way.x, a.y + p * way.y, a.z + p * way.z));
+    orl_text_add_point(text, orl_v3(b.x + q * way.x, b.y + q * way.y, b.z + q * way.z));
+    orl_text_add(text, "\n %.12g %.12g\n", cosine * from[3], cosine * to[3]);
+}
+
+int orl_genworm(const char *const *words, size_t count, const struct orl_generator_files *files,
+                struct orl_text *text, struct orl_error *err)
+{
+    struct orl_words rest = {"genworm", words + 1, count - 1};
+    struct orl_generator_curve curve = {0};
+    double from[ORL_CURVE_EXPRESSIONS_MAX] = {0}, to[ORL_CURVE_EXPRESSIONS_MAX] = {0};
+    char part[24];
+    int code = orl_curve_read(&curve, &rest, 4, false, files, err);
+    for (int i = 0; i <= curve.segments && code == 0; i++) {
+        code = orl_curve_at(&curve, i, to, err);
+        if (code < 0)
+            break;
+        if (i > 0)
+            add_joint(&curve, i, from, to, text);
+        snprintf(part, sizeof part, "s%d", i);
+        orl_text_add_sphere(text, curve.material, curve.name, part, orl_v3(to[0], to[1], to[2]),
+                            to[3]);
+        for (int k = 0; k < 4; k++)
+            from[k] = to[k];
+    }
+    orl_expressions_done(&curve.expressions);
+    return code;
 }

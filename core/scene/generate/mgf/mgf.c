@@ -8,7 +8,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 #include "scene/generate/mgf/mgf_context.h"
 
 enum { WORDS_BYTES = 1 << 18, LEAVE_COST = 64 };

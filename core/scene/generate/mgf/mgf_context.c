@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 

@@ -7,9 +7,8 @@
 
 #include <string.h>
 
-#include "base/text/number.h"
-#include "scene/generate/sky/cie.h"
-#include "scene/generate/sky/perez.h"
+#include "base/text/words.h"
+#include "scene/generate/sky/sky_models.h"
 #include "scene/generate/sky/sun.h"
 
 enum input { INPUT_PEREZ, INPUT_NORMAL_W, INPUT_NORMAL_LX, INPUT_HORIZONTAL_W, INPUT_GLOBAL_W };

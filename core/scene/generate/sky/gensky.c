@@ -9,8 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/text/number.h"
-#include "scene/generate/sky/cie.h"
+#include "base/text/words.h"
+#include "scene/generate/sky/sky_models.h"
 #include "scene/generate/sky/sun.h"
 
 /* First argument of skybright.cal. */

@@ -9,7 +9,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/text/number.h"
+#include "base/text/words.h"
 #include "scene/generate/solid/solids.h"
 
 /* Lengths and shares below this count as 0. */

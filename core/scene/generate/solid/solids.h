@@ -10,6 +10,7 @@
 #ifndef ORL_SCENE_GENERATE_SOLID_SOLIDS_H
 #define ORL_SCENE_GENERATE_SOLID_SOLIDS_H
 
+#include "function/function.h"
 #include "scene/generate/generate.h"
 
 /* Access to the files that the words of generators name. */
@@ -70,5 +71,68 @@ void orl_text_add_sphere(struct orl_text *text, const char *material, const char
 void orl_text_add_cylinder(struct orl_text *text, const char *material, const char *name,
                            const char *part, struct orl_vec3 from, struct orl_vec3 to,
                            double radius);
+
+/*
+ * Shared by genrev, genworm and gensurf: definitions in the command (-e) and in files (-f), in
+ * Radiance's function language (function/function.h), and expressions that use them.
+ */
+
+struct orl_generator_expressions {
+    struct orl_functions *functions;
+    struct orl_function *function; /* all expressions, once compiled; owned */
+    struct orl_function_scratch *scratch;
+    size_t n;
+};
+
+/* Starts with named inputs. Requires orl_expressions_done in every case. */
+int orl_expressions_begin(struct orl_generator_expressions *expressions, const char *const *inputs,
+                          size_t n_inputs, struct orl_error *err);
+void orl_expressions_done(struct orl_generator_expressions *expressions);
+
+/* Handles an option -e or -f, which is the last word read; fails for other options. */
+int orl_expressions_define(struct orl_generator_expressions *expressions, const char *option,
+                           struct orl_words *words, const struct orl_generator_files *files,
+                           struct orl_error *err);
+
+/* Reads a word that is a number or an expression, rounded, 1 to most. what: the counted thing, for
+ * messages. */
+int orl_expressions_count(struct orl_generator_expressions *expressions, const char *word,
+                          const char *what, const char *program, int most, int *ret_count,
+                          struct orl_error *err);
+
+/* Compiles expressions for evaluation at up to `places` places, which share the limit of steps of a
+ * command. */
+int orl_expressions_compile(struct orl_generator_expressions *expressions, const char *const *texts,
+                            size_t n, size_t places, struct orl_error *err);
+
+/* Returns the values at one place; ORL_ERR_RANGE unless all are finite. */
+int orl_expressions_at(const struct orl_generator_expressions *expressions, const double *inputs,
+                       double *ret_values, struct orl_error *err);
+
+/*
+ * A box of genbox, from the origin to its size. Internal to genbox*.c.
+ */
+
+struct orl_genbox {
+    const char *material, *name;
+    double size[3];
+    double bevel; /* depth of cut-off edges, or radius of round ones; 0: sharp edges */
+    bool rounded, inverted;
+    unsigned level; /* round edges have 2^level flat pieces each; below 2: cylinders and spheres */
+};
+
+/* Sides, edges and corners of a box with cut edges; each is a list of corners by letter. */
+extern const char orl_box_inset[6][5], orl_box_edges[12][3], orl_box_ends[8][2];
+
+/*
+ * Returns a corner by its letter. The letters 0-9 . _ A-Z a-z count from 0. Bits 0 to 2: on the far
+ * side in x, y and z; bits 3 to 5: inside that side by the bevel. For an inverted box near and far
+ * are swapped, which flips every face and keeps its name.
+ */
+struct orl_vec3 orl_box_corner(const struct orl_genbox *box, char letter);
+unsigned orl_box_code(char letter);
+
+/* Writes the box with round edges made of flat pieces. Returns 0 or ORL_ERR_NOMEM. */
+int orl_genbox_pieces(const struct orl_genbox *box, struct orl_text *text, struct orl_error *err);
 
 #endif

@@ -1,6 +1,6 @@
 #include "scene/geometry/antimatter/antimatter.h"
 
-#include "scene/geometry/hit_refinement.h"
+#include "scene/geometry/intersect.h"
 
 /* ---- Inside and outside -----------------------------------------------------------------------
  */

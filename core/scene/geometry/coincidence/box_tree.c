@@ -1,9 +1,9 @@
-#include "scene/geometry/coincidence/box_tree.h"
+#include "scene/geometry/coincidence/coincident_pairs.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 /* A box's index, and the Morton code of its centre. */
 struct leaf {

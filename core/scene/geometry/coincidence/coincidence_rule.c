@@ -1,4 +1,9 @@
-#include "scene/geometry/coincidence/coincidence_rule.h"
+#include "scene/geometry/coincidence/coincident.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
 
 /* ---- Materials ------------------------------------------------------------------------------- */
 
@@ -108,4 +113,129 @@ bool orl_surface_is_proxy(const struct orl_parsed_scene *d, const struct orl_sur
 bool orl_surface_is_hole(const struct orl_parsed_scene *d, const struct orl_surface *s)
 {
     return d->materials[s->material].kind == ORL_MATERIAL_ANTIMATTER;
+}
+
+/* Number of warnings that name pairs. Every box on a floor makes an opposed pair, and surfaces of
+ * one material are harmless: these kinds share one line. */
+static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0, 3};
+/* Distance behind a surface at which Radiance starts a ray, in the file's unit (FTINY). */
+static const double behind = 1e-6;
+
+static void warn(struct orl_parsed_scene *d, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static void warn(struct orl_parsed_scene *d, const char *format, ...)
+{
+    char text[640];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    orl_parsed_scene_warn(d, text);
+}
+
+static const char *kind_name(const struct orl_surface *s)
+{
+    static const char *const names[] = {
+        [ORL_SURFACE_POLYGON] = "polygon", [ORL_SURFACE_SPHERE] = "sphere",
+        [ORL_SURFACE_BUBBLE] = "bubble",   [ORL_SURFACE_CYLINDER] = "cylinder",
+        [ORL_SURFACE_TUBE] = "tube",       [ORL_SURFACE_CONE] = "cone",
+        [ORL_SURFACE_CUP] = "cup",         [ORL_SURFACE_RING] = "ring"};
+    return names[s->kind];
+}
+
+static void copy_name(const struct orl_surface *s, char ret_name[200])
+{
+    snprintf(ret_name, 200, "%s %.60s at %.100s:%d", kind_name(s), s->name, s->file, s->line);
+}
+
+static bool is_pane(const struct orl_material *m)
+{
+    return orl_coincidence_class(m) == 1 || (m->kind == ORL_MATERIAL_BSDF && m->thickness == 0);
+}
+
+static double distance_between(const struct orl_surface *a, const struct orl_surface *b)
+{
+    return fabs(orl_dot(orl_sub(a->vertices[0], b->vertices[0]), b->normal));
+}
+
+bool orl_coincidence_is_double_pane(const struct orl_parsed_scene *parsed_scene,
+                                    const struct orl_surface *first,
+                                    const struct orl_surface *second)
+{
+    return first->kind == ORL_SURFACE_POLYGON && second->kind == ORL_SURFACE_POLYGON &&
+           first->n_vertices > 0 && second->n_vertices > 0 &&
+           is_pane(&parsed_scene->materials[first->material]) &&
+           is_pane(&parsed_scene->materials[second->material]) &&
+           distance_between(first, second) > behind;
+}
+
+void orl_coincidence_warn(struct orl_coincidence_warnings *warnings,
+                          struct orl_parsed_scene *parsed_scene, enum orl_coincidence kind,
+                          const struct orl_surface *first, const struct orl_surface *second,
+                          bool wholly)
+{
+    char names[2][200];
+    if (orl_coincidence_is_double_pane(parsed_scene, first, second))
+        kind = ORL_COINCIDENCE_PANES;
+    const uint64_t before = warnings->counts[kind]++;
+    if (before >= most_named[kind] && (kind != ORL_COINCIDENCE_OPPOSED || before > 0))
+        return;
+    copy_name(first, names[0]);
+    copy_name(second, names[1]);
+    if (kind == ORL_COINCIDENCE_OPPOSED && before == 0)
+        memcpy(warnings->opposed, names, sizeof names);
+    if (before >= most_named[kind])
+        return;
+    if (kind == ORL_COINCIDENCE_PANES)
+        warn(parsed_scene,
+             "%s and %s are panes %.2g apart, which count as one in a scene of this size: light "
+             "passes one of them alone; where both are meant, move them at least %.1g apart",
+             names[0], names[1], distance_between(first, second), 2 * warnings->tolerance);
+    else if (kind == ORL_COINCIDENCE_RESOLVED)
+        warn(parsed_scene,
+             "%s lies %sin one place with %s: there light meets %.60s, as in Radiance", names[0],
+             wholly ? "wholly " : "", names[1], second->name);
+    else
+        warn(
+            parsed_scene,
+            "%s and %s lie in one place: light may meet either, which is not as in Radiance; leave "
+            "one out, or move it off the other",
+            names[0], names[1]);
+}
+
+static void warn_of_opposed(const struct orl_coincidence_warnings *warnings,
+                            struct orl_parsed_scene *parsed_scene)
+{
+    const uint64_t n = warnings->counts[ORL_COINCIDENCE_OPPOSED];
+    char more[64] = "";
+    if (n > 1)
+        snprintf(more, sizeof more, " (and %llu more pair%s)", (unsigned long long)n - 1,
+                 n == 2 ? "" : "s");
+    if (n > 0)
+        warn(
+            parsed_scene,
+            "%s and %s lie in one place and face opposite ways%s: light meets each from its "
+            "front, as in Radiance; what should be seen but is not has to be turned over, or moved "
+            "off the other",
+            warnings->opposed[0], warnings->opposed[1], more);
+}
+
+void orl_coincidence_warn_totals(struct orl_coincidence_warnings *warnings,
+                                 struct orl_parsed_scene *parsed_scene)
+{
+    static const char *const texts[ORL_COINCIDENCES] = {
+        "polygons in one place, of which light meets one as in Radiance", NULL,
+        "surfaces in one place, of which light may meet either",
+        "surfaces of one material in one place, where it makes no difference which light meets",
+        "panes that count as one, of which light passes one alone"};
+    warn_of_opposed(warnings, parsed_scene);
+    for (int kind = 0; kind < ORL_COINCIDENCES; kind++) {
+        const uint64_t left =
+            warnings->counts[kind] -
+            (warnings->counts[kind] < most_named[kind] ? warnings->counts[kind] : most_named[kind]);
+        if (left > 0 && texts[kind])
+            warn(parsed_scene, "%s: %llu %spair%s", texts[kind], (unsigned long long)left,
+                 most_named[kind] > 0 ? "more " : "", left == 1 ? "" : "s");
+    }
 }

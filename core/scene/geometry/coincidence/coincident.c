@@ -5,11 +5,8 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "scene/geometry/coincidence/coincidence_rule.h"
-#include "scene/geometry/coincidence/coincident_quadrics.h"
-#include "scene/geometry/coincidence/coplanar.h"
+#include "scene/geometry/coincidence/coincident_pairs.h"
 #include "scene/geometry/coincidence/cutting.h"
-#include "scene/geometry/coincidence/duplicates.h"
 
 /* Limits for opposed pairs, whose overlap is computed only for messages: number of pairs, and
  * work. */

@@ -6,8 +6,8 @@
 
 #include <oriel/base/thread_pool.h>
 
-#include "base/memory/arena.h"
-#include "scene/geometry/coincidence/coincidence_rule.h"
+#include "base/memory/memory.h"
+#include "scene/geometry/coincidence/coincident.h"
 
 /* Limits: a constant for any scene, plus an amount per corner; at most some seconds. */
 static const uint64_t least_comparisons = 4000000, comparisons_a_corner = 250,

@@ -1,10 +1,9 @@
-#include "scene/geometry/coincidence/duplicates.h"
+#include "scene/geometry/coincidence/coincident.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/sort.h"
-#include "scene/geometry/coincidence/coincidence_rule.h"
+#include "base/statistics/numeric.h"
 
 /* A surface with a canonical start and direction of its outline, so that equal outlines compare
  * equal. */

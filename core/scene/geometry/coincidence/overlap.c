@@ -1,10 +1,10 @@
-#include "scene/geometry/coincidence/overlap.h"
+#include "scene/geometry/coincidence/cutting.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "scene/geometry/triangulation/sweep_order.h"
+#include "base/memory/memory.h"
+#include "scene/geometry/triangulation/triangulate.h"
 
 /* FIRST: layer of the first outline; the others' layers are the bits above */
 enum { FIRST = 1, NONE = -1 };

@@ -6,7 +6,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "scene/geometry/triangulation/sweep_order.h"
+#include "scene/geometry/triangulation/triangulate.h"
 
 enum { MOST_PASSES = 64, LONG_PASS = 2, FEW_EDGES = 2000 };
 /* Limits of pairs tested in one search for all intersections, and in total: about a second. */

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-#include "scene/material/patterns/pattern_inputs.h"
+#include "scene/material/patterns/pattern.h"
 
 enum { LANES = ORL_FUNCTION_LANES };
 

@@ -7,9 +7,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/thread_pool.h>
 
-#include "function/ray_names.h"
-#include "scene/material/function_brdf/function_lobes.h"
-#include "scene/material/function_brdf/prism.h"
+#include "function/function.h"
 #include "scene/material/patterns/pattern.h"
 
 enum { PLACES = 2, MOST_LOBE_TABLES = 2 };

@@ -12,12 +12,12 @@
  * (orl_lobe_table_fill). Elsewhere each draw makes one with fewer cells. orl_function_lobes_measure
  * tests whether the cells resolve a lobe.
  */
-#include "scene/material/function_brdf/function_lobes.h"
+#include "scene/material/function_brdf/function_brdf_check.h"
 
 #include <string.h>
 
-#include "scene/material/hemisphere.h"
 #include "scene/material/kinds.h"
+#include "scene/material/scatter.h"
 
 enum { SIDE = ORL_LOBE_TABLE_SIDE, CELLS = SIDE * SIDE, FEW = 8, FINE = 4 * SIDE };
 

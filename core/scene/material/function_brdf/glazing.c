@@ -7,7 +7,7 @@
  */
 #include "scene/material/kinds.h"
 
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 
 enum part { STRAIGHT, MIRROR, REFLECTED, THROUGH, PARTS };
 

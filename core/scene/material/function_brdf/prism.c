@@ -11,10 +11,10 @@
  * Flux is radiance times projected solid angle, which a prism may stretch. Light's shares are
  * multiplied by that ratio, found by finite differences of the directions.
  */
-#include "scene/material/function_brdf/prism.h"
+#include "scene/material/function_brdf/function_brdf_check.h"
 
-#include "scene/material/hemisphere.h"
 #include "scene/material/kinds.h"
+#include "scene/material/scatter.h"
 
 /* Cosine above which two directions are a way and its inverse: allows for rounding in the
  * functions. */

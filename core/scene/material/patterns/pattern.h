@@ -1,4 +1,55 @@
 /*
+ * Texts in a polygonal font: tests whether a place lies in one of the letters.
+ *
+ * A place's coordinates are (x, y) of origin + x right + y down; lines are 1 apart from the top. A
+ * letter is a polygon on a square of 255 by 255, from the lower left, by the even-odd rule; letters
+ * may overlap. Units: the world's. Ownership: all in a description's arena. Immutable once made.
+ */
+#ifndef ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
+#define ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <oriel/base/vec.h>
+
+#include "function/function.h"
+#include "scene/geometry/geometry.h"
+#include "scene/grid/grid.h"
+#include "scene/material/function_brdf/function_brdf.h"
+#include "scene/material/patterns/observer.h"
+
+enum { ORL_GLYPH_SIDE = 255 };
+
+struct orl_glyph {
+    const unsigned char *corners; /* x, y, x, y, ... */
+    int n;                        /* number of corners; 0: a space */
+    int left, right, bottom, top;
+};
+
+struct orl_placed_letter {
+    const struct orl_glyph *glyph;
+    int at; /* left side of its square, in 255ths of a letter's height */
+};
+
+struct orl_lettering_line {
+    const struct orl_placed_letter *letters;
+    size_t n;
+    int width; /* right end of the line's last letter, in 255ths */
+};
+
+struct orl_lettering {
+    struct orl_vec3 origin;
+    struct orl_vec3 right, down; /* a place's coordinates are its dot products with these */
+    /* units of `at` and `width` per 1 to the right */
+    double unit;
+    const struct orl_lettering_line *lines;
+    size_t n_lines;
+};
+
+bool orl_lettering_covers(const struct orl_lettering *text, struct orl_vec3 place);
+
+/*
  * Patterns: factors of a material's colour that vary over its surface. They are functions
  * (brightfunc, colorfunc), or values on grids (brightdata, colordata, colorpict), of the place, the
  * normal and, for emitters, the direction. A pattern may modify another: their factors multiply.
@@ -32,14 +83,6 @@
  * Ownership: a description owns its patterns. Threads: immutable once settled; each thread has its
  * own scratch.
  */
-#ifndef ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
-#define ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
-
-#include "function/function.h"
-#include "scene/geometry/geometry.h"
-#include "scene/grid/grid.h"
-#include "scene/material/function_brdf/function_brdf.h"
-#include "scene/material/patterns/observer.h"
 
 /* limit of function evaluations of one pattern with all it depends on */
 enum { ORL_PATTERN_STEPS = 64 };
@@ -167,5 +210,29 @@ static inline struct orl_rgb orl_patterned(struct orl_rgb color, struct orl_rgb 
  */
 int orl_patterns_measure(struct orl_parsed_scene *parsed_scene, const struct orl_geometry *geometry,
                          struct orl_error *err);
+
+/*
+ * Shared by the files that evaluate patterns: inputs of functions, and validity of values. Internal
+ * to pattern*.c and own.c.
+ */
+
+/* Validity of a function's values at a hit; without a value the colour stays unchanged. */
+enum orl_pattern_validity { ORL_PATTERN_VALID, ORL_PATTERN_UNDEFINED, ORL_PATTERN_TOO_LONG };
+
+/* Stores a direction in the function's frame, from that input on (ray_names.h). */
+void orl_pattern_set_direction(const struct orl_pattern *pattern, double *inputs,
+                               enum orl_ray_input first, struct orl_vec3 direction);
+/* Sets all inputs for a hit seen from that direction. */
+void orl_pattern_inputs(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                        struct orl_vec3 towards, double inputs[ORL_RAY_INPUTS]);
+enum orl_pattern_validity orl_pattern_run(const struct orl_function *function, const double *inputs,
+                                          double *ret_values);
+
+/* The factor with the patterns under it. */
+enum orl_pattern_validity orl_pattern_factor(const struct orl_pattern *pattern,
+                                             const struct orl_hit *hit, struct orl_vec3 towards,
+                                             struct orl_rgb *ret_factor);
+/* Returns the hit at which distant light from that direction is evaluated. */
+struct orl_hit orl_pattern_hit_of_sky(struct orl_vec3 direction);
 
 #endif

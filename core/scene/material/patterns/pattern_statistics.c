@@ -1,14 +1,14 @@
 /* Means and bounds of patterns over their surfaces, before rendering. */
-#include "scene/material/patterns/pattern_inputs.h"
+#include "scene/material/patterns/pattern.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <oriel/base/units.h>
+#include <oriel/base/vec.h>
 
 #include "scene/geometry/instances.h"
-#include "scene/material/hemisphere.h"
+#include "scene/material/scatter.h"
 
 enum { PLACES = 1024, FEWEST = 64, ALL_PLACES = 1 << 22 };
 

@@ -1,10 +1,10 @@
-#include "scene/parse/command/markers.h"
+#include "scene/parse/command/commands.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "base/text/shell_words.h"
+#include "base/text/words.h"
 #include "scene/generate/solid/solids.h"
 
 /* Angles and lengths below this count as 0, as in replmarks. */

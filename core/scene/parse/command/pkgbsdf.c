@@ -1,9 +1,9 @@
-#include "scene/parse/command/pkgbsdf.h"
+#include "scene/parse/command/commands.h"
 
 #include <string.h>
 #include <strings.h>
 
-#include "bsdf/xml/bsdf_geometry.h"
+#include "bsdf/xml/bsdf_xml.h"
 #include "scene/generate/mgf/mgf.h"
 
 /* A BSDF file and its geometry. */

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/parse/gltf/gltf_accessor.h"
-#include "scene/parse/gltf/gltf_transform.h"
+#include "scene/parse/gltf/gltf_file.h"
 
 enum { MAX_DEPTH = 500 };
 enum { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, STRIP, FAN };

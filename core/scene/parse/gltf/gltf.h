@@ -15,7 +15,7 @@
 
 #include <oriel/base/files.h>
 
-#include "scene/parse/mesh/wavefront.h"
+#include "scene/parse/mesh/mesh_formats.h"
 
 /* Opens the files of a .gltf's buffers, by their names in the file. */
 struct orl_gltf_buffers {

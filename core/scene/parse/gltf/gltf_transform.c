@@ -1,4 +1,4 @@
-#include "scene/parse/gltf/gltf_transform.h"
+#include "scene/parse/gltf/gltf_file.h"
 
 #include <math.h>
 #include <stdint.h>

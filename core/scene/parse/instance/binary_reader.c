@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 #include "scene/generate/generate.h"
 
 /* Radiance's limits. */

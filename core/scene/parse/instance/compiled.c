@@ -1,11 +1,10 @@
-#include "scene/parse/instance/compiled.h"
+#include "scene/parse/parser.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "scene/parse/instance/binary_reader.h"
-#include "scene/parse/instance/patches.h"
 
 /* The first integer of a file is one of these plus the size in bytes of its primitive numbers. */
 enum { OCTREE_MAGIC = 283, MESH_MAGIC = 319, NUMBER_BYTES_MAX = 8 };

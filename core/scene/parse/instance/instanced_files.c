@@ -5,12 +5,12 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/array.h"
-#include "function/ray_names.h"
+#include "base/memory/memory.h"
+#include "function/function.h"
 #include "scene/material/patterns/pattern.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parser.h"
-#include "scene/placements.h"
+#include "scene/surfaces.h"
 
 enum { LEAST_SURFACES = 64, LEAST_PLACES = 4 };
 

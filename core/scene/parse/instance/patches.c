@@ -1,4 +1,4 @@
-#include "scene/parse/instance/patches.h"
+#include "scene/parse/instance/binary_reader.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include <oriel/base/limits.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 /* Flags of the vertex data in a patch. */
 enum { HAS_POINTS = 1, HAS_NORMALS = 2, HAS_PLACES = 4, ALL_FLAGS = 7 };

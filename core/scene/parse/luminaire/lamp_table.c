@@ -1,4 +1,4 @@
-#include "scene/parse/luminaire/lamp_table.h"
+#include "scene/parse/luminaire/luminaires.h"
 
 #include <ctype.h>
 #include <string.h>

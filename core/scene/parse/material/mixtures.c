@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "function/ray_names.h"
+#include "function/function.h"
 #include "scene/material/patterns/pattern.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/material/material_readers.h"

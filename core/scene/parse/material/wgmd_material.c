@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "scene/material/patterns/pattern.h"
-#include "scene/parse/material/material_sums.h"
+#include "scene/parse/material/material_readers.h"
 
 /* Positions of the strings: those of transmission are TRANSMITTED behind those of reflection. */
 enum {

@@ -1,11 +1,11 @@
-#include "scene/parse/mesh/material_rules.h"
+#include "scene/parse/mesh/mesh_formats.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/scanner.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 enum qualifier { OF_MATERIAL, OF_MAP, OF_GROUP, OF_OBJECT, OF_FACE, QUALIFIERS };
 static const char *const qualifiers[QUALIFIERS] = {"Material", "Map", "Group", "Object", "Face"};

@@ -8,8 +8,7 @@
 
 #include "scene/grid/ies.h"
 #include "scene/parse/gltf/gltf.h"
-#include "scene/parse/mesh/material_rules.h"
-#include "scene/parse/mesh/stl.h"
+#include "scene/parse/mesh/mesh_formats.h"
 
 /* A file being read, with its options. */
 struct object {

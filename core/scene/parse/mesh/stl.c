@@ -1,4 +1,4 @@
-#include "scene/parse/mesh/stl.h"
+#include "scene/parse/mesh/mesh_formats.h"
 
 #include <limits.h>
 #include <math.h>

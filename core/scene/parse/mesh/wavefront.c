@@ -1,11 +1,11 @@
-#include "scene/parse/mesh/wavefront.h"
+#include "scene/parse/mesh/mesh_formats.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/scanner.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 
 static const uint64_t no_normal = UINT64_MAX;
 static const unsigned options = ORL_SCANNER_COMMENTS | ORL_SCANNER_CONTINUATIONS;

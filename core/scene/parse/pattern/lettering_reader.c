@@ -1,4 +1,4 @@
-#include "scene/parse/pattern/lettering_reader.h"
+#include "scene/parse/pattern/pattern_readers.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include <oriel/base/scanner.h>
 
-#include "scene/material/patterns/lettering.h"
+#include "scene/material/patterns/pattern.h"
 #include "scene/parse/material/material_readers.h"
 
 enum { CODES = 256, MOST_CORNERS = 32000, MOST_TEXT = 1 << 14, INDENT = 3 };

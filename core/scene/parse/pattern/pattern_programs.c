@@ -2,16 +2,15 @@
  * Programs of patterns: their function files, the compiled expressions, and the grids that they
  * interpolate.
  */
-#include "scene/parse/pattern/pattern_programs.h"
+#include "scene/parse/pattern/pattern_readers.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "function/language/standard.h"
-#include "function/ray_names.h"
+#include "base/memory/memory.h"
+#include "function/function.h"
 
 enum { MOST_EXPRESSIONS = 8 }; /* largest number of any type: prism2's */
 

@@ -12,11 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory/array.h"
-#include "function/ray_names.h"
-#include "scene/parse/pattern/lettering_reader.h"
-#include "scene/parse/pattern/pattern_programs.h"
-#include "scene/parse/pattern/spectra.h"
+#include "base/memory/memory.h"
+#include "function/function.h"
+#include "scene/parse/pattern/pattern_readers.h"
 
 struct pattern_type {
     const char *name;

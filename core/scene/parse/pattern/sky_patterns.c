@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/memory/array.h"
+#include "base/memory/memory.h"
 #include "scene/parse/parser.h"
 
 static bool ends_with(const char *path, const char *name)

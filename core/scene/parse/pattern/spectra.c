@@ -1,4 +1,4 @@
-#include "scene/parse/pattern/spectra.h"
+#include "scene/parse/pattern/pattern_readers.h"
 
 #include <math.h>
 

@@ -1,0 +1,141 @@
+/*
+ * The sky of a job document (JSON) -> struct orl_sky_request, one of:
+ *
+ *     {"perez": {"month": 3, "day": 22, "hour": 12, "latitude": 38.42, "longitude": 27.14,
+ *                "time_zone": 2, "direct_normal_w_m2": 800, "diffuse_horizontal_w_m2": 120,
+ *                "ground_reflectance": 0.2}}
+ *     {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
+ *     {"weather": {"file": "place.epw", "month": 3, "day": 22, "hour": 11.5}}
+ *
+ * Optional members beside it are "normalise": "flux" (the default) or "gendaylit", and "sun":
+ * "accurate" (the default) or "radiance". Longitude is in degrees EAST of Greenwich, the time zone
+ * in hours EAST. Instead of time and site, perez and cie take sun_altitude and sun_azimuth
+ * (degrees from south towards west). openapi.yaml lists the other inputs for a sky's brightness.
+ * oriel/job/sky.h and orl_job_validate have their meaning and bounds.
+ */
+#ifndef ORL_API_JOB_JOB_MEMBERS_JSON_H
+#define ORL_API_JOB_JOB_MEMBERS_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/base/input_checks.h>
+#include <oriel/job/plan.h>
+#include <oriel/job/run.h>
+#include <oriel/job/sky.h>
+
+#include "json/decode.h"
+
+/* Decoder into a struct orl_sky_request, which holds defaults. If its time is already given, the
+ * sky needs none. The request's owner frees its strings, also after a failure. */
+orl_json_decoder orl_sky_from_json;
+/* Decoder of one of several skies into a struct orl_named_sky of zeros; "name" is optional. */
+orl_json_decoder orl_named_sky_from_json;
+
+/*
+ * Several skies of a job document (JSON) -> the job's list of skies. The skies are given one by
+ * one, as in sky_json.h, with a name for the results:
+ *
+ *     [{"name": "noon", "weather": {...}}, {"cie": {...}}, ...]
+ *
+ * or as a sequence of hours in a year of 365 days. It has a sky model that depends on time,
+ * without month, day and hour. It also has the first and the last moment (inclusive) and the step
+ * in hours:
+ *
+ *     {"weather": {"file": "place.epw"}, "from": {"month": 3, "day": 22, "hour": 0.5},
+ *      "to": {"month": 3, "day": 22, "hour": 23.5}, "step_h": 1}
+ *
+ * A sky without a name is named by its time, "0322-1130" for month, day, hour and minute, or else
+ * by its number, "sky-0007".
+ */
+
+/* Decoder into a struct orl_job. The caller frees what is in the job, also after a failure. */
+orl_json_decoder orl_skies_from_json;
+
+/*
+ * Plans: effect overrides in a job document, and the plan in result.json.
+ *
+ * A job document's "effects" is an object from names of effects (orl_effect_name) to "auto",
+ * "force" or "skip". "caustics" stands for caustics_mirror, caustics_bsdf and caustics_glass. One
+ * of these named beside it overrides it, in any order.
+ *
+ * A result's "plan", and what `oriel plan --json` prints:
+ *
+ *     {"technique": "gather", "why": "...", "most_reflections": 12 or null (all of them),
+ *      "channels": 1 or 3, "photons": {"global": 2000000, "caustic": 0},
+ *      "effects": [{"effect": "sun", "simulated": true, "wish": "auto", "why": "...",
+ *                   "bound": null or {"value": 0.2, "unit": "lx" or "relative"},
+ *                   "saved_s": 0.5}, ...]}
+ *
+ * with every effect once, in the order of enum orl_effect. A bound that is not finite has the
+ * value null. Functions return new references, owned by the caller, or NULL when out of memory.
+ */
+
+/* Decodes the name of a technique; techniques before first in the enum are refused. */
+int orl_technique_from_json(const json_t *value, const char *path, enum orl_technique first,
+                            enum orl_technique *ret_technique, struct orl_error *err);
+
+/* Decoder of "effects" into an array of enum orl_effect_override, one per effect, which holds
+ * defaults. */
+orl_json_decoder orl_effect_overrides_from_json;
+
+/* Returns json null for a plan that was never made (its technique is still ORL_TECHNIQUE_AUTO). */
+json_t *orl_plan_to_json(const struct orl_plan *plan);
+
+/*
+ * Decodes a document's sensors, {"file": NAME} or [[x, y, z, dx, dy, dz], ...], into a job and
+ * leaves its other members unchanged. Sensors read before an error stay in job.
+ */
+
+int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
+                              struct orl_error *err);
+
+/*
+ * A job's sensors in grids:
+ *
+ *     "grids": [{"name": "desks", "sensors": {"file": "grid/desks.pts"} or [[x, y, z, dx, dy, dz],
+ *               ...]}]
+ *
+ * in place of "sensors". The result has "grids": [{"name", "first", "count", "res", "npy"}]: first
+ * is an index in "sensors", res and npy are file names.
+ */
+
+/* Decoder (members.h) into a struct orl_job; sensors and grids read before an error stay there. */
+int orl_grids_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
+
+/* Returns a new reference, or NULL if there are no grids or no memory. */
+json_t *orl_grids_to_json(const struct orl_result *result);
+
+/*
+ * Maps and tables of sensors. A job has
+ *
+ *     "heat_map": {"scale", "decades", "divisions", "palette": as in picture_json.h,
+ *                  "thresholds": [300], "length_unit": "m"}
+ *
+ * and a result has {"csv", "res", "maps": [{"png", "svg", "dat" (for a full grid), "sensors"}]}.
+ */
+
+/* Decoder (members.h) into a struct orl_heat_map_request. */
+orl_json_decoder orl_heat_map_from_json;
+
+/* Returns a new reference, or NULL if there are no files or no memory. */
+json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files);
+
+/*
+ * Named places in a document:
+ *
+ *     [{"name": "living room" (by default "point" and its number), "at": [x, y, z]}, ...]
+ */
+
+/* Decoders (members.h) into a struct orl_vec3: an array of three numbers, checked by
+ * oriel/base/coordinates.h. */
+int orl_point_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
+int orl_direction_from_json(const json_t *value, const char *path, void *into,
+                            struct orl_error *err);
+/* Decoder for members.h's lists into a struct orl_named_point. */
+int orl_named_point_from_json(const json_t *value, const char *path, void *into,
+                              struct orl_error *err);
+
+/* Names the places that have no name. Returns 0 or ORL_ERR_NOMEM. */
+int orl_places_name(struct orl_named_point *places, size_t n, struct orl_error *err);
+
+#endif

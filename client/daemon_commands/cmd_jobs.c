@@ -1,0 +1,199 @@
+/*
+ * oriel submit JOB.json: uploads the files that the document names, posts the job, study or
+ * year, and prints its id.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "daemon_commands/follow_job.h"
+#include "http/http_client.h"
+#include "http/json_get.h"
+#include "http/upload_bundle.h"
+#include "input/job_file.h"
+#include "job/job_request_json.h"
+#include "options/command.h"
+#include "output/reports.h"
+
+/* Returns the document's member that names the files to upload. */
+static const char *queue_position(const struct orl_job_file *file)
+{
+    const char *kind = json_string_value(json_object_get(file->doc, "kind"));
+
+    return kind && strcmp(kind, orl_job_request_kind_name(ORL_JOB_KIND_BSDF_FIT)) == 0
+               ? "measurements"
+               : "scene";
+}
+
+/* Uploads {"files": [...]}, of a scene or of measurements, and replaces it by the upload's id.
+ * An id is left as it is. */
+static int send_scene(struct orl_http *http, struct orl_job_file *file, struct orl_error *err)
+{
+    struct orl_upload bundle = {0};
+    struct orl_job_request job_request = {0};
+    char *id = NULL;
+    int rc;
+
+    if (!json_is_object(json_object_get(file->doc, queue_position(file))))
+        return 0;
+    /* Decoding it as a local job finds errors before anything is sent. */
+    rc = orl_job_request_from_json(file->doc, ORL_JOB_LOCAL, &job_request, NULL, err);
+    if (rc) {
+        orl_error_at(err, file->path, 0, NULL);
+        return rc;
+    }
+    rc = orl_job_bundle_collect(file->folder, &job_request, &bundle, err);
+    if (rc == 0)
+        rc = orl_bundle_upload(&bundle, http, &id, err);
+    if (rc == 0 && json_object_set_new(file->doc, queue_position(file), json_string(id)) != 0)
+        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    free(id);
+    orl_bundle_done(&bundle);
+    orl_job_request_done(&job_request);
+    return rc;
+}
+
+/* Returns true if sensors and views are put into the document, for render jobs and studies, so
+ * that other sensors do not need another upload. A year's files stay files, which its
+ * provenance names. */
+static bool is_inlined(const struct orl_job_file *file)
+{
+    const char *kind = json_string_value(json_object_get(file->doc, "kind"));
+
+    return !kind || strcmp(kind, orl_job_request_kind_name(ORL_JOB_KIND_ANNUAL)) != 0;
+}
+
+/* Sets name and tags from the command line, which override the document's. */
+static int set_labels(struct orl_job_file *file, const char *name, const char *tags,
+                      struct orl_error *err)
+{
+    json_t *list = tags ? json_array() : NULL;
+    int rc = name ? json_object_set_new(file->doc, "name", json_string(name)) : 0;
+
+    while (tags && *tags && rc == 0) {
+        const size_t length = strcspn(tags, ",");
+
+        rc = json_array_append_new(list, json_stringn(tags, length));
+        tags += length + (tags[length] == ',');
+    }
+    if (list && rc == 0)
+        rc = json_object_set(file->doc, "tags", list);
+    json_decref(list);
+    return rc ? orl_error_set(err, ORL_ERR_INVALID, "--name and --tags take text in UTF-8") : 0;
+}
+
+/* Submits the job. *ret_reply: the job's first document, from the daemon's 202. */
+static int submit_job(struct orl_http *http, const char *path,
+                      const struct orl_project_line *project, const char *name, const char *tags,
+                      json_t **ret_reply, struct orl_error *err)
+{
+    struct orl_job_file file = {0};
+    int rc = orl_job_file_open(path, project, &file, err);
+
+    if (rc == 0)
+        rc = set_labels(&file, name, tags, err);
+    if (rc == 0 && is_inlined(&file))
+        rc = orl_job_file_inline_sensors(&file, err);
+    if (rc == 0 && is_inlined(&file))
+        rc = orl_job_file_inline_views(&file, err);
+    if (rc == 0)
+        rc = send_scene(http, &file, err);
+    if (rc == 0)
+        rc = orl_http_post_json(http, "/v1/jobs", file.doc, ret_reply, err);
+    orl_job_file_done(&file);
+    return rc;
+}
+
+int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
+{
+    const char *server = NULL, *name = NULL, *tags = NULL;
+    struct orl_project_line project = {0};
+    bool wait = false;
+    const struct orl_option options[] = {
+        ORL_OPTION_SERVER(&server),
+        {.name = "name", .metavar = "NAME", .help = "what to call the job", .value = &name},
+        {.name = "tags",
+         .metavar = "TAG,...",
+         .help = "what to find it by again, as oriel status --tag does",
+         .value = &tags},
+        ORL_OPTIONS_PROJECT(&project),
+        ORL_OPTIONS_YEAR(&project),
+        {.name = "wait", .help = "follow the job to its end", .flag = &wait},
+    };
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    json_t *reply = NULL;
+    int rc, code;
+
+    if (!orl_options_parse(self, argc, argv, options, 9, 1, 1, &operands, &code))
+        return code;
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0)
+        rc = submit_job(&http, operands.items[0], &project, name, tags, &reply, &err);
+    if (rc) {
+        code = orl_report_error(&err);
+    } else {
+        printf("%s\n", orl_json_text(reply, "id"));
+        code = wait ? orl_follow_job(&http, orl_json_text(reply, "id")) : ORL_EXIT_OK;
+    }
+    json_decref(reply);
+    orl_http_close(&http);
+    return code;
+}
+
+/* oriel wait ID: waits for a job with progress on stderr. */
+
+int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
+{
+    const char *server = NULL;
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    int code;
+
+    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &operands, &code))
+        return code;
+    if (orl_http_open(&http, server, &err))
+        code = orl_report_error(&err);
+    else
+        code = orl_follow_job(&http, operands.items[0]);
+    orl_http_close(&http);
+    return code;
+}
+
+/* oriel cancel ID: cancels a job and returns when it has stopped. */
+
+int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv)
+{
+    const char *server = NULL;
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
+    struct orl_operands operands;
+    struct orl_http http = {0};
+    struct orl_error err = {0};
+    json_t *nothing, *job = NULL;
+    char path[1024];
+    int rc;
+
+    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &operands, &rc))
+        return rc;
+    nothing = json_object();
+    rc = orl_http_open(&http, server, &err);
+    if (rc == 0)
+        rc = orl_job_path(operands.items[0], "/cancel", path, sizeof path, &err);
+    if (rc == 0)
+        rc = orl_http_post_json(&http, path, nothing, &job, &err);
+    if (rc == 0 && !(job && orl_job_has_ended(job))) {
+        fprintf(stderr, "job %s: cancelling\n", operands.items[0]);
+        json_decref(job);
+        job = NULL;
+        rc = orl_await_job(&http, operands.items[0], &job, &err);
+    }
+    if (rc == 0)
+        fprintf(stderr, "job %s: %s\n", operands.items[0], orl_json_text(job, "state"));
+    json_decref(job);
+    json_decref(nothing);
+    orl_http_close(&http);
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+}

@@ -1,0 +1,87 @@
+/*
+ * Options that are members of a document. A command that accepts either a document or options
+ * turns the options into a document first, so that both are checked by the same code.
+ */
+#ifndef ORL_CLIENT_OPTIONS_JOB_OPTIONS_H
+#define ORL_CLIENT_OPTIONS_JOB_OPTIONS_H
+
+#include <jansson.h>
+#include <stdatomic.h>
+
+#include "distributed/distributed_job.h"
+#include "options/command.h"
+
+enum { ORL_MEMBER_OPTIONS_MAX = 8 };
+
+/* A member of the document, set by an option of its name. */
+struct orl_member_option {
+    const char *name, *metavar, *help;
+    bool is_text; /* true: a string; false: a number, if it is one */
+};
+
+/* Members of a command, and their values on the line, NULL if absent. Borrowed. */
+struct orl_member_options {
+    const struct orl_member_option *items;
+    size_t count; /* at most ORL_MEMBER_OPTIONS_MAX */
+    const char *texts[ORL_MEMBER_OPTIONS_MAX];
+};
+
+/* Fills in one option per member. */
+void orl_member_options_fill(struct orl_member_options *member_options,
+                             struct orl_option *ret_options);
+/* Sets the members in doc. Returns nonzero when out of memory or if text is not UTF-8. A value
+ * that should be a number but is none is added as text, so that the decoder refuses it by name. */
+int orl_member_options_apply(const struct orl_member_options *member_options, json_t *doc);
+bool orl_member_options_any(const struct orl_member_options *member_options);
+
+/* Returns true if an operand is a document: FILE.json. */
+bool orl_is_document_name(const char *operand);
+
+/* Command-line options for jobs in parts (distributed_job.h). */
+
+/* Values of the options. */
+struct orl_distributed_options {
+    const char *parts_text; /* --parts: largest number of parts in a round */
+    const char *sbatch;     /* --sbatch: options for it */
+    bool slurm;             /* --slurm */
+};
+#define ORL_OPTIONS_DISTRIBUTED(line)                                                              \
+    {.name = "parts",                                                                              \
+     .metavar = "N",                                                                               \
+     .help = "do it in up to N parts at a time, each a process of its own; same results",          \
+     .value = &(line)->parts_text},                                                                \
+        {.name = "slurm",                                                                          \
+         .help = "parts are tasks of Slurm; DIR and this program are where all nodes see them",    \
+         .flag = &(line)->slurm},                                                                  \
+    {                                                                                              \
+        .name = "sbatch", .metavar = "OPTIONS",                                                    \
+        .help = "with --slurm: more options of sbatch, as \"--partition=long --time=60\"",         \
+        .value = &(line)->sbatch                                                                   \
+    }
+enum { ORL_DISTRIBUTED_OPTIONS = 3 };
+
+/* Returns true if the line asks for parts. *ret_rc: ORL_EXIT_USAGE if the options are invalid. */
+bool orl_distributed_is_requested(const struct orl_subcommand *self,
+                                  const struct orl_distributed_options *line, int *ret_rc);
+
+/* A shared job, and the data that its specification borrows. */
+struct orl_local_distributed {
+    struct orl_distributed_job distributed;
+    char program[4096], folder[4096];
+    char *options;                             /* owned; split into words */
+    const char *words[ORL_SBATCH_OPTIONS_MAX]; /* pointers into options */
+    size_t n_words;
+};
+
+/* Lays the job out in output/parts, which only its owner may access. doc: names its scene's
+ * files below folder. threads: per part. Call orl_local_distributed_done afterwards, also after an
+ * error. */
+int orl_local_distributed_open(struct orl_local_distributed *job,
+                               const struct orl_distributed_options *line, const json_t *doc,
+                               const char *folder, const char *output, uint32_t threads,
+                               const atomic_bool *cancel, struct orl_error *err);
+/* Ends the job and reports the number of parts on stderr. remove: also removes the folder with
+ * all pieces. */
+void orl_local_distributed_done(struct orl_local_distributed *job, bool remove);
+
+#endif

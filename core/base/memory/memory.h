@@ -1,0 +1,76 @@
+/*
+ * Arena: memory that is allocated piece by piece and freed all at once. A scene has millions of
+ * names and vertex lists with the same lifetime. One call to the allocator for each would cost more
+ * than parsing them.
+ *
+ * Ownership: the arena owns what orl_arena_alloc returns. Threads: one at a time.
+ */
+#ifndef ORL_BASE_MEMORY_MEMORY_H
+#define ORL_BASE_MEMORY_MEMORY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <sys/mman.h>
+
+struct orl_arena;
+
+struct orl_arena *orl_arena_new(void);        /* NULL when out of memory */
+void orl_arena_free(struct orl_arena *arena); /* NULL is allowed */
+
+/* Returns `size` bytes, aligned for numbers, pointers and structs of them, not cleared. NULL when
+ * out of memory. */
+void *orl_arena_alloc(struct orl_arena *arena, size_t size);
+
+/* Returns unaligned bytes for text, packed densely. NULL when out of memory. */
+char *orl_arena_alloc_chars(struct orl_arena *arena, size_t size);
+
+/* Returns a NUL-terminated copy of `length` bytes. NULL when out of memory. */
+char *orl_arena_copy_text(struct orl_arena *arena, const char *text, size_t length);
+
+/* Arrays with capacity, which doubles when they are full. */
+
+/* Makes room for one more item. *array holds count items, with capacity *room. Returns false when
+ * out of memory. */
+bool orl_array_reserve(void *array, size_t *capacity, size_t count, size_t item);
+
+/* Makes room for `more` items. Returns false when out of memory. */
+bool orl_array_reserve_more(void *array, size_t *capacity, size_t count, size_t more, size_t item);
+
+/* Allocation of large blocks, and early release of memory that is no longer needed. */
+
+/*
+ * Same as malloc, and freed by free. A large block requests huge pages: page faults for small pages
+ * would take longer than filling the block.
+ */
+static inline void *orl_memory_new(size_t bytes)
+{
+    const size_t huge = (size_t)2 << 20;
+    if (bytes < 2 * huge || bytes > SIZE_MAX - huge)
+        return malloc(bytes);
+    void *memory = aligned_alloc(huge, (bytes + huge - 1) / huge * huge);
+#ifdef MADV_HUGEPAGE
+    /* Only a hint. */
+    if (memory)
+        madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+    return memory;
+}
+
+/*
+ * Releases the pages that lie completely between two addresses of memory from malloc. Their content
+ * is lost; the memory stays allocated. For arrays that are read once, from front to back, while
+ * another one is filled: together they use no more than one.
+ */
+static inline void orl_memory_release_pages(const void *begin, const void *end)
+{
+    const uintptr_t page = 4096;
+    const uintptr_t first = ((uintptr_t)begin + page - 1) / page * page;
+    const uintptr_t last = (uintptr_t)end / page * page;
+    if (first < last)
+        madvise((void *)first, last - first, MADV_DONTNEED);
+}
+
+#endif
