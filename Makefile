@@ -377,7 +377,7 @@ lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 format:
 	clang-format -i $(ALL_C)
 
-# Programs that tell what a crew does together from what its lead does alone (tests/bench/crew_clock.c).
+# Programs that time parallel loops apart from the rest (tests/bench/pool_clock.c).
 $(BUILD)/tests/bench/speed $(BUILD)/tests/bench/scale: \
 	ALL_LDFLAGS += -Wl,--wrap=orl_parallel_for -Wl,--wrap=orl_parallel_try
 bench: deps-check

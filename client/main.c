@@ -12,159 +12,151 @@ static const struct orl_subcommand commands[] = {
      "JOB.json|PROJECT -o DIR [--sky SKY] [--states GROUP=STATE,...] [--threads N]\n"
      "  [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Render a job here, without a daemon",
-     "JOB.json names its scene as {\"files\": [...]}, relative to the document. Images and\n"
-     "result.json go to DIR, photon maps to DIR/maps, where the next run finds them again. A "
-     "project\n"
-     "(a Honeybee model, or the folder that Honeybee exports of one) has its grids and views\n"
-     "rendered, by their names, under a sky of its own or that of --sky.",
+     "JOB.json lists the scene's files as {\"files\": [...]}, relative to the document.\n"
+     "Images and result.json are written to DIR, photon maps to DIR/maps, where later runs\n"
+     "reuse them. For a project (a Honeybee model, or a folder exported by Honeybee), all\n"
+     "grids and views are rendered under their names, with the project's own sky or the\n"
+     "one given by --sky.",
      orl_cmd_run},
     {"plan", "JOB.json|PROJECT [--json] [--threads N]",
-     "Show which technique and effects a job would get, and what accuracies take",
-     "Prints a row for each effect of light: is it simulated, what does leaving it out cost any\n"
-     "sensor or pixel at most (lux, or a share), what does it save (estimated seconds of one\n"
-     "thread), and why. The job's \"effects\" can force or skip each. Then, from two small rounds\n"
-     "by paths, the seconds that jobs for an accuracy would take here.",
+     "Show the technique and effects that a job would use, and the time for accuracies",
+     "Prints a row for each effect of light: whether it is simulated, the largest error at\n"
+     "any sensor or pixel without it (lux, or a fraction), the estimated time saved\n"
+     "(seconds of one thread), and the reason. The job's \"effects\" can force or skip each\n"
+     "effect. Then two small rounds of path tracing predict the seconds that jobs with\n"
+     "given accuracies take here.",
      orl_cmd_plan},
     {"project", "MODEL.hbjson|FOLDER|FILE.rif|FILE.cfg [-o DIR]",
-     "Show what a Honeybee model or folder holds: scene, grids, views, skies, states",
-     "Prints, as JSON, which files make the scene, in their order; the names of its grids, views "
-     "and\n"
-     "skies, and the states of its moving parts; and what was left out, and why. With -o, a "
-     "model's\n"
-     "Radiance files go to DIR, with job.json that names them.",
+     "List the contents of a Honeybee model or folder: scene, grids, views, skies, states",
+     "Prints JSON: the scene's files in reading order; the names of grids, views and\n"
+     "skies; the states of dynamic parts; and the files that are left out, with reasons.\n"
+     "With -o, a model's Radiance files are written to DIR, with a job.json that names\n"
+     "them.",
      orl_cmd_project},
     {"annual",
      "JOB.json|PROJECT -o DIR [--weather FILE [--year YEAR]] [--rules NAME,...] [--cache DIR]\n"
      "  [--honeybee] [--ill] [--phases] [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
-     "Daylight over a year: metrics and verdicts with their intervals",
-     "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of sensors; and, "
-     "if\n"
-     "it likes, hours of use, metrics, targets (\"sDA300/50 >= 55 %\") and rules (\"LEED\",\n"
-     "\"EN 17037\"). Leaves result.json, sensors.csv, hours.csv, maps of every grid over the plan "
-     "and\n"
-     "over the year, and a page of each to show (PDF). With --honeybee all hours go to DIR/results "
-     "as\n"
-     "Honeybee keeps them, with --ill to Radiance matrices; --phases adds those of the three- and\n"
-     "five-phase methods. A project (a Honeybee model or folder) takes the document's place, with "
-     "all\n"
-     "of its grids and the states of its windows: then --weather is wanted.",
+     "Compute a year of daylight: metrics and verdicts with their intervals",
+     "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of\n"
+     "sensors. Optional members are hours of use, metrics, targets (\"sDA300/50 >= 55 %\")\n"
+     "and rules (\"LEED\", \"EN 17037\"). Writes result.json, sensors.csv, hours.csv, maps of\n"
+     "every grid over the plan and over the year, and a one-page summary of every grid\n"
+     "(PDF). --honeybee writes all hours to DIR/results in Honeybee's format, --ill as\n"
+     "Radiance matrices; --phases adds the matrices of the three- and five-phase methods.\n"
+     "A project (a Honeybee model or folder) can be given in place of the document. Then\n"
+     "all its grids and the states of its windows are used, and --weather is required.",
      orl_cmd_annual},
     {"verify", "RESULT [--files DIR] [--threads N]",
-     "Repeat a year from its result's provenance, and compare bytes",
-     "RESULT is a year's result.json, or the folder that it is in with its files. Inputs are "
-     "looked\n"
-     "for by their names below --files, and are to have the digests that the result names. Ends "
-     "with\n"
-     "0 when all bytes are the same, 1 when some are not, each file named, and 2 when the year\n"
-     "cannot be repeated: an input is another by now, or absent.",
+     "Repeat a year from the provenance in its result, and compare the bytes",
+     "RESULT is a year's result.json, or the folder that contains it and the year's other\n"
+     "files. Inputs are searched by name below --files and must have the digests that the\n"
+     "result names. Exit codes: 0 if all bytes are equal; 1 if some differ, with each such\n"
+     "file named; 2 if the year cannot be repeated, because an input has changed or is\n"
+     "missing.",
      orl_cmd_verify},
-    {"part", "FILE", "Do one part of a job that is done in parts",
-     "FILE is one that run, annual, study or bsdf make with --parts or --slurm has written; they\n"
-     "start this themselves, or have Slurm start it. What comes of it lies beside FILE.",
+    {"part", "FILE", "Compute one part of a job that is divided into parts",
+     "FILE is written by run, annual, study or bsdf make with --parts or --slurm. These\n"
+     "commands start this one themselves, or through Slurm. The results are written beside\n"
+     "FILE.",
      orl_cmd_part},
     {"study", "STUDY.json -o DIR [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
-     "Show what accuracy costs in time, by techniques and settings",
-     "Runs every technique at every number of photons and samples that STUDY.json lists, with\n"
-     "several seeds, and compares them with a long unbiased one. Leaves study.json, study.csv,\n"
-     "study.svg and study.png in DIR. Times are of one thread unless --threads says more.",
+     "Measure accuracy against time, for techniques and settings",
+     "Runs every technique with every number of photons and samples that STUDY.json lists,\n"
+     "each with several seeds, and compares the results with a long unbiased run. Writes\n"
+     "study.json, study.csv, study.svg and study.png to DIR. Times are for one thread\n"
+     "unless --threads gives another number.",
      orl_cmd_study},
     {"submit",
      "JOB.json|PROJECT [--name NAME] [--tags TAG,...] [--server URL] [--wait]\n"
      "  [--sky SKY] [--states GROUP=STATE,...] [--weather FILE [--year YEAR] [--rules NAME,...]]",
      "Send a job, study or year, and the files it needs, to a daemon",
-     "Uploads the scene's files and everything they refer to, then prints the job's id. A project\n"
-     "is rendered as by `oriel run`, and with --weather its year told as by `oriel annual`.",
+     "Uploads the scene's files and all files that they refer to, then prints the job's\n"
+     "id. A project is rendered as by `oriel run`. With --weather, its year is computed as\n"
+     "by `oriel annual`.",
      orl_cmd_submit},
     {"status",
      "[ID] [--state STATE] [--tag TAG] [--scene ID] [--since TIME] [--limit N] [--server URL]",
-     "Show one job, or the latest ones",
-     "Without an id a line each: name (else tags), state, progress, time left or place in the "
-     "queue,\n"
-     "and the relative error so far of jobs with a goal. The first digits of an id do for an id, "
-     "here\n"
-     "as for the other commands.",
+     "Show one job, or the latest jobs",
+     "Without an id, prints one line per job: name (or else tags), state, progress, time\n"
+     "left or place in the queue, and for jobs with a goal the relative error so far. An\n"
+     "id can be shortened to its first digits, here and in the other commands.",
      orl_cmd_status},
-    {"watch", "[--tag TAG] [--server URL]", "Show all jobs as they change, a line each",
-     "First those that are there, then what becomes of them and what is new: a line, as status "
-     "has\n"
-     "it, for each new state, each round's error and each tenth of the way. A daemon that "
-     "restarts\n"
-     "in between is waited for. Ends with Ctrl-C.",
+    {"watch", "[--tag TAG] [--server URL]", "Show all jobs as they change, one line per change",
+     "First lists the existing jobs. Then prints a line, in the format of status, for each\n"
+     "new job or state, for the error after each round, and for each 10 % of progress. If\n"
+     "the daemon restarts, the command waits for it. Ends with Ctrl-C.",
      orl_cmd_watch},
     {"wait", "ID [--server URL]", "Follow a job to its end, with progress",
-     "Ends with 0 when the job succeeded, 1 when it failed or was cancelled. A daemon that\n"
-     "restarts in between is waited for.",
+     "Exit codes: 0 if the job succeeded, 1 if it failed or was cancelled. If the daemon\n"
+     "restarts, the command waits for it.",
      orl_cmd_wait},
     {"fetch", "ID -o DIR [--server URL]", "Download a finished job's results",
-     "result.json and the files that belong to it: a job's images; a study's study.csv, study.svg\n"
-     "and study.png; a year's tables, maps, carpets and pages, in folders where it has such.",
+     "Downloads result.json and the job's other files: the images of a render job;\n"
+     "study.csv, study.svg and study.png of a study; tables, maps, temporal maps and pages\n"
+     "of a year, in subfolders where the result has them.",
      orl_cmd_fetch},
     {"cancel", "ID [--server URL]", "Stop a job, and wait until it has stopped", NULL,
      orl_cmd_cancel},
-    {"remove", "job|scene|bsdf ID... [--server URL]", "Have a daemon forget what it keeps",
-     "A job that has ended goes with its results; a scene when no job waits for it or runs, and a\n"
-     "BSDF when no scene has it. Photon maps: oriel maps --remove.",
+    {"remove", "job|scene|bsdf ID... [--server URL]", "Remove jobs, scenes or BSDFs from a daemon",
+     "A job must have ended; its results are removed with it. A scene can be removed if no\n"
+     "waiting or running job needs it, a BSDF if no scene contains it. Photon maps: oriel\n"
+     "maps --remove.",
      orl_cmd_remove},
-    {"list", "scenes|bsdfs [--server URL]", "List the uploads a daemon keeps, the latest first",
-     "A scene's size, the jobs that had it and those under way, and when it was last used; a "
-     "BSDF's\n"
-     "size, how many scenes have it, and its name.",
+    {"list", "scenes|bsdfs [--server URL]",
+     "List the scenes or BSDFs that a daemon stores, the latest first",
+     "For a scene: its size, the numbers of all its jobs and of unfinished ones, and the\n"
+     "time of last use. For a BSDF: its size, the number of scenes that contain it, and\n"
+     "its name.",
      orl_cmd_list},
     {"link", "ID FILE... [--seconds N] [--server URL]",
-     "Print addresses of results that need no token, for a while",
-     "Whoever has one may read that file, from any program, until its time is over or the token "
-     "that\nasked for it is revoked.",
+     "Print temporary addresses of results that need no token",
+     "Anyone who has an address can read that file, with any program, until the address\n"
+     "expires or the token that requested it is revoked.",
      orl_cmd_link},
     {"maps", "[--remove KEY] [--server URL]",
-     "List photon maps and BSDFs a daemon keeps, and what they saved",
-     "With --remove it removes the one whose key begins so. A job that needs it makes it anew.",
+     "List the photon maps and BSDFs that a daemon stores, and the time they saved",
+     "With --remove, removes the one whose key begins with KEY. A job that needs it builds\n"
+     "it again.",
      orl_cmd_maps},
     {"upload",
      "scene FILE... | scene FOLDER|ZIP|MODEL.hbjson [FILE...] | bsdf FILE  [--server URL]",
-     "Send a scene or a BSDF; prints its id",
-     "A scene's files are named relative to the working directory, or to the folder, as its texts\n"
-     "refer to them. A folder's scene is made of the files named behind it, else of the .rad "
-     "files\n"
-     "in it that no command of another names, in the order of their names; what these refer to\n"
-     "goes along. A zip of a folder is sent whole, and unpacked by the daemon; and so is a "
-     "Honeybee\n"
-     "model, which it translates.",
+     "Upload a scene or a BSDF, and print its id",
+     "A scene's files are named relative to the working directory, or to the folder, as\n"
+     "the scene's texts refer to them. The main files of a folder are those named after\n"
+     "it. By default they are the folder's .rad files that no command in another file\n"
+     "names, in the order of their names. All files that these refer to are included. A\n"
+     "zip of a folder is sent as it is, and the daemon unpacks it. A Honeybee model is\n"
+     "sent as it is, too, and the daemon translates it.",
      orl_cmd_upload},
     {"bsdf",
      "check FILE [--json] | fit DATA... -o FILE.xml [...]\n"
      "  | make PANEL.rad... -o FILE.xml [...]\n"
      "  | convert FILE -o FILE.xml [...] | compare FILE FILE [--report FILE]\n"
      "  | plot FILE [FILE] -o PICTURE [...]",
-     "Look a BSDF file over, or make one of measurements or geometry",
-     "make measures a panel on a virtual goniophotometer: scene files of any geometry and "
-     "materials\n"
-     "in the xy plane, y up, z towards the inside, repeated without end; `oriel bsdf make --help`\n"
-     "has its options. In place of files it takes a document (FILE.json, \"kind\": "
-     "\"bsdf_make\").\n"
-     "convert brings one into another basis, resolution or cull, and prints what is lost, as "
-     "compare\n"
-     "does of two: in all, in cones of two degrees, and what goes elsewhere.\n"
-     "plot draws where light from a direction goes, of two files with their differences; "
-     "`oriel bsdf\nplot --help` has its options.\n"
-     "fit takes what a goniophotometer measured: pab-opto's text files, an incident direction "
-     "each, "
-     "or\n"
-     "CSV with columns theta_in, phi_in, theta_out, phi_out and bsdf or dsf (degrees, theta from "
-     "the\n"
-     "inside's normal); or a document (\"kind\": \"bsdf_fit\"). It says how well each direction is "
-     "told\nby the others; `oriel bsdf fit --help` has its options.\n"
-     "check prints type and resolution, reflectance and transmittance by direction, and what is "
-     "wrong "
-     "or\n"
-     "worth knowing: energy gained, reciprocity, sides and up, the sun's smear. Ends with 1 when\n"
-     "the file is refused or at fault.",
+     "Check a BSDF file, or make one from measurements or geometry",
+     "make computes the BSDF of a panel on a virtual goniophotometer. The panel is given\n"
+     "by scene files of any geometry and materials in the xy plane, y up, z towards the\n"
+     "inside; it is repeated without end. Files can be replaced by a document (FILE.json,\n"
+     "\"kind\": \"bsdf_make\"). `oriel bsdf make --help` lists its options.\n"
+     "convert changes the basis, resolution or cull of a BSDF, and prints the loss.\n"
+     "compare prints the differences of two BSDFs: in total, in cones of two degrees, and\n"
+     "light that is sent elsewhere.\n"
+     "plot draws the scattering of light from one direction, and for two files also their\n"
+     "difference. `oriel bsdf plot --help` lists its options.\n"
+     "fit fits a BSDF to goniophotometer measurements: pab-opto's text files, with an\n"
+     "incident direction each, or CSV with columns theta_in, phi_in, theta_out, phi_out\n"
+     "and bsdf or dsf (degrees, theta from the inside's normal). Files can be replaced by\n"
+     "a document (\"kind\": \"bsdf_fit\"). fit reports how well each direction is predicted by\n"
+     "the others. `oriel bsdf fit --help` lists its options.\n"
+     "check prints type and resolution, reflectance and transmittance by direction, and\n"
+     "problems: gain of energy, violated reciprocity, wrong sides or up direction, and\n"
+     "blurring of the sun. Exit code 1 if the file is refused or faulty.",
      orl_cmd_bsdf},
     {"glare", "PICTURE.hdr [-d] [--json] [--task X,Y,ANGLE] ...",
-     "Find the glare sources of an HDR picture, and rate them",
-     "DGP and other indices of any Radiance picture with a VIEW line, as evalglare has them and\n"
-     "with its defaults; core/metrics/evalglare.md says where the two differ. Options -b -T -r -s "
-     "-x\n"
-     "-Y -A -i -d are evalglare's.",
+     "Find the glare sources of an HDR picture, and compute glare metrics",
+     "Computes DGP and other indices of any Radiance picture with a VIEW line, with\n"
+     "evalglare's definitions and defaults; core/metrics/evalglare.md lists the\n"
+     "differences. Options -b -T -r -s -x -Y -A -i -d are evalglare's.",
      orl_cmd_glare},
     {"version", "", "Print the version", NULL, orl_cmd_version},
 };
@@ -185,11 +177,13 @@ static void print_overview(FILE *to)
                 "usage: oriel COMMAND ...\n\n");
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].summary);
-    fprintf(to,
-            "\n`oriel COMMAND --help` says more. Daemon: --server URL, or $ORIEL_URL, or\n"
-            "http://127.0.0.1:8423; its access token: $ORIEL_TOKEN; a CA of your own: $ORIEL_CA.\n"
-            "Clients take turns, by $ORIEL_CLIENT or the user's name where there are no tokens.\n"
-            "Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
+    fprintf(
+        to,
+        "\n`oriel COMMAND --help` shows details. Daemon: --server URL, or $ORIEL_URL, or\n"
+        "http://127.0.0.1:8423; access token: $ORIEL_TOKEN; own CA certificate: $ORIEL_CA.\n"
+        "The daemon's queue alternates between clients. Without tokens, a client is identified\n"
+        "by $ORIEL_CLIENT or the user's name.\n"
+        "Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
 }
 
 /* Handles common spellings: --help, -h, help [COMMAND], --version. Returns -1 for any other. */
@@ -240,8 +234,6 @@ int main(int argc, char **argv)
     }
     return code;
 }
-
-/* oriel version: prints the version. */
 
 int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv)
 {

@@ -12,7 +12,6 @@
 
 #include "checks/child/child_checks.h"
 #include "handlers/handlers.h"
-#include "http/access/tokens.h"
 #include "maintenance/scrub.h"
 #include "process/config.h"
 #include "process/limits.h"

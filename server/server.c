@@ -20,7 +20,10 @@
 #include "store/database/db.h"
 #include "store/rows/stored_tokens.h"
 
-void orl_notify(const char *state)
+/* ---- Notifications to systemd, by its socket alone (sd_notify(3)) ---------------------------- */
+
+/* Sends a state such as "READY=1" or "STOPPING=1". Does nothing if systemd does not listen. */
+static void notify(const char *state)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     const char *path = getenv("NOTIFY_SOCKET");
@@ -38,11 +41,12 @@ void orl_notify(const char *state)
     close(fd);
 }
 
-void orl_notify_alive(void)
+/* Sends "WATCHDOG=1" if systemd expects it. Called every second. */
+static void notify_alive(void)
 {
     const char *pid = getenv("WATCHDOG_PID");
     if (getenv("WATCHDOG_USEC") && (!pid || strtol(pid, NULL, 10) == (long)getpid()))
-        orl_notify("WATCHDOG=1");
+        notify("WATCHDOG=1");
 }
 
 enum { SAVING_MS = 1000, ANSWERS_MS = 500 };
@@ -137,7 +141,7 @@ static void on_saving(uv_timer_t *timer)
     orl_jobs_save(server->jobs);
     orl_crash_record_update(&server->memory, server->checks.count);
     orl_jobs_enforce_limits(server->jobs);
-    orl_notify_alive();
+    notify_alive();
     orl_scrub_thread_poll(server->scrub_thread);
     orl_storage_check(&server->storage);
     orl_loop_watchdog_ping(&server->watchdog);
@@ -172,7 +176,7 @@ static void on_signal(int signum, void *ctx)
     if (server->context.stopping)
         return;
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
-    orl_notify("STOPPING=1");
+    notify("STOPPING=1");
     if (server->draining || server->config.drain_s == 0) {
         stop_server(server);
         return;
@@ -473,7 +477,7 @@ static void announce_address(struct orl_server *server, void (*announce)(const c
                   server->config.data, "threads", (int64_t)server->config.threads, "jobs",
                   (int64_t)server->config.jobs);
     announce(url);
-    orl_notify("READY=1");
+    notify("READY=1");
 }
 
 int orl_server_run(const struct orl_config *config, const struct orl_routes *routes,

@@ -6,7 +6,7 @@
  * until none runs, the time limit is over, or a second signal comes. Then it accepts no new
  * connections, stops jobs that still run and queues them again, sends the pending answers, and
  * closes everything in the opposite order. Further signals change nothing (process/signals.h). A
- * stop that takes longer than health/shutdown_timeout.h allows ends the process at once.
+ * stop that takes longer than health/crash.h allows ends the process at once.
  */
 #ifndef ORL_SERVER_SERVER_H
 #define ORL_SERVER_SERVER_H
@@ -40,7 +40,7 @@ struct orl_server {
     uv_async_t cache_changed;
     uv_timer_t drain, saving;
     uv_prepare_t log_lines;    /* writes buffered lines before the loop sleeps */
-    char program[ORL_SHA_HEX]; /* program.h */
+    char program[ORL_SHA_HEX]; /* checkpoints.h */
     struct orl_folders folders;
     struct orl_db db;
     struct orl_retention retention;
@@ -78,15 +78,5 @@ struct orl_server {
  */
 int orl_server_run(const struct orl_config *config, const struct orl_routes *routes,
                    void (*announce)(const char *url), struct orl_error *err);
-
-/*
- * Notifications to systemd if it started the daemon: ready, stopping, and periodically that the
- * loop still runs (sd_notify(3), by its socket alone).
- */
-
-/* Sends a state such as "READY=1" or "STOPPING=1". Does nothing if systemd does not listen. */
-void orl_notify(const char *state);
-/* Sends "WATCHDOG=1" if systemd expects it. Called every second. */
-void orl_notify_alive(void);
 
 #endif

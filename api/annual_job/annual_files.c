@@ -210,7 +210,8 @@ static int write_plans(struct annual_writer *w, size_t g, const char *grid)
     return rc;
 }
 
-/* Draws a grid's year as carpets: mean illuminance, and share of the area with at least 300 lx. */
+/* Draws a grid's year as temporal maps: mean illuminance, and share of the area with at least 300
+ * lx. */
 static int write_years(struct annual_writer *w, size_t g, const char *grid)
 {
     static const struct {

@@ -40,7 +40,7 @@ static void on_done(void *ctx, const struct orl_annual_chunk *chunk)
         r->env->done(r->env->run->ctx, chunk);
 }
 
-/* Returns the year's fraction of the job's time. A seat takes about as long as 128 sensors. */
+/* Returns the year's fraction of the job's time. A viewpoint takes about as long as 128 sensors. */
 static double render_fraction(const struct orl_annual_job *job)
 {
     static const double sensors_per_viewpoint = 128;

@@ -1,7 +1,7 @@
 /*
- * Runs a year's job from its document to its files, for the command line and the daemon. It reads
- * sensors from files, runs the year until the verdict is sure, computes metrics and verdicts, adds
- * warnings, and writes the files and result.json.
+ * Runs a year's job from its document to its files, for the command line and the daemon. The run
+ * reads sensors from files, runs the year until the verdict is sure, computes metrics and verdicts,
+ * adds warnings, and writes the files and result.json.
  */
 #ifndef ORL_API_ANNUAL_JOB_ANNUAL_JOB_H
 #define ORL_API_ANNUAL_JOB_ANNUAL_JOB_H
@@ -37,14 +37,14 @@ int orl_annual_job_run(struct orl_annual_job *job, const struct orl_annual_job_e
                        struct orl_error *err);
 
 /*
- * Writes the files of a year, each either whole or absent: tables, the maps, carpets and page of
- * every grid, and the hourly files that the job asks for.
+ * Writes the files of a year, each either whole or absent: tables, the maps, temporal maps and page
+ * of every grid, and the hourly files that the job asks for.
  */
 
 /* Results to write; all pointers are borrowed. */
 struct orl_annual_outputs {
     const struct orl_annual_job *job;
-    const struct orl_run_env *run; /* output_folder exists; crew, cancel and progress are used */
+    const struct orl_run_env *run; /* output_folder exists; pool, cancel and progress are used */
     const struct orl_annual_result *result;
     const struct orl_annual_report *report;
     const struct orl_phase_matrices *phases; /* for the job's formats; or NULL */

@@ -1,6 +1,9 @@
 /*
- * Decodes the grids and the scene of a year's document. annual_json.h has the document's format,
- * rules and errors.
+ * Members of a year's document and of its result: grids, matrices, shades, exposure to sunlight,
+ * view out and glare. annual_json.h has the document's format, rules and errors.
+ *
+ * annual_grids_json.c and annual_shades_json.c have grids and shades, annual_members_json.c the
+ * other members.
  */
 #ifndef ORL_API_ANNUAL_JOB_ANNUAL_MEMBERS_JSON_H
 #define ORL_API_ANNUAL_JOB_ANNUAL_MEMBERS_JSON_H
@@ -20,7 +23,7 @@ int orl_annual_grids_from_json(const json_t *doc, enum orl_job_origin origin,
 
 /*
  * Matrices of other programs in a year's document, in place of path tracing.
- * oriel/annual/annual_matrices.h defines them.
+ * oriel/annual/annual.h defines them.
  *
  *     "matrices": [{"grid": "desks" (by default all sensors),
  *                   "view": "v.mtx", "transmission": "blinds.xml" or "t.mtx", "daylight": "d.mtx",
@@ -28,7 +31,7 @@ int orl_annual_grids_from_json(const json_t *doc, enum orl_job_origin origin,
  *                   "sky": "year.smx", "subtract": false}, ...]
  */
 
-/* Decoder (members.h) into a struct orl_annual_request. */
+/* Decoder (decode.h) into a struct orl_annual_request. */
 int orl_annual_matrices_from_json(const json_t *value, const char *path, void *into,
                                   struct orl_error *err);
 
@@ -44,7 +47,7 @@ int orl_annual_matrices_from_json(const json_t *value, const char *path, void *i
  *                 "rules": [{"months": [5, 9], "from": 10, "to": 16, "state": "blinds"}, ...],
  *                 "control": {"by": "LM-83" or "sun" or "illuminance", "grid": "eyes",
  *                             "above": 1000 (lx), "share": 2 (%, by sun), "state": "blinds"}
- *                            or {"by": "dgp", "seats": [...] (annual_glare_json.h), "above": 0.4,
+ *                            or {"by": "dgp", "seats": [...] (as in "glare"), "above": 0.4,
  *                             "state": "blinds"}}]
  *
  * By default, a control closes the group to its second state. In result.json:
@@ -53,7 +56,7 @@ int orl_annual_matrices_from_json(const json_t *value, const char *path, void *i
  *     "states": [{"name", "hours" (with light in the weather file), "occupied_hours"}]}]}
  */
 
-/* Decoder (members.h) into a struct orl_annual_request. */
+/* Decoder (decode.h) into a struct orl_annual_request. */
 int orl_annual_shades_from_json(const json_t *value, const char *path, void *into,
                                 struct orl_error *err);
 
@@ -87,7 +90,7 @@ json_t *orl_annual_shades_settings(const struct orl_annual_request *request);
  *     "high"}]}
  */
 
-/* Decoder (members.h) into a struct orl_exposure_request. */
+/* Decoder (decode.h) into a struct orl_exposure_request. */
 int orl_annual_exposure_from_json(const json_t *value, const char *path, void *into,
                                   struct orl_error *err);
 
@@ -113,7 +116,7 @@ json_t *orl_annual_exposure_to_json(const struct orl_exposure_request *exposure_
  *     that reaches each), "level" (that 75 % of the area reaches)}] (none without above_sensors)}
  */
 
-/* Decoder (members.h) into a struct orl_view_out_request. */
+/* Decoder (decode.h) into a struct orl_view_out_request. */
 int orl_annual_view_out_from_json(const json_t *value, const char *path, void *into,
                                   struct orl_error *err);
 
@@ -139,7 +142,7 @@ json_t *orl_annual_view_out_to_json(const struct orl_view_out_request *view_out_
  * glare.csv has every lit hour of use.
  */
 
-/* Decoder (members.h) into a struct orl_viewpoint_request. */
+/* Decoder (decode.h) into a struct orl_viewpoint_request. */
 int orl_annual_glare_from_json(const json_t *value, const char *path, void *into,
                                struct orl_error *err);
 

@@ -1,10 +1,9 @@
 /*
- * Contents of an uploaded BSDF -> JSON: {"name", "kind", "resolution", "values", "bytes",
- * "components": {"reflection_front", "reflection_back", "transmission_front",
- * "transmission_back"}, "dummy": {"transmission_front", "transmission_back": null, "zero" or
- * "copy"}, "max_albedo": {"front", "back"}, "thickness_m", "colored", "clamped"}. Front is the
- * side to which a Radiance surface's normal points; the XML has front and back exchanged. Returns
- * a new reference, owned by the caller, or NULL when out of memory.
+ * BSDFs in JSON: contents and check of a BSDF, the light scattered from one direction, differences
+ * of two BSDFs, and the documents and results of bsdf_make and bsdf_fit.
+ *
+ * Front is the side to which a Radiance surface's normal points; the XML has front and back
+ * exchanged.
  */
 #ifndef ORL_API_BSDF_JSON_BSDF_JSON_H
 #define ORL_API_BSDF_JSON_BSDF_JSON_H
@@ -18,6 +17,14 @@
 
 #include "job/job_json.h"
 
+/*
+ * Contents of an uploaded BSDF -> JSON: {"name", "kind", "resolution", "values", "bytes",
+ * "components": {"reflection_front", "reflection_back", "transmission_front",
+ * "transmission_back"}, "dummy": {"transmission_front", "transmission_back": null, "zero" or
+ * "copy"}, "max_albedo": {"front", "back"}, "thickness_m", "colored", "clamped"}. Returns a new
+ * reference, owned by the caller, or NULL when out of memory. The same holds for the functions
+ * below.
+ */
 json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info);
 
 /*

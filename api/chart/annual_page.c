@@ -264,7 +264,7 @@ static int draw_page(const struct orl_page_canvas *s)
 {
     const double assumptions = ORL_PAGE_HEIGHT - ORL_PAGE_MARGIN - measure_assumptions(s->page);
     const double year =
-        assumptions - parts_apart - year_height; /* latest start of the year's carpet */
+        assumptions - parts_apart - year_height; /* latest start of the year's temporal map */
     double y = draw_head(s), wide, high;
     int code = 0;
     y = orl_page_draw_warnings(s, y);

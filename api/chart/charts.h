@@ -1,6 +1,6 @@
 /*
- * A one-page summary of a year: figures and verdicts with intervals, a grid over its plan, the
- * year as a carpet, and the assumptions. The page has A4 proportions, upright.
+ * Charts of results, drawn on a canvas (oriel/base/canvas.h): a year's page and temporal maps,
+ * scattering of BSDFs, glare over skies, and a study. Each has a source file of its own.
  */
 #ifndef ORL_CHART_CHARTS_H
 #define ORL_CHART_CHARTS_H
@@ -14,6 +14,10 @@
 #include <oriel/job/glare.h>
 #include <oriel/job/study.h>
 
+/*
+ * A one-page summary of a year: figures and verdicts with intervals, a grid over its plan, the
+ * year as a temporal map, and the assumptions. The page has A4 proportions, upright.
+ */
 struct orl_annual_page {
     const char *title; /* NULL: only the grid's name */
     const struct orl_annual_request *request;
@@ -30,8 +34,8 @@ int orl_annual_page_write(const struct orl_annual_page *page, enum orl_canvas_ki
                           const char *path, struct orl_error *err);
 
 /*
- * Draws a year as a carpet: days from left to right, hours of the day upwards, a colour for each
- * step. Steps without light from the sky are gray, unmeasured ones white.
+ * Draws a year as a temporal map: days from left to right, hours of the day upwards, a colour for
+ * each step. Steps without light from the sky are gray, unmeasured ones white.
  *
  * Values are those of all steps of a year (oriel/annual/annual_metrics.h), hours in local standard
  * time.

@@ -1,4 +1,5 @@
-/* Draws warnings above the figures, because warnings may invalidate figures. */
+/* Draws parts of an annual page: warnings, and a table of sensors where there is no map. Warnings
+ * are above the figures, because they may invalidate figures. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -80,7 +81,7 @@ double orl_page_draw_warnings(const struct orl_page_canvas *s, double y)
     return warning_list.y + 10;
 }
 
-/* Draws a table of a grid's sensors. */
+/* ---- Sensors --------------------------------------------------------------------------------- */
 
 enum { COLUMNS = 3, MOST_ROWS = 12, COLUMN_WIDTH = 190 };
 

@@ -1,5 +1,5 @@
 /*
- * The sheet of an annual page: its measures and letters, and the format of its values. y is the
+ * The canvas of an annual page: its measures and letters, and the format of its values. y is the
  * baseline of a text. Functions that draw lines of text return the y of the next line.
  */
 #ifndef ORL_CHART_PAGE_TEXT_H

@@ -138,8 +138,8 @@ static void draw_one(const struct orl_page_canvas *s, const struct verdict_list 
         draw_verdict(s, v, name, v->rule && !name[0] ? 12 : 0, &at);
 }
 
-/* Draws the next verdict. Returns false if there is no room for it and its note. A sheet
- * without a canvas only measures. */
+/* Draws the next verdict. Returns false if there is no room for it and its note. Without
+ * a canvas it only measures. */
 static bool draw_next(const struct orl_page_canvas *s, struct verdict_list *verdict_list,
                       struct orl_page_column *column, double bottom)
 {

@@ -1,6 +1,11 @@
 /*
- * A logarithmic axis: maps values above zero to a range on the page. Ticks are at 1, 2 and 5
- * times powers of ten, or only at powers of ten if those are too dense.
+ * The layout of a study's chart: the place of each item on the page. study_chart.c draws it.
+ *
+ * Page units are 1/72 inch in SVG and two pixels in PNG, y downwards. Every text has a box; no two
+ * boxes overlap, and none extends beyond the page. The legend has a column of its own, right of
+ * the curves. A point's label is placed at a free place nearby, or farther off with a leader line.
+ * If there is none, labels of the study's own points are dropped. Labels of given points may then
+ * be anywhere in the plot, or are counted in n_unlabelled.
  */
 #ifndef ORL_API_CHART_STUDY_LAYOUT_H
 #define ORL_API_CHART_STUDY_LAYOUT_H
@@ -9,6 +14,11 @@
 
 #include <oriel/base/canvas.h>
 #include <oriel/job/study.h>
+
+/*
+ * A logarithmic axis: maps values above zero to a range on the page. Ticks are at 1, 2 and 5
+ * times powers of ten, or only at powers of ten if those are too dense.
+ */
 
 enum { ORL_AXIS_TICKS = 64 };
 
@@ -31,16 +41,6 @@ double orl_axis_at(const struct orl_axis *axis, double value);
 
 /* Writes a tick's label, such as "0.05", "20", "10000" or "1e+05". */
 void orl_axis_format(double tick, char *ret_text, size_t size);
-
-/*
- * The layout of a study's chart: the place of each item on the page. study_chart.c draws it.
- *
- * Page units are 1/72 inch in SVG and two pixels in PNG, y downwards. Every text has a box; no two
- * boxes overlap, and none extends beyond the page. The legend has a column of its own, right of
- * the curves. A point's label is placed at a free place nearby, or farther off with a leader line.
- * If there is none, labels of the study's own points are dropped. Labels of given points may then
- * be anywhere in the plot, or are counted in n_unlabelled.
- */
 
 struct orl_chart_box {
     double x0, y0, x1, y1;

@@ -18,7 +18,7 @@ static const unsigned char ink[3] = {26, 26, 26}, faint[3] = {150, 150, 150},
 struct plot_area {
     const struct orl_temporal_map *map;
     struct orl_canvas *canvas;
-    double x0, y0, x1, y1; /* corners of the carpet */
+    double x0, y0, x1, y1; /* corners of the map */
     double top;
     uint32_t days, per_day;
 };
@@ -75,7 +75,7 @@ static int find_top(struct plot_area *s)
     return 0;
 }
 
-/* ---- The carpet ------------------------------------------------------------------------------ */
+/* ---- The map --------------------------------------------------------------------------------- */
 
 enum { LEVEL_NIGHT = -1, LEVEL_NONE = -2 };
 

@@ -1,5 +1,5 @@
 /*
- * A job shared between processes (oriel/tasks.h). All of them see its folder (shared_folder.h),
+ * A job shared between processes (oriel/job/job_tasks.h). All of them see its folder (below),
  * which has the document, its files by name and digest, the tasks already made, and the parts. A
  * part is a file that names the tasks to make. `oriel part` executes one part, on any machine.
  *
@@ -7,7 +7,7 @@
  * parts of about equal work. The division depends only on the job and the number of parts. A part
  * that is lost or fails is tried three times; then the job ends with that part's error. A part
  * that exceeds Slurm's limit of time or memory is restarted with twice as much, at most five
- * times. These restarts do not count as tries (part_limits.h). A stopped run leaves the folder. The
+ * times. These restarts do not count as tries (runner.h). A stopped run leaves the folder. The
  * next run of the same job, by the same version, reuses its tasks and waits for its parts that
  * are still active.
  */
@@ -55,7 +55,7 @@ struct orl_distributed_job_spec {
     size_t n_files;
     uint32_t threads;         /* threads per part */
     uint32_t most;            /* most parts of a round, and at once */
-    uint64_t memory_bytes;    /* estimated memory of the job; 0: unknown (part_limits.h) */
+    uint64_t memory_bytes;    /* estimated memory of the job; 0: unknown (runner.h) */
     const char *program;      /* path of the oriel program */
     bool slurm;               /* true: by Slurm; false: as processes on this machine */
     uint32_t most_processes;  /* number of these processes at once */
@@ -100,7 +100,7 @@ int orl_distributed_job_abandon(const char *folder, double (*now_s)(void *ctx),
                                 struct orl_error *err);
 
 /*
- * The folder of a shared job (distributed_job.h) on disk:
+ * The folder of a shared job on disk (shared_folder.c):
  *
  *     job.json, files.json ({"NAME": "SHA-256"}), files/NAME   the job
  *     store/KIND-KEY.opm                                       tasks made

@@ -1,7 +1,8 @@
 /*
  * Runners start the parts of a shared job (distributed_job.h): as processes on this machine, or by
  * Slurm. A part is a file WAVE-NUMBER.json in the shared folder, for `oriel part`. Files beside it
- * record that it is done or has failed. The runner only knows which parts are active.
+ * record that it is done or has failed. The runner only knows which parts are active. Below are
+ * the programs that runners call, the limits of a part, and the bounds of a cluster.
  *
  * Slurm tasks have a name made of job and round, so that a run after a crash finds the tasks of the
  * run before it.
@@ -105,7 +106,7 @@ int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cance
                     char ret_output[ORL_COMMAND_OUTPUT], struct orl_error *err);
 
 /*
- * Limits of memory and time for a part under Slurm (runner.h). They are the estimate for its
+ * Limits of memory and time for a part under Slurm. They are the estimate for its
  * tasks, with a margin because scenes and machines differ by factors. A part that exceeds a
  * limit is tried again with twice as much (task_round.c).
  */

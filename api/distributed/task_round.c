@@ -10,8 +10,33 @@
 #include "distributed/runner.h"
 #include "json/problem.h"
 
-double orl_part_elapsed_s(const struct orl_distributed_job *distributed,
-                          const struct orl_part *part)
+/* State of a part. */
+struct part {
+    bool done, due;               /* due: true if it is to be started */
+    bool reported;                /* true if its start was reported */
+    unsigned tries, limit_raises; /* limit_raises: number of times that its limits were raised */
+    enum orl_part_state state;
+    struct orl_part_needs needs;
+    struct orl_part_limits limits; /* requested limits */
+    double gone_s;                 /* time when the runner stopped listing it; 0: it is listed */
+    double started_s;              /* start time; 0: not running */
+    double held_until_s;           /* time until which it is held back; 0: not held */
+};
+
+/* The parts of a round and their states. */
+struct task_round {
+    char name[ORL_TASK_ROUND_NAME];
+    size_t n;
+    struct part *parts;
+    struct orl_part_status *status;    /* states reported by the runner */
+    struct orl_part_request *requests; /* room for all parts */
+    double began_s;
+    double fraction;       /* reported fraction done */
+    double ended_s, ended; /* for ended parts that were seen running: seconds and work */
+};
+
+/* Returns the seconds that the part has been running; 0 if it is not. */
+static double part_elapsed_s(const struct orl_distributed_job *distributed, const struct part *part)
 {
     return part->started_s > 0 ? distributed->spec.now_s(NULL) - part->started_s : 0;
 }
@@ -19,7 +44,7 @@ double orl_part_elapsed_s(const struct orl_distributed_job *distributed,
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
 static void report_event(const struct orl_distributed_job *distributed,
-                         const struct orl_task_round *round, size_t i, const char *what,
+                         const struct task_round *round, size_t i, const char *what,
                          const char *why)
 {
     const struct orl_part_status *status = &round->status[i];
@@ -27,7 +52,7 @@ static void report_event(const struct orl_distributed_job *distributed,
                                          .round = round->name,
                                          .part = (uint32_t)i,
                                          .task = status->task,
-                                         .ran_s = orl_part_elapsed_s(distributed, &round->parts[i]),
+                                         .ran_s = part_elapsed_s(distributed, &round->parts[i]),
                                          .limits = status->limits,
                                          .why = why};
 
@@ -35,33 +60,34 @@ static void report_event(const struct orl_distributed_job *distributed,
         distributed->spec.part_event(distributed->spec.ctx, &event);
 }
 
-void orl_part_report_start(const struct orl_distributed_job *distributed,
-                           struct orl_task_round *round, size_t i)
+/* Reports "start" once per try, even if the try was short. */
+static void report_part_start(const struct orl_distributed_job *distributed,
+                              struct task_round *round, size_t i)
 {
     if (!round->parts[i].reported)
         report_event(distributed, round, i, "start", NULL);
     round->parts[i].reported = true;
 }
 
-void orl_part_report(const struct orl_distributed_job *distributed, struct orl_task_round *round,
-                     size_t i, const char *what, const char *why)
+/* Reports "end", "again" or "failed", with the reason, and before it the start. */
+static void report_part(const struct orl_distributed_job *distributed, struct task_round *round,
+                        size_t i, const char *what, const char *why)
 {
-    orl_part_report_start(distributed, round, i);
+    report_part_start(distributed, round, i);
     report_event(distributed, round, i, what, why);
 }
 
-/* ---- The round --------------------------------------------------------------------------------
- */
+/* ---- The round ------------------------------------------------------------------------------- */
 
 /* Returns a part's weight in its round: estimated seconds on one node, or 1 if estimates are
  * missing. */
-static double part_weight(const struct orl_distributed_job *distributed,
-                          const struct orl_part *part, bool known)
+static double part_weight(const struct orl_distributed_job *distributed, const struct part *part,
+                          bool known)
 {
     return known ? part->needs.core_s / fmax(distributed->spec.threads, 1) : 1;
 }
 
-static bool is_known(const struct orl_task_round *round)
+static bool is_known(const struct task_round *round)
 {
     bool known = round->n > 0;
 
@@ -70,10 +96,11 @@ static bool is_known(const struct orl_task_round *round)
     return known;
 }
 
-void orl_task_round_add_timing(struct orl_distributed_job *distributed,
-                               struct orl_task_round *round, const struct orl_part *part)
+/* Records a part that has ended well; its time scales the estimates for others. */
+static void add_timing(struct orl_distributed_job *distributed, struct task_round *round,
+                       const struct part *part)
 {
-    const double actual_s = orl_part_elapsed_s(distributed, part);
+    const double actual_s = part_elapsed_s(distributed, part);
 
     if (!(actual_s > 0))
         return;
@@ -91,7 +118,7 @@ void orl_task_round_add_timing(struct orl_distributed_job *distributed,
  * overrunning part counts as at most 90 % done.
  */
 static double fraction_done(const struct orl_distributed_job *distributed,
-                            const struct orl_task_round *round)
+                            const struct task_round *round)
 {
     const double most = 0.9;
     const bool known = is_known(round), measured = round->ended > 0;
@@ -101,7 +128,7 @@ static double fraction_done(const struct orl_distributed_job *distributed,
     double made = 0, all = 0;
 
     for (size_t i = 0; i < round->n; i++) {
-        const struct orl_part *part = &round->parts[i];
+        const struct part *part = &round->parts[i];
         const double own = part_weight(distributed, part, known),
                      estimated_s_of_part = time_ratio * own;
 
@@ -109,13 +136,13 @@ static double fraction_done(const struct orl_distributed_job *distributed,
         if (part->done)
             made += own;
         else if ((known || measured) && estimated_s_of_part > 0)
-            made += own * fmin(orl_part_elapsed_s(distributed, part) / estimated_s_of_part, most);
+            made += own * fmin(part_elapsed_s(distributed, part) / estimated_s_of_part, most);
     }
     return all > 0 ? made / all : 0;
 }
 
-void orl_task_round_report_progress(const struct orl_distributed_job *distributed,
-                                    struct orl_task_round *round)
+/* Reports the fraction done to the run's watch (oriel/job/job_tasks.h). */
+static void report_progress(const struct orl_distributed_job *distributed, struct task_round *round)
 {
     if (!distributed->watch)
         return;
@@ -125,7 +152,7 @@ void orl_task_round_report_progress(const struct orl_distributed_job *distribute
 
 enum { MOST_TRIES = 3, MOST_RAISED = 5 };
 
-/* Interval between looks at the parts, in seconds. It grows with the round's age. */
+/* Interval between polls of the parts, in seconds. It grows with the round's age. */
 static const double poll_least_s = 0.05, poll_most_s = 1, poll_share = 0.005;
 /* Seconds until a full disk is checked again. */
 static const double disk_full_retry_s = 10;
@@ -137,24 +164,24 @@ static double now_s(const struct orl_distributed_job *distributed)
 
 /* ---- Counts ---------------------------------------------------------------------------------- */
 
-static void count_lost(struct orl_distributed_job *distributed, struct orl_task_round *round,
-                       size_t i, const char *why)
+static void count_lost(struct orl_distributed_job *distributed, struct task_round *round, size_t i,
+                       const char *why)
 {
-    struct orl_part *part = &round->parts[i];
+    struct part *part = &round->parts[i];
 
-    orl_part_report(distributed, round, i, "again", why);
+    report_part(distributed, round, i, "again", why);
     distributed->count.again++;
-    distributed->count.lost_s += orl_part_elapsed_s(distributed, part);
+    distributed->count.lost_s += part_elapsed_s(distributed, part);
     part->started_s = 0;
     part->reported = false;
 }
 
 /* Takes over the state reported by the runner. A part that ran and now waits was requeued by
  * Slurm. */
-static void update_state(struct orl_distributed_job *distributed, struct orl_task_round *round,
+static void update_state(struct orl_distributed_job *distributed, struct task_round *round,
                          size_t i)
 {
-    struct orl_part *part = &round->parts[i];
+    struct part *part = &round->parts[i];
     const enum orl_part_state state = round->status[i].state;
 
     if (state == ORL_PART_UNKNOWN)
@@ -163,7 +190,7 @@ static void update_state(struct orl_distributed_job *distributed, struct orl_tas
         count_lost(distributed, round, i, "Slurm has put it back");
     if (state == ORL_PART_RUNNING && part->started_s <= 0) {
         part->started_s = now_s(distributed);
-        orl_part_report_start(distributed, round, i);
+        report_part_start(distributed, round, i);
     }
     part->state = state;
 }
@@ -183,15 +210,15 @@ static void report_count(struct orl_distributed_job *distributed)
         distributed->spec.reported(distributed->spec.ctx, &distributed->count);
 }
 
-static void report_round(struct orl_distributed_job *distributed,
-                         const struct orl_task_round *round, uint64_t done_before)
+static void report_round(struct orl_distributed_job *distributed, const struct task_round *round,
+                         uint64_t done_before)
 {
     struct orl_parts_count *count = &distributed->count;
 
     count->waiting = count->running = count->held = 0;
     count->done = done_before;
     for (size_t i = 0; i < round->n; i++) {
-        const struct orl_part *part = &round->parts[i];
+        const struct part *part = &round->parts[i];
 
         count->done += part->done;
         count->running += !part->done && part->state == ORL_PART_RUNNING;
@@ -205,7 +232,7 @@ static void report_round(struct orl_distributed_job *distributed,
 
 /* Returns the limits for a part's first try, from what is known of the job by now. */
 static struct orl_part_limits first_limits(const struct orl_distributed_job *distributed,
-                                           const struct orl_part *part)
+                                           const struct part *part)
 {
     const struct orl_part_limits_input input = {
         .load_s = distributed->load_s,
@@ -218,13 +245,13 @@ static struct orl_part_limits first_limits(const struct orl_distributed_job *dis
 }
 
 /* Starts all due parts at once. */
-static int start_due(struct orl_distributed_job *distributed, struct orl_task_round *round,
+static int start_due(struct orl_distributed_job *distributed, struct task_round *round,
                      struct orl_error *err)
 {
     size_t n = 0;
 
     for (size_t i = 0; i < round->n; i++) {
-        struct orl_part *part = &round->parts[i];
+        struct part *part = &round->parts[i];
 
         if (!part->due)
             continue;
@@ -257,7 +284,7 @@ static void read_error(const char *path, struct orl_error *ret_part_error)
 }
 
 /* Holds a part back until the disk has room. This does not count as a failure of the part. */
-static void hold_part(const struct orl_distributed_job *distributed, struct orl_part *part)
+static void hold_part(const struct orl_distributed_job *distributed, struct part *part)
 {
     part->held_until_s = now_s(distributed) + disk_full_retry_s;
     part->state = ORL_PART_WAITING;
@@ -265,7 +292,7 @@ static void hold_part(const struct orl_distributed_job *distributed, struct orl_
 
 /* Raises the exceeded limit if this program had set it. Returns true if it did; the part is
  * then restarted. */
-static bool raise_limits(struct orl_part *part, const struct orl_part_status *status,
+static bool raise_limits(struct part *part, const struct orl_part_status *status,
                          enum orl_part_end end)
 {
     const bool of_time = end == ORL_PART_OUT_OF_TIME;
@@ -282,7 +309,7 @@ static bool raise_limits(struct orl_part *part, const struct orl_part_status *st
 }
 
 /* Describes why a part has no result. */
-static void describe_end(const struct orl_distributed_job *distributed, const struct orl_part *part,
+static void describe_end(const struct orl_distributed_job *distributed, const struct part *part,
                          const struct orl_part_status *status, enum orl_part_end end,
                          struct orl_error *ret_part_error)
 {
@@ -302,10 +329,10 @@ static void describe_end(const struct orl_distributed_job *distributed, const st
 }
 
 /* Restarts a part that left an error or nothing, or fails if its tries are used up. */
-static int restart_part(struct orl_distributed_job *distributed, struct orl_task_round *round,
-                        size_t i, const char *error_path, struct orl_error *err)
+static int restart_part(struct orl_distributed_job *distributed, struct task_round *round, size_t i,
+                        const char *error_path, struct orl_error *err)
 {
-    struct orl_part *part = &round->parts[i];
+    struct part *part = &round->parts[i];
     enum orl_part_end end = ORL_PART_ENDED;
     struct orl_error part_error = {.code = 0};
 
@@ -327,13 +354,13 @@ static int restart_part(struct orl_distributed_job *distributed, struct orl_task
     if (part->due)
         count_lost(distributed, round, i, part_error.message);
     else
-        orl_part_report(distributed, round, i, "failed", part_error.message);
+        report_part(distributed, round, i, "failed", part_error.message);
     if (!part->due && err)
         *err = part_error;
     return part->due ? 0 : part_error.code;
 }
 
-static void check_held(const struct orl_distributed_job *distributed, struct orl_part *part)
+static void check_held(const struct orl_distributed_job *distributed, struct part *part)
 {
     if (now_s(distributed) < part->held_until_s)
         return;
@@ -342,21 +369,20 @@ static void check_held(const struct orl_distributed_job *distributed, struct orl
         hold_part(distributed, part);
 }
 
-static void finish_part(struct orl_distributed_job *distributed, struct orl_task_round *round,
-                        size_t i)
+static void finish_part(struct orl_distributed_job *distributed, struct task_round *round, size_t i)
 {
-    struct orl_part *part = &round->parts[i];
+    struct part *part = &round->parts[i];
 
-    orl_part_report(distributed, round, i, "end", NULL);
-    orl_task_round_add_timing(distributed, round, part);
+    report_part(distributed, round, i, "end", NULL);
+    add_timing(distributed, round, part);
     part->done = true;
     part->held_until_s = 0;
 }
 
-static int check_part(struct orl_distributed_job *distributed, struct orl_task_round *round,
-                      size_t i, struct orl_error *err)
+static int check_part(struct orl_distributed_job *distributed, struct task_round *round, size_t i,
+                      struct orl_error *err)
 {
-    struct orl_part *part = &round->parts[i];
+    struct part *part = &round->parts[i];
     char path[ORL_PART_PATH];
 
     if (orl_part_file(distributed->folder, round->name, i, "done", path)) {
@@ -382,11 +408,10 @@ static int check_part(struct orl_distributed_job *distributed, struct orl_task_r
                : restart_part(distributed, round, i, NULL, err);
 }
 
-/* ---- The round --------------------------------------------------------------------------------
- */
+/* ---- The round ------------------------------------------------------------------------------- */
 
 static void sleep_between_polls(const struct orl_distributed_job *distributed,
-                                const struct orl_task_round *round)
+                                const struct task_round *round)
 {
     const double share = poll_share * (now_s(distributed) - round->began_s);
     const double wait = share < poll_least_s  ? poll_least_s
@@ -397,7 +422,7 @@ static void sleep_between_polls(const struct orl_distributed_job *distributed,
     nanosleep(&time, NULL);
 }
 
-static int wait_for_parts(struct orl_distributed_job *distributed, struct orl_task_round *round,
+static int wait_for_parts(struct orl_distributed_job *distributed, struct task_round *round,
                           struct orl_error *err)
 {
     const uint64_t done_before = distributed->count.done;
@@ -417,7 +442,7 @@ static int wait_for_parts(struct orl_distributed_job *distributed, struct orl_ta
             rc = start_due(distributed, round, err);
         report_round(distributed, round, done_before);
         if (rc == 0)
-            orl_task_round_report_progress(distributed, round);
+            report_progress(distributed, round);
         if (rc == 0 && left > 0 && atomic_load(distributed->spec.cancel))
             rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while others made parts of it");
         if (left > 0 && rc == 0)
@@ -427,7 +452,7 @@ static int wait_for_parts(struct orl_distributed_job *distributed, struct orl_ta
 }
 
 /* Ends a round. Active parts end with the run, unless a later run is to find them. */
-static void end_round(struct orl_distributed_job *distributed, struct orl_task_round *round, int rc,
+static void end_round(struct orl_distributed_job *distributed, struct task_round *round, int rc,
                       struct orl_error *err)
 {
     const atomic_bool *detach = distributed->spec.detach;
@@ -440,14 +465,14 @@ static void end_round(struct orl_distributed_job *distributed, struct orl_task_r
     orl_task_round_remove_marker(distributed->folder, round->name);
 }
 
-static void round_done(struct orl_task_round *round)
+static void round_done(struct task_round *round)
 {
     free(round->parts);
     free(round->status);
     free(round->requests);
 }
 
-static int make_tables(struct orl_distributed_job *distributed, struct orl_task_round *round,
+static int make_tables(struct orl_distributed_job *distributed, struct task_round *round,
                        struct orl_error *err)
 {
     round->parts = calloc(round->n + 1, sizeof *round->parts);
@@ -462,7 +487,7 @@ static int make_tables(struct orl_distributed_job *distributed, struct orl_task_
 }
 
 /* Writes the round's files, and waits while the disk is full. */
-static int write_round(struct orl_distributed_job *distributed, struct orl_task_round *round,
+static int write_round(struct orl_distributed_job *distributed, struct task_round *round,
                        const struct orl_job_task *tasks, size_t n, struct orl_error *err)
 {
     int rc = orl_task_round_write(distributed, round->name, tasks, n, &round->n, err);
@@ -484,7 +509,7 @@ static int write_round(struct orl_distributed_job *distributed, struct orl_task_
 int orl_task_round_run(struct orl_distributed_job *distributed, const struct orl_job_task *tasks,
                        size_t n, struct orl_error *err)
 {
-    struct orl_task_round round = {.n = 0};
+    struct task_round round = {.n = 0};
     int rc;
 
     if (distributed->load_s <= 0)
@@ -507,13 +532,12 @@ int orl_task_round_run(struct orl_distributed_job *distributed, const struct orl
     return rc;
 }
 
-/* ---- Rounds of an earlier run -----------------------------------------------------------------
- */
+/* ---- Rounds of an earlier run ---------------------------------------------------------------- */
 
 /* Finishes a round of an earlier run. Its parts count as tried once; the runner reports which
  * are active. */
-static int finish_earlier_round(struct orl_distributed_job *distributed,
-                                struct orl_task_round *round, struct orl_error *err)
+static int finish_earlier_round(struct orl_distributed_job *distributed, struct task_round *round,
+                                struct orl_error *err)
 {
     int rc = make_tables(distributed, round, err);
 
@@ -531,7 +555,7 @@ static int finish_earlier_round(struct orl_distributed_job *distributed,
 int orl_task_round_adopt(struct orl_distributed_job *distributed, const struct orl_job_task *tasks,
                          size_t n, bool *ret_made, struct orl_error *err)
 {
-    struct orl_task_round round = {.n = 0};
+    struct task_round round = {.n = 0};
     int rc = 0;
 
     while (rc == 0 && orl_task_round_find(distributed->folder, round.name)) {
@@ -545,7 +569,7 @@ int orl_task_round_adopt(struct orl_distributed_job *distributed, const struct o
         if (rc == 0)
             orl_task_round_mark_made(distributed->folder, round.name, round.n, tasks, n, ret_made);
         round_done(&round);
-        round = (struct orl_task_round){.n = 0};
+        round = (struct task_round){.n = 0};
     }
     return rc;
 }

@@ -11,13 +11,13 @@
  * Rules (those of honeybee-radiance where the schema leaves a choice):
  * - Apertures and doors are cut out of their face: its outline runs to each hole and back. A face's
  *   own holes are cut likewise.
- * - Faces of a closed room are turned outwards (face_orientation.h), and openings with their face.
+ * - Faces of a closed room are turned outwards (face_orientation.c), and openings with their face.
  * All other objects are oriented by their plane's normal, or else by the order of their corners.
  * - If two faces bound each other, their common apertures and doors are written with the first. The
  *   second face is offset inwards by twice the model's tolerance, so that each side shows its own
  *   modifier.
  * - Faces of type AirBoundary are not written: light passes.
- * - A modifier is the object's, else its room's set's, else the generic one (modifier_sets.h).
+ * - A modifier is the object's, else its room's set's, else the generic one (modifiers.h).
  *   Void is no surface. If several modifiers have one identifier, the last in the list counts; a
  *   warning is given if they differ.
  * - A group (dynamic_group_identifier) is written once for each state. An object with fewer states

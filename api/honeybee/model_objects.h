@@ -1,13 +1,18 @@
 /*
- * Writes planar faces of a model (Face3D: a boundary, and holes in it) as Radiance polygons. One
- * outline runs from the boundary's first corner to every hole, around it in the opposite
- * direction, and back. Edges passed twice cancel. Holes are visited strip by strip, so that edges
- * between them are short and cross few others.
+ * Writes the objects of a model: polygons, meshes, groups of apertures, surfaces, grids and views,
+ * and luminaires; also finds faces that face inwards. Each has a source file of its own.
  */
 #ifndef ORL_API_HONEYBEE_MODEL_OBJECTS_H
 #define ORL_API_HONEYBEE_MODEL_OBJECTS_H
 
 #include "honeybee/hb_writer.h"
+
+/*
+ * Writes planar faces of a model (Face3D: a boundary, and holes in it) as Radiance polygons. One
+ * outline runs from the boundary's first corner to every hole, around it in the opposite
+ * direction, and back. Edges passed twice cancel. Holes are visited strip by strip, so that edges
+ * between them are short and cross few others.
+ */
 
 struct orl_hb_polygon {
     struct orl_vec3 *points; /* all loops, one after the other */

@@ -43,7 +43,7 @@ void orl_hb_generic_write(const struct orl_hb_modifier *modifier, FILE *stream);
 
 /*
  * Chooses the modifier of an object without one of its own: that of its room's set for the
- * object's use, or the generic one (modifiers.h).
+ * object's use, or the generic one.
  */
 
 /* Use of a surface. The second of a pair is for interior surfaces: between rooms, or in them. */

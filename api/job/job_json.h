@@ -3,13 +3,13 @@
  *
  *     {"kind": "render", "scene": "<id>" or {"files": ["room.rad", ...]},
  *      "technique": "auto" (the default), "backward", "gather", "direct" or "precomputed",
- *      "effects": {"caustics": "skip", ...} (plan_json.h), "seed": 1,
+ *      "effects": {"caustics": "skip", ...} (job_members_json.h), "seed": 1,
  *      "photons": {"global": 2000000, "caustic": 2000000} (each chosen by the plan when left out),
  *      "gather_samples": 4096 (rays per sensor), "pixel_samples": 64 (paths per pixel, backward),
- *      "sky": {...} (sky_json.h), only with a scene that has none,
- *      "skies": [{...}, ...] instead, or a sequence of hours (skies_json.h),
+ *      "sky": {...} (job_members_json.h), only with a scene that has none,
+ *      "skies": [{...}, ...] instead, or a sequence of hours (job_members_json.h),
  *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
- *      "grids": [...] instead, with names (grids_json.h),
+ *      "grids": [...] instead, with names (job_members_json.h),
  *      "priority": 5 (read by job_request_json.h; used only by the daemon),
  *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}
  *

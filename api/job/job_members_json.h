@@ -1,4 +1,20 @@
 /*
+ * Members of a job's document (job_json.h) and of its result: sky and skies, effects and plan,
+ * sensors, grids, heat maps, and named points.
+ */
+#ifndef ORL_API_JOB_JOB_MEMBERS_JSON_H
+#define ORL_API_JOB_JOB_MEMBERS_JSON_H
+
+#include <jansson.h>
+
+#include <oriel/base/input_checks.h>
+#include <oriel/job/plan.h>
+#include <oriel/job/run.h>
+#include <oriel/job/sky.h>
+
+#include "json/decode.h"
+
+/*
  * The sky of a job document (JSON) -> struct orl_sky_request, one of:
  *
  *     {"perez": {"month": 3, "day": 22, "hour": 12, "latitude": 38.42, "longitude": 27.14,
@@ -13,27 +29,14 @@
  * (degrees from south towards west). openapi.yaml lists the other inputs for a sky's brightness.
  * oriel/job/sky.h and orl_job_validate have their meaning and bounds.
  */
-#ifndef ORL_API_JOB_JOB_MEMBERS_JSON_H
-#define ORL_API_JOB_JOB_MEMBERS_JSON_H
-
-#include <jansson.h>
-
-#include <oriel/base/input_checks.h>
-#include <oriel/job/plan.h>
-#include <oriel/job/run.h>
-#include <oriel/job/sky.h>
-
-#include "json/decode.h"
 
 /* Decoder into a struct orl_sky_request, which holds defaults. If its time is already given, the
  * sky needs none. The request's owner frees its strings, also after a failure. */
 orl_json_decoder orl_sky_from_json;
-/* Decoder of one of several skies into a struct orl_named_sky of zeros; "name" is optional. */
-orl_json_decoder orl_named_sky_from_json;
 
 /*
  * Several skies of a job document (JSON) -> the job's list of skies. The skies are given one by
- * one, as in sky_json.h, with a name for the results:
+ * one, as above, with a name for the results:
  *
  *     [{"name": "noon", "weather": {...}}, {"cie": {...}}, ...]
  *
@@ -99,7 +102,7 @@ int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct or
  * is an index in "sensors", res and npy are file names.
  */
 
-/* Decoder (members.h) into a struct orl_job; sensors and grids read before an error stay there. */
+/* Decoder (decode.h) into a struct orl_job; sensors and grids read before an error stay there. */
 int orl_grids_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
 
 /* Returns a new reference, or NULL if there are no grids or no memory. */
@@ -108,34 +111,34 @@ json_t *orl_grids_to_json(const struct orl_result *result);
 /*
  * Maps and tables of sensors. A job has
  *
- *     "heat_map": {"scale", "decades", "divisions", "palette": as in picture_json.h,
+ *     "heat_map": {"scale", "decades", "divisions", "palette": as in view_json.h,
  *                  "thresholds": [300], "length_unit": "m"}
  *
  * and a result has {"csv", "res", "maps": [{"png", "svg", "dat" (for a full grid), "sensors"}]}.
  */
 
-/* Decoder (members.h) into a struct orl_heat_map_request. */
+/* Decoder (decode.h) into a struct orl_heat_map_request. */
 orl_json_decoder orl_heat_map_from_json;
 
 /* Returns a new reference, or NULL if there are no files or no memory. */
 json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files);
 
 /*
- * Named places in a document:
+ * Named points in a document:
  *
  *     [{"name": "living room" (by default "point" and its number), "at": [x, y, z]}, ...]
  */
 
-/* Decoders (members.h) into a struct orl_vec3: an array of three numbers, checked by
- * oriel/base/coordinates.h. */
+/* Decoders (decode.h) into a struct orl_vec3: an array of three numbers, checked by
+ * oriel/base/input_checks.h. */
 int orl_point_from_json(const json_t *value, const char *path, void *into, struct orl_error *err);
 int orl_direction_from_json(const json_t *value, const char *path, void *into,
                             struct orl_error *err);
-/* Decoder for members.h's lists into a struct orl_named_point. */
+/* Decoder for lists (decode.h) into a struct orl_named_point. */
 int orl_named_point_from_json(const json_t *value, const char *path, void *into,
                               struct orl_error *err);
 
-/* Names the places that have no name. Returns 0 or ORL_ERR_NOMEM. */
+/* Names the points that have no name. Returns 0 or ORL_ERR_NOMEM. */
 int orl_places_name(struct orl_named_point *places, size_t n, struct orl_error *err);
 
 #endif

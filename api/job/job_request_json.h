@@ -1,9 +1,9 @@
 /*
  * A document of any kind (JSON) -> struct orl_job_request. Its "kind" says which: a render job
  * (job_json.h), which is the default, a study (study_json.h), a year (annual_json.h), a panel's
- * BSDF (bsdf_make_json.h) or a BSDF fit (bsdf_fit_json.h).
+ * BSDF or a BSDF fit (bsdf_json.h).
  *
- * Every kind may have "priority", "name" and "tags" (labels_json.h). priority is 0 to 9, by
+ * Every kind may have "priority", "name" and "tags" (job_json.h). priority is 0 to 9, by
  * default 5; larger goes first in the daemon's queue.
  *
  * Rules, ownership, threads and errors as in job_json.h.

@@ -198,7 +198,8 @@ int orl_sky_from_json(const json_t *value, const char *path, void *request, stru
     return decode_sky(value, path, request, NULL, err);
 }
 
-int orl_named_sky_from_json(const json_t *value, const char *path, void *into,
+/* Decodes one of several skies into a struct orl_named_sky of zeros; "name" is optional. */
+static int decode_named_sky(const json_t *value, const char *path, void *into,
                             struct orl_error *err)
 {
     struct orl_named_sky *sky = into;
@@ -233,7 +234,7 @@ static int decode_list(const json_t *skies, const char *path, struct orl_job *jo
                                        .count = &job->n_skies,
                                        .size = sizeof *job->skies,
                                        .most = ORL_LIMIT_SKIES,
-                                       .each = orl_named_sky_from_json,
+                                       .each = decode_named_sky,
                                        .empty = "there is none"};
     int rc = orl_json_list(skies, path, &list, err);
     for (size_t i = 0; i < job->n_skies && rc == 0; i++)

@@ -35,7 +35,8 @@ static int fail_cancelled(struct orl_error *err)
     return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading JSON");
 }
 
-int orl_json_poll(struct orl_error *err)
+/* Returns ORL_ERR_CANCELLED, with err filled in, if the cancel flag is set. */
+static int poll_cancel(struct orl_error *err)
 {
     return orl_is_cancelled(cancel_flag) ? fail_cancelled(err) : 0;
 }
@@ -129,7 +130,8 @@ int orl_json_real(const json_t *value, const char *path, double *ret_value, stru
     return 0;
 }
 
-int orl_json_bool(const json_t *value, const char *path, bool *ret_value, struct orl_error *err)
+static int decode_bool(const json_t *value, const char *path, bool *ret_value,
+                       struct orl_error *err)
 {
     if (!json_is_boolean(value))
         return orl_json_wrong_type(value, path, "true or false", err);
@@ -246,7 +248,7 @@ int orl_json_value(const json_t *value, const char *path, const struct orl_json_
     if (m->whole || m->whole_32 || m->whole_int)
         return decode_whole(value, path, m, err);
     if (m->flag)
-        return orl_json_bool(value, path, m->flag, err);
+        return decode_bool(value, path, m->flag, err);
     if (m->text)
         return orl_json_string(value, path, m->longest, m->text, err);
     if (m->word)
@@ -287,7 +289,7 @@ static int decode_element(const json_t *value, const char *path, size_t index,
 {
     enum { ELEMENTS_A_POLL = 1024 };
     char at[ORL_JSON_PATH_MAX];
-    const int rc = index % ELEMENTS_A_POLL == 0 ? orl_json_poll(err) : 0;
+    const int rc = index % ELEMENTS_A_POLL == 0 ? poll_cancel(err) : 0;
     if (rc)
         return rc;
     snprintf(at, sizeof at, "%.120s[%zu]", path, index);

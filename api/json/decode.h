@@ -1,6 +1,6 @@
 /*
- * Decodes JSON values into typed ones, with errors that name the JSON path. members.h decodes
- * objects.
+ * Decodes JSON: single values, with errors that name the JSON path, and objects by tables of their
+ * members.
  *
  * Every function takes the value (NULL if the member is absent) and its path, such as
  * "views[2].width", for messages. It returns 0 or a negative orl_err with err filled in;
@@ -32,8 +32,6 @@ int orl_json_parse(const char *name, const char *text, size_t size, json_t **ret
  * until the next call.
  */
 void orl_json_set_cancel(const atomic_bool *cancel);
-/* Returns ORL_ERR_CANCELLED, with err filled in, if that flag is set. */
-int orl_json_poll(struct orl_error *err);
 
 /* Fails unless value is an array of at most max elements. */
 int orl_json_array(const json_t *value, const char *path, size_t max, struct orl_error *err);
@@ -41,7 +39,6 @@ int orl_json_array(const json_t *value, const char *path, size_t max, struct orl
 int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t max,
                    uint64_t *ret_value, struct orl_error *err);
 int orl_json_real(const json_t *value, const char *path, double *ret_value, struct orl_error *err);
-int orl_json_bool(const json_t *value, const char *path, bool *ret_value, struct orl_error *err);
 /* Decodes a non-empty string of at most max bytes without NUL; *ret_text is owned (free()). */
 int orl_json_string(const json_t *value, const char *path, size_t max, char **ret_text,
                     struct orl_error *err);
@@ -74,8 +71,6 @@ int orl_json_fail(struct orl_error *err, int code, const char *path, const char 
  * in order. An absent member leaves its destination unchanged, or is an error if required. A value
  * of a wrong type is an error. After a failure destinations may be partly filled in; the caller
  * owns them.
- *
- * Errors as in decode.h.
  */
 
 /* Decodes a value (NULL: absent) into the destination of its row or list. */

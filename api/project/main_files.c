@@ -303,9 +303,20 @@ static bool lies_beside(const char *const *names, size_t count, const bool *is_m
            strncmp(names[top], name, folder) == 0 && !strchr(names[top] + folder, '/');
 }
 
-int orl_main_order(const char *const *names, size_t count, bool *is_main,
-                   const struct orl_files *files, size_t *ret_order, size_t *ret_count,
-                   struct orl_error *err)
+/*
+ * Finds the reading order of a scene's main files: a modifier is defined before it is used.
+ *
+ * Each file is scanned for names that it defines and uses. The scan includes files that its
+ * commands name, up to 8 deep. Files are not fully parsed. Files that cannot be opened are
+ * skipped. Reading the scene reports all errors. If several files define a name, all of them (at
+ * most 16) come before its users. File names decide cycles and ties.
+ *
+ * names: sorted. is_main: in and out; needed material files are added. ret_order: room for count;
+ * gets the main files' indices in reading order. Errors: ORL_ERR_NOMEM.
+ */
+static int order_main_files(const char *const *names, size_t count, bool *is_main,
+                            const struct orl_files *files, size_t *ret_order, size_t *ret_count,
+                            struct orl_error *err)
 {
     struct order_scan order_scan = {.names = names,
                                     .count = count,
@@ -441,7 +452,7 @@ int orl_main_files_choose(const char *const *names, size_t count, const struct o
     if (code == 0 && top < count)
         code = choose_by_documents(names, count, names[top], files, ret_chosen, ret_count, err);
     if (code == 0 && *ret_count == 0)
-        code = orl_main_order(names, count, is_main, files, ret_chosen, ret_count, err);
+        code = order_main_files(names, count, is_main, files, ret_chosen, ret_count, err);
     free(is_main);
     return code;
 }

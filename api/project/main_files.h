@@ -6,7 +6,7 @@
  * 2. else the Radiance files (.rad) at the top that no other file's commands name
  *    (orl_scene_guess_main), in an order that defines modifiers before they are used, and otherwise
  *    sorted by name; also material files (.mat) beside them that define names used but not defined
- *    in them (main_order.h).
+ *    in them.
  *
  * The top is the least deep folder with .rad files. If several are equally deep, none is chosen
  * and *ret_count is 0.
@@ -27,22 +27,5 @@ int orl_main_files_choose(const char *const *names, size_t count, const struct o
  * other files. */
 int orl_main_files_ranks(const char *const *names, size_t count, const struct orl_files *files,
                          unsigned *ret_ranks, struct orl_error *err);
-
-/*
- * Finds the reading order of a scene's main files: a modifier is defined before it is used.
- *
- * Each file is scanned for names that it defines and uses. The scan includes files that its
- * commands name, up to 8 deep. Files are not fully parsed. Files that cannot be opened are
- * skipped. Reading the scene reports all errors. If several files define a name, all of them (at
- * most 16) come before its users. File names decide cycles and ties.
- *
- * Errors: ORL_ERR_NOMEM.
- */
-
-/* Finds the order. names: sorted. is_main: in and out; needed material files are added.
- * ret_order: room for count; gets the main files' indices in reading order. */
-int orl_main_order(const char *const *names, size_t count, bool *is_main,
-                   const struct orl_files *files, size_t *ret_order, size_t *ret_count,
-                   struct orl_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /*
- * Interprets the files of a folder or zip as a project: the scene's files in reading order; sensor
- * grids, views, skies and the states of dynamic parts, by name; and the files left out, with
- * reasons.
+ * Reads a folder, a zip, or a configuration of rad or frads as a project: the scene's files in
+ * reading order; sensor grids, views, skies and the states of dynamic parts, by name; and the files
+ * left out, with reasons.
  *
  * A project is a model folder as exported by Honeybee. It has .rad files in a folder "scene", and
  * beside it "aperture", "aperture_group", "grid", "view" or "folder.cfg", or materials (.mat) in
@@ -52,7 +52,7 @@ int orl_project_find(const char *const *names, size_t count, const struct orl_fi
  * Reads a file of Radiance's rad (.rif) as a project: {"files": [materials, illum, then scene, in
  * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height",
  * "pixel_aspect"}], "states": {}, "skies": [], "left_out": [{"file", "why"}], "commands":
- * [{"name", "text"}]}, as in project/project.h. Commands in quotes become scene files: "commands"
+ * [{"name", "text"}]}, as above. Commands in quotes become scene files: "commands"
  * has their names and texts, for the caller to write.
  *
  * Lines are "NAME= value"; '#' begins a comment, and a backslash at the end continues the line.
@@ -74,7 +74,7 @@ int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_p
 /*
  * Reads a frads configuration (.cfg) as a project: {"files": [materials, windows, then scene, in
  * file order], "grids": [], "views": [{"name", "view" or "file", "width", "height"}], "states":
- * {}, "skies": [], "left_out": [{"file", "why"}], "commands": [{"name", "text"}]}, as in rif.h.
+ * {}, "skies": [], "left_out": [{"file", "why"}], "commands": [{"name", "text"}]}, as above.
  *
  * The format is that of Python's configparser: [Sections] of "key = value" (or ':'). Indented
  * lines continue a value, '#' or ';' at a line's start begins a comment, and ${key} or

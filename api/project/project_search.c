@@ -70,7 +70,7 @@ int orl_project_add_main(struct orl_project_search *f, size_t index)
                                                                         : 0;
 }
 
-/* Finds a project's grids, views and skies, and reads the warnings of its model's translation. */
+/* ---- Grids, views, skies --------------------------------------------------------------------- */
 
 /* Makes a name from the file's path below its folder without ending, with the characters that
  * jobs allow. */

@@ -1,6 +1,6 @@
 /*
- * Shared by the files of project.c: state of the search for a project in a folder. For
- * api/honeybee only.
+ * State and helpers of the search for a project in a folder, shared by project.c and
+ * project_search.c. For api/project only.
  */
 #ifndef ORL_API_PROJECT_PROJECT_SEARCH_H
 #define ORL_API_PROJECT_PROJECT_SEARCH_H
@@ -38,7 +38,7 @@ int orl_project_json(const struct orl_project_search *f, const char *name, json_
 /* Adds a file to the scene, once even if several groups name it. */
 int orl_project_add_main(struct orl_project_search *f, size_t index);
 
-/* Functions of project_assets.c. */
+/* Add grids, views, skies and warnings of the model's translation to the result. */
 int orl_project_add_grids(struct orl_project_search *f);
 int orl_project_add_views(struct orl_project_search *f);
 int orl_project_add_skies(struct orl_project_search *f);

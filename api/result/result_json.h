@@ -1,7 +1,8 @@
 /*
- * Results and photon maps -> JSON, as in result.json and the job document:
+ * Results in JSON: result.json of a job and of a job with several skies, photon maps, and summaries
+ * of scenes. Members of result.json, also in the job document:
  *
- *     {"state", "threads", "seed", "plan": {...} or null (plan_json.h),
+ *     {"state", "threads", "seed", "plan": {...} or null (job_members_json.h),
  *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
  *      "maps": [{"kind", "key", "emitted", "stored", "reused", "bytes", "seconds", "cached"}],
  *      "sensors": [{"illuminance_lx", "standard_error_lx", "bias_estimate_lx",
@@ -40,7 +41,7 @@ json_t *orl_outcome_to_json(const struct orl_outcome *outcome);
 json_t *orl_map_info_to_json(const struct orl_map_info *info);
 
 /*
- * Results of a job of several skies -> JSON. Each sky has its own result (result_json.h, with its
+ * Results of a job of several skies -> JSON. Each sky has its own result (as above, with its
  * name as "sky") in a file <sky>.json. The results of all skies are
  *
  *     {"state", "threads", "seed", "timings_s" (sums), "skies": [

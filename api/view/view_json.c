@@ -9,7 +9,8 @@
 
 #include "json/encode.h"
 
-int orl_formats_from_json(const json_t *value, const char *path, void *ret_formats,
+/* Decodes formats; sets bits of a uint32_t. */
+static int decode_formats(const json_t *value, const char *path, void *ret_formats,
                           struct orl_error *err)
 {
     uint32_t formats = 0;
@@ -51,7 +52,8 @@ static int check_human(const char *path, const struct orl_display *display, stru
                          "it belongs to the tone \"human\"");
 }
 
-int orl_display_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
+/* Decodes into a struct orl_display of zeros. */
+static int decode_display(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     static const char *const tones[] = {"human", "linear", NULL};
     struct orl_display *display = into;
@@ -153,7 +155,9 @@ static int decode_drawn(const json_t *value, const char *path, void *into, struc
     return rc;
 }
 
-int orl_false_color_from_json(const json_t *value, const char *path, void *into,
+/* Decodes into a struct orl_view_request that has its size. The request owns the points, also after
+ * a failure. */
+static int decode_false_color(const json_t *value, const char *path, void *into,
                               struct orl_error *err)
 {
     struct orl_view_request *view = into;
@@ -285,10 +289,10 @@ int orl_view_from_json(const json_t *value, const char *path, void *into, struct
         {"height", .whole_32 = &view->height, .from = 1, .to = ORL_LIMIT_IMAGE_SIDE,
          .required = view->height == 0},
         {"pixel_aspect", .real = &view->pixel_aspect, .least = 0.001, .most = 1000},
-        {"formats", .decode = orl_formats_from_json, .into = &view->formats},
-        {"display", .decode = orl_display_from_json, .into = &view->display},
+        {"formats", .decode = decode_formats, .into = &view->formats},
+        {"display", .decode = decode_display, .into = &view->display},
         {"irradiance", .flag = &view->irradiance},
-        {"false_color", .decode = orl_false_color_from_json, .into = view},
+        {"false_color", .decode = decode_false_color, .into = view},
         {"metrics", .decode = orl_glare_metrics_from_json, .into = &view->metrics},
         {"glare", .decode = orl_glare_settings_from_json, .into = &view->glare},
         {0}};

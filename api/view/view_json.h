@@ -1,11 +1,12 @@
 /*
- * A view of a job document:
+ * Views in JSON: a view of a job, its pictures and glare, and sequences of views under several
+ * skies. A view of a job document:
  *
  *     {"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300, "pixel_aspect": 1, ...}
  *     {"name": "desk", "file": "desk.vf", "entry": 2, "width": 400, "height": 300, ...}
  *
  * Width and height may be left out if the options of "view" have -x and -y. "entry" is a number or
- * a name. picture_json.h and glare_json.h have the other members.
+ * a name. The other members are below.
  */
 #ifndef ORL_API_VIEW_VIEW_JSON_H
 #define ORL_API_VIEW_VIEW_JSON_H
@@ -32,12 +33,6 @@ orl_json_decoder orl_view_from_json;
  *                     "draw": ["fill", "lines", "bands"],
  *                     "points": [{"name": "desk", "x": 20, "y": 30}]}
  */
-
-orl_json_decoder orl_formats_from_json; /* decoder; sets bits of a uint32_t */
-orl_json_decoder orl_display_from_json; /* decoder into a struct orl_display of zeros */
-/* Decoder into a struct orl_view_request that has its size. The request owns the points, also
- * after a failure. */
-orl_json_decoder orl_false_color_from_json;
 
 /* Decoder into a double: a number, or "auto", which leaves it unchanged. Heat maps use it too. */
 orl_json_decoder orl_scale_from_json;
@@ -87,12 +82,12 @@ json_t *orl_glare_to_json(const struct orl_glare *glare, uint32_t metrics);
  *                   "dgp_png": "sequence.desk.dgp.png", "dgp_svg": "sequence.desk.dgp.svg"}]
  */
 
-/* Decoder (members.h) into a struct orl_sequence_request. */
+/* Decoder (decode.h) into a struct orl_sequence_request. */
 orl_json_decoder orl_sequence_from_json;
 
 /*
  * Draws the sequence if the job asks for one, and adds its file names to results. Input is the
- * results of all skies (skies_result_json.h) and the pictures in the folder. cancel: polled; may
+ * results of all skies (result_json.h) and the pictures in the folder. cancel: polled; may
  * be NULL. Returns 0 or a negative orl_err.
  */
 int orl_sequence_draw(const struct orl_job *job, const char *folder, const atomic_bool *cancel,

@@ -235,26 +235,26 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
-         .help = "where result.json, tables, maps and pages go",
+         .help = "folder for result.json, tables, maps and pages",
          .value = &line.output},
         {.name = "cache",
          .metavar = "DIR",
-         .help = "keep the paths there, and use those that are there: for another weather file of "
-                 "the same place, and for more samples",
+         .help = "folder that stores paths and supplies them to later runs: for another weather "
+                 "file of the same place, and for more samples",
          .value = &output.cache},
         {.name = "honeybee",
-         .help = "all hours as Honeybee's results folder, in DIR/results, with standard errors in "
-                 "the folder se beside total and direct",
+         .help = "write all hours as Honeybee's results folder, DIR/results, with standard errors "
+                 "in the folder se beside total and direct",
          .flag = &output.formats.honeybee},
         {.name = "ill",
-         .help = "all lit hours as Radiance matrices, DIR/GRID.ill, their direct sunlight, "
-                 "DIR/GRID.direct.ill, and standard errors, DIR/GRID.se.ill, and DIR/columns.csv, "
-                 "which lists these hours",
+         .help = "write all lit hours as Radiance matrices: DIR/GRID.ill, direct sunlight as "
+                 "DIR/GRID.direct.ill, standard errors as DIR/GRID.se.ill; DIR/columns.csv lists "
+                 "the hours",
          .flag = &output.formats.matrices},
         {.name = "phases",
-         .help =
-             "view, transmission and daylight matrices of the windows, and coefficients of suns, "
-             "for dctimestep: DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, WINDOW.d.mtx, GRID.cds.mtx",
+         .help = "write matrices for dctimestep: view, transmission and daylight matrices of the "
+                 "windows, and sun coefficients (DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, "
+                 "WINDOW.d.mtx, GRID.cds.mtx)",
          .flag = &output.formats.phases},
         ORL_OPTIONS_YEAR(&project),
         ORL_OPTION_THREADS(&line.threads_text),

@@ -81,7 +81,7 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
 {
     bool as_json = false;
     const struct orl_option options[] = {
-        {.name = "json", .help = "print what the daemon would answer", .flag = &as_json},
+        {.name = "json", .help = "print the daemon's reply as JSON", .flag = &as_json},
     };
     struct orl_operands operands;
     struct orl_bsdf_check check = {0};

@@ -73,7 +73,7 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
     struct orl_local_line line = {.most = 2};
     const char *report = NULL;
     const struct orl_option options[] = {
-        {.name = "report", .metavar = "FILE", .help = "write a JSON, too", .value = &report},
+        {.name = "report", .metavar = "FILE", .help = "also write a JSON file", .value = &report},
         ORL_OPTION_THREADS(&line.threads_text),
     };
     struct orl_bsdf *bsdfs[2] = {NULL, NULL};
@@ -110,11 +110,12 @@ struct line {
 static const struct orl_member_option member_options[] = {
     {"basis", "BASIS",
      "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
-    {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
-    {"cull", "SHARE", "of tensor trees: cells within this share of their mean are one (0.05)",
+    {"resolution", "N", "for tensor trees: cells per side, a power of two up to 128 (64)", false},
+    {"cull", "SHARE",
+     "for tensor trees: merge cells that differ from their mean by at most this fraction (0.05)",
      false},
-    {"symmetry", "WHICH", "left_right, up_down or both: mirrors that it is to have", true},
-    {"name", "NAME", "of the material, in the XML (default: as it is)", true},
+    {"symmetry", "WHICH", "mirror symmetry to impose: left_right, up_down or both", true},
+    {"name", "NAME", "name of the material in the XML (default: unchanged)", true},
 };
 enum { MEMBER_OPTIONS = sizeof member_options / sizeof *member_options };
 
@@ -203,20 +204,19 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
         {.name = "output",
          .letter = 'o',
          .metavar = "FILE",
-         .help = "the XML to write",
+         .help = "XML file to write",
          .value = &line.local.output},
         {.name = "color",
-         .help = "X and Z beside Y, u' and v' of tensor trees; else the new one is grey",
+         .help = "include colour: X and Z beside Y; for tensor trees u' and v' (default: grey)",
          .flag = &line.color},
         {.name = "report",
          .metavar = "FILE",
-         .help = "write a JSON with what is lost",
+         .help = "write a JSON file with the loss",
          .value = &line.report},
         {.name = "within",
          .metavar = "SHARE",
-         .help =
-             "of tensor trees: cull them as far as no more than that share of the light is lost, "
-             "in all or in a cone of two degrees, from anywhere",
+         .help = "for tensor trees: cull as far as this fraction of the light is lost at most, in "
+                 "total or in a cone of two degrees, for any incident direction",
          .value = &line.within_text},
         ORL_OPTION_THREADS(&line.local.threads_text),
     };

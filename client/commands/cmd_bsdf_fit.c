@@ -24,26 +24,27 @@ struct line {
 
 static const struct orl_member_option member_options[] = {
     {"basis", "BASIS",
-     "tensor_tree_3 (the default if isotropic), tensor_tree_4 (else), klems_full, klems_half or "
-     "klems_quarter",
+     "tensor_tree_3 (default if isotropic), tensor_tree_4 (default otherwise), klems_full, "
+     "klems_half or klems_quarter",
      true},
     {"symmetry", "WHICH",
-     "isotropic, quadrilateral, left_right, up_down, half_turn or none (default: as the incident "
-     "azimuths say)",
+     "isotropic, quadrilateral, left_right, up_down, half_turn or none (default: from the incident "
+     "azimuths)",
      true},
-    {"resolution", "N", "of tensor trees: cells a side, a power of two up to 128 (64)", false},
-    {"cull", "SHARE", "of tensor trees: cells within this share of their mean are one (0.02)",
+    {"resolution", "N", "for tensor trees: cells per side, a power of two up to 128 (64)", false},
+    {"cull", "SHARE",
+     "for tensor trees: merge cells that differ from their mean by at most this fraction (0.02)",
      false},
-    {"name", "NAME", "of the material, in the XML (default: the data's, or the first file's)",
+    {"name", "NAME", "name of the material in the XML (default: the data's, or the first file's)",
      true},
-    {"grazing", "DEGREES", "leave out what was measured this close to the surface (0)", false},
+    {"grazing", "DEGREES", "leave out rows measured within this angle of the surface (0)", false},
 };
 enum { MEMBER_OPTIONS = sizeof member_options / sizeof *member_options };
 static const struct {
     const char *option, *member, *help;
 } flags[FLAGS] = {
-    {"reversed", "reversed", "theta is counted from the outside's normal"},
-    {"keep-outliers", "keep_outliers", "leave no row out for standing alone"},
+    {"reversed", "reversed", "theta is measured from the outside's normal"},
+    {"keep-outliers", "keep_outliers", "do not leave out isolated rows"},
 };
 
 /* ---- The document ---------------------------------------------------------------------------- */
@@ -208,9 +209,9 @@ int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "output",
          .letter = 'o',
          .metavar = "FILE",
-         .help = "the XML to write",
+         .help = "XML file to write",
          .value = &line.local.output},
-        {.name = "json", .help = "print what was found as JSON", .flag = &line.as_json},
+        {.name = "json", .help = "print the result as JSON", .flag = &line.as_json},
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;

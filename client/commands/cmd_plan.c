@@ -64,7 +64,7 @@ static int print_plan(void *ctx, const char *sky, const struct orl_result *plann
 /* Refuses years: only render jobs have plans. */
 static int refuse_years(const struct orl_job_file *file, struct orl_error *err)
 {
-    if (strcmp(orl_json_text(file->doc, "kind"), orl_job_request_kind_name(ORL_JOB_KIND_ANNUAL)) !=
+    if (strcmp(orl_get_text(file->doc, "kind"), orl_job_request_kind_name(ORL_JOB_KIND_ANNUAL)) !=
         0)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID, "kind: a year (\"annual\") has no plan");

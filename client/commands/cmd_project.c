@@ -31,7 +31,7 @@ int orl_cmd_project(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
-         .help = "where a model's Radiance files go",
+         .help = "folder for a model's Radiance files",
          .value = &output},
         ORL_OPTIONS_PROJECT(&line),
     };

@@ -187,7 +187,7 @@ int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
-         .help = "where result.json and the images go",
+         .help = "folder for result.json and the images",
          .value = &line.output},
         ORL_OPTIONS_PROJECT(&project),
         ORL_OPTION_THREADS(&line.threads_text),

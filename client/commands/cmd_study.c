@@ -140,7 +140,7 @@ int orl_cmd_study(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
-         .help = "where the study's files go",
+         .help = "folder for the study's files",
          .value = &line.output},
         {.name = "threads",
          .letter = 'j',

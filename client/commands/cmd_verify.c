@@ -17,7 +17,6 @@
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "http/json_get.h"
-#include "http/upload_bundle.h"
 #include "input/job_file.h"
 #include "output/reports.h"
 
@@ -43,7 +42,7 @@ static int report_cannot(const struct orl_error *err)
 /* Returns true if the input has its recorded digest; else prints the reason. */
 static bool is_unchanged(const struct verification *v, const json_t *input)
 {
-    const char *name = orl_json_text(input, "name"), *wanted = orl_json_text(input, "sha256");
+    const char *name = orl_get_text(input, "name"), *wanted = orl_get_text(input, "sha256");
     char path[PATH_SIZE], digest[ORL_DIGEST_TEXT];
     struct orl_error err = {0};
 
@@ -211,10 +210,10 @@ static int make_work(struct verification *v)
 static const json_t *provenance_of(const struct verification *v)
 {
     const json_t *provenance = json_object_get(v->result.doc, "provenance");
-    const char *kind = orl_json_text(v->result.doc, "kind");
+    const char *kind = orl_get_text(v->result.doc, "kind");
 
     if (strcmp(kind, "annual") == 0 &&
-        strcmp(orl_json_text(v->result.doc, "state"), "succeeded") == 0 &&
+        strcmp(orl_get_text(v->result.doc, "state"), "succeeded") == 0 &&
         json_is_object(json_object_get(provenance, "document")))
         return provenance;
     fprintf(stderr, "%s: %s\n", v->result.path,
@@ -231,9 +230,9 @@ static int verify_result(struct verification *v, uint32_t threads)
 
     if (code)
         return code;
-    if (strcmp(orl_json_text(provenance, "version"), ORL_VERSION) != 0)
+    if (strcmp(orl_get_text(provenance, "version"), ORL_VERSION) != 0)
         fprintf(stderr, "the result was made by Oriel %s, this is %s\n",
-                orl_json_text(provenance, "version"), ORL_VERSION);
+                orl_get_text(provenance, "version"), ORL_VERSION);
     code = make_work(v);
     if (code == 0)
         code = run_again(v, json_object_get(provenance, "document"), threads);
@@ -247,7 +246,7 @@ int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv)
     const struct orl_option options[] = {
         {.name = "files",
          .metavar = "DIR",
-         .help = "where scene, weather and sensors are (default: here)",
+         .help = "folder of scene, weather and sensors (default: the current folder)",
          .value = &v.files},
         ORL_OPTION_THREADS(&line.threads_text),
     };

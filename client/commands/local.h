@@ -45,7 +45,7 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
         .value = (target)                                                                          \
     }
 
-/* Sharing of a run with other processes (oriel/job/job_tasks.h), and the store of its pieces and
+/* Sharing of a run with other processes (oriel/job/job_tasks.h), and the store of its tasks and
  * maps. Borrowed. */
 struct orl_local_distribution {
     const struct orl_job_tasks *tasks;
@@ -67,7 +67,7 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
                   struct orl_result *ret_result, struct orl_error *err);
 
 /* Renders a job with several skies: writes <sky>.json, images and errors of each sky as soon as
- * it is done. *ret_results (skies_result_json.h) is owned by the caller. */
+ * it is done. *ret_results (result_json.h) is owned by the caller. */
 int orl_local_run_skies(const struct orl_job *job, const char *folder, const char *output,
                         uint32_t threads, const struct orl_local_distribution *distribution,
                         json_t **ret_results, struct orl_error *err);
@@ -119,8 +119,6 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
                      const char *cache, uint32_t threads,
                      const struct orl_local_distribution *distribution,
                      const struct orl_local_callback *on_result, struct orl_error *err);
-
-/* Loads a BSDF file and identifies its source. */
 
 /* Loads the file at path. *ret_bsdf: to be released by orl_bsdf_unref. */
 int orl_bsdf_file_load(const char *path, struct orl_bsdf **ret_bsdf, struct orl_error *err);

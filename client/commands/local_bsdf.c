@@ -6,7 +6,7 @@
 #include <oriel/bsdf/bsdf_store.h>
 
 #include "commands/local.h"
-#include "http/upload_bundle.h"
+#include "distributed/atomic_files.h"
 #include "input/input_folders.h"
 #include "output/terminal.h"
 
@@ -34,7 +34,7 @@ int orl_bsdf_file_source(const char *path, char ret_source[512], struct orl_erro
     return rc;
 }
 
-/* Computes, fits, converts and compares BSDFs in this process, with progress on stderr. */
+/* ---- Computing, fitting, converting, comparing ----------------------------------------------- */
 
 /* State of a BSDF computation. */
 struct bsdf_run {

@@ -1,4 +1,5 @@
-/* oriel fetch ID -o DIR: downloads result.json and the other files of a job, study or year. */
+/* oriel fetch ID -o DIR: downloads result.json and the other files of a job, study or year.
+ * oriel link ID FILE...: prints temporary addresses of result files that need no token. */
 #include <stdio.h>
 #include <string.h>
 
@@ -84,7 +85,7 @@ static int explain_absence(const json_t *job, const char *id, struct orl_error *
     if (json_is_object(problem))
         orl_problem_to_error(problem, &why);
     *err = why;
-    if (strcmp(orl_json_text(job, "state"), "cancelled") == 0)
+    if (strcmp(orl_get_text(job, "state"), "cancelled") == 0)
         snprintf(err->message, sizeof err->message, "the job was cancelled");
     else
         snprintf(err->message, sizeof err->message, "the job failed%s%.480s",
@@ -110,7 +111,7 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
         return rc;
     json_array_foreach(json_object_get(job, "files"), i, entry)
     {
-        const char *name = orl_json_text(entry, "name");
+        const char *name = orl_get_text(entry, "name");
 
         rc = strcmp(name, result_name) != 0 ? fetch_file(http, id, name, folder, err) : 0;
         if (rc)
@@ -120,7 +121,7 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
     if (rc == 0)
         rc = fetch_result(http, id, folder, err);
     if (rc && http->status == 409 && orl_job_has_ended(job) &&
-        strcmp(orl_json_text(job, "state"), "succeeded") != 0)
+        strcmp(orl_get_text(job, "state"), "succeeded") != 0)
         rc = explain_absence(job, id, err);
     json_decref(job);
     return rc;
@@ -133,7 +134,7 @@ int orl_cmd_fetch(const struct orl_subcommand *self, int argc, char **argv)
         {.name = "output",
          .letter = 'o',
          .metavar = "DIR",
-         .help = "where to put the results",
+         .help = "folder for the results",
          .value = &folder},
         ORL_OPTION_SERVER(&server),
     };
@@ -155,7 +156,7 @@ int orl_cmd_fetch(const struct orl_subcommand *self, int argc, char **argv)
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-/* oriel link ID FILE...: prints temporary addresses of result files that need no token. */
+/* ---- oriel link ------------------------------------------------------------------------------ */
 
 enum { MOST_FILES = 100, MOST_SECONDS = 3600, USUAL_SECONDS = 300 };
 
@@ -175,7 +176,7 @@ static void print_links(const struct orl_http *http, const json_t *links)
 
     json_array_foreach(links, i, link)
     {
-        printf("%s%s\n", http->base_url, orl_json_text(link, "url"));
+        printf("%s%s\n", http->base_url, orl_get_text(link, "url"));
     }
 }
 
@@ -186,7 +187,7 @@ int orl_cmd_link(const struct orl_subcommand *self, int argc, char **argv)
         ORL_OPTION_SERVER(&server),
         {.name = "seconds",
          .metavar = "N",
-         .help = "that they are good for, up to 3600 (300)",
+         .help = "seconds until the addresses expire, up to 3600 (300)",
          .value = &seconds_text},
     };
     struct orl_operands operands;

@@ -1,6 +1,7 @@
 /*
  * oriel submit JOB.json: uploads the files that the document names, posts the job, study or
- * year, and prints its id.
+ * year, and prints its id. oriel wait ID waits for a job, with progress on stderr. oriel cancel ID
+ * cancels a job and returns when it has stopped.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -111,10 +112,10 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
     bool wait = false;
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
-        {.name = "name", .metavar = "NAME", .help = "what to call the job", .value = &name},
+        {.name = "name", .metavar = "NAME", .help = "name of the job", .value = &name},
         {.name = "tags",
          .metavar = "TAG,...",
-         .help = "what to find it by again, as oriel status --tag does",
+         .help = "tags to find the job by, as with oriel status --tag",
          .value = &tags},
         ORL_OPTIONS_PROJECT(&project),
         ORL_OPTIONS_YEAR(&project),
@@ -134,15 +135,15 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
     if (rc) {
         code = orl_report_error(&err);
     } else {
-        printf("%s\n", orl_json_text(reply, "id"));
-        code = wait ? orl_follow_job(&http, orl_json_text(reply, "id")) : ORL_EXIT_OK;
+        printf("%s\n", orl_get_text(reply, "id"));
+        code = wait ? orl_follow_job(&http, orl_get_text(reply, "id")) : ORL_EXIT_OK;
     }
     json_decref(reply);
     orl_http_close(&http);
     return code;
 }
 
-/* oriel wait ID: waits for a job with progress on stderr. */
+/* ---- oriel wait ------------------------------------------------------------------------------ */
 
 int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
 {
@@ -163,7 +164,7 @@ int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
     return code;
 }
 
-/* oriel cancel ID: cancels a job and returns when it has stopped. */
+/* ---- oriel cancel ---------------------------------------------------------------------------- */
 
 int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv)
 {
@@ -191,7 +192,7 @@ int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv)
         rc = orl_await_job(&http, operands.items[0], &job, &err);
     }
     if (rc == 0)
-        fprintf(stderr, "job %s: %s\n", operands.items[0], orl_json_text(job, "state"));
+        fprintf(stderr, "job %s: %s\n", operands.items[0], orl_get_text(job, "state"));
     json_decref(job);
     json_decref(nothing);
     orl_http_close(&http);

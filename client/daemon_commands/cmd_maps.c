@@ -42,23 +42,23 @@ static void print_maps(const json_t *maps)
            "size", "built in", "hits", "saved", "age", "unused");
     json_array_foreach(maps, i, map)
     {
-        const double seconds = orl_json_number(map, "seconds", 0);
-        const double hits = orl_json_number(map, "hits", 0);
-        const double saved = orl_json_number(map, "seconds_saved", hits * seconds);
+        const double seconds = orl_get_number(map, "seconds", 0);
+        const double hits = orl_get_number(map, "hits", 0);
+        const double saved = orl_get_number(map, "seconds_saved", hits * seconds);
         char emitted[32], stored[32], size[32], age[32], unused[32];
 
-        orl_format_amount(orl_json_number(map, "emitted", 0), "", emitted, sizeof emitted);
-        orl_format_amount(orl_json_number(map, "stored", 0), "", stored, sizeof stored);
-        orl_format_amount(orl_json_number(map, "bytes", 0), "B", size, sizeof size);
-        format_age(orl_json_text(map, "created"), age, sizeof age);
-        format_age(orl_json_text(map, "last_used"), unused, sizeof unused);
+        orl_format_amount(orl_get_number(map, "emitted", 0), "", emitted, sizeof emitted);
+        orl_format_amount(orl_get_number(map, "stored", 0), "", stored, sizeof stored);
+        orl_format_amount(orl_get_number(map, "bytes", 0), "B", size, sizeof size);
+        format_age(orl_get_text(map, "created"), age, sizeof age);
+        format_age(orl_get_text(map, "last_used"), unused, sizeof unused);
         if (json_is_true(json_object_get(map, "in_use")))
             snprintf(unused, sizeof unused, "in use");
         printf("%-11s %-12.12s %9s %9s %10s %7.1f s %5.0f %7.1f s %7s %7s\n",
-               orl_json_text(map, "kind"), orl_json_text(map, "key"), emitted, stored, size,
-               seconds, hits, saved, age, unused);
+               orl_get_text(map, "kind"), orl_get_text(map, "key"), emitted, stored, size, seconds,
+               hits, saved, age, unused);
         saved_s += saved;
-        bytes += orl_json_number(map, "bytes", 0);
+        bytes += orl_get_number(map, "bytes", 0);
     }
     orl_format_duration(saved_s, span, sizeof span);
     orl_format_amount(bytes, "B", total, sizeof total);
@@ -76,7 +76,7 @@ static int find_map(const json_t *maps, const char *start, const json_t **ret_ma
 
     json_array_foreach(maps, i, map)
     {
-        if (strncmp(orl_json_text(map, "key"), start, strlen(start)) != 0)
+        if (strncmp(orl_get_text(map, "key"), start, strlen(start)) != 0)
             continue;
         found = map;
         n_found++;
@@ -97,11 +97,11 @@ static int remove_map(struct orl_http *http, const json_t *maps, const char *sta
 
     if (rc)
         return rc;
-    snprintf(path, sizeof path, "/v1/maps/%.20s/%.64s", orl_json_text(map, "kind"),
-             orl_json_text(map, "key"));
+    snprintf(path, sizeof path, "/v1/maps/%.20s/%.64s", orl_get_text(map, "kind"),
+             orl_get_text(map, "key"));
     rc = orl_http_call(http, "DELETE", path, NULL, err);
     if (rc == 0)
-        fprintf(stderr, "map %s: removed\n", orl_json_text(map, "key"));
+        fprintf(stderr, "map %s: removed\n", orl_get_text(map, "key"));
     return rc;
 }
 

@@ -19,9 +19,9 @@ static void print_study(const json_t *study)
 
     if (!study)
         return;
-    printf("running  %s, run %.0f of %.0f\npoints   %zu of %.0f\n", orl_json_text(study, "running"),
-           orl_json_number(study, "run", 0), orl_json_number(study, "runs", 0),
-           json_array_size(points), orl_json_number(study, "settings", 0));
+    printf("running  %s, run %.0f of %.0f\npoints   %zu of %.0f\n", orl_get_text(study, "running"),
+           orl_get_number(study, "run", 0), orl_get_number(study, "runs", 0),
+           json_array_size(points), orl_get_number(study, "settings", 0));
     json_array_foreach(points, i, point)
     {
         orl_format_study_point(point, text, sizeof text);
@@ -32,28 +32,28 @@ static void print_study(const json_t *study)
 static void print_job(const json_t *job)
 {
     const json_t *maps = json_object_get(job, "maps"), *map, *warning, *tag;
-    const double eta_s = orl_json_number(job, "eta_s", -1);
-    const double position = orl_json_number(job, "queue_position", -1);
+    const double eta_s = orl_get_number(job, "eta_s", -1);
+    const double position = orl_get_number(job, "queue_position", -1);
     char text[320];
     size_t i;
 
-    printf("id       %s\n", orl_json_text(job, "id"));
-    if (*orl_json_text(job, "name"))
-        printf("name     %s\n", orl_json_text(job, "name"));
+    printf("id       %s\n", orl_get_text(job, "id"));
+    if (*orl_get_text(job, "name"))
+        printf("name     %s\n", orl_get_text(job, "name"));
     json_array_foreach(json_object_get(job, "tags"), i, tag)
     {
         printf("tag      %s\n", json_string_value(tag));
     }
-    printf("kind     %s\nstate    %s\n", orl_json_text(job, "kind"), orl_json_text(job, "state"));
-    if (*orl_json_text(job, "client"))
-        printf("client   %s\n", orl_json_text(job, "client"));
-    if (*orl_json_text(job, "evicted"))
-        printf("results  removed at %s to make room\n", orl_json_text(job, "evicted"));
+    printf("kind     %s\nstate    %s\n", orl_get_text(job, "kind"), orl_get_text(job, "state"));
+    if (*orl_get_text(job, "client"))
+        printf("client   %s\n", orl_get_text(job, "client"));
+    if (*orl_get_text(job, "evicted"))
+        printf("results  removed at %s to make room\n", orl_get_text(job, "evicted"));
     if (position > 0)
         printf("queue    %.0f\n", position);
-    if (*orl_json_text(job, "stage"))
-        printf("stage    %s\n", orl_json_text(job, "stage"));
-    printf("percent  %.1f\n", orl_json_number(job, "percent", 0));
+    if (*orl_get_text(job, "stage"))
+        printf("stage    %s\n", orl_get_text(job, "stage"));
+    printf("percent  %.1f\n", orl_get_number(job, "percent", 0));
     if (eta_s >= 0) {
         orl_format_duration(eta_s, text, sizeof text);
         printf("eta      %s\n", text);
@@ -70,7 +70,7 @@ static void print_job(const json_t *job)
     print_study(json_object_get(job, "study"));
     orl_print_verdicts(stdout, json_object_get(json_object_get(job, "annual"), "verdicts"));
     if (json_object_get(job, "bsdf"))
-        printf("bsdf     %s\n", orl_json_text(json_object_get(job, "bsdf"), "id"));
+        printf("bsdf     %s\n", orl_get_text(json_object_get(job, "bsdf"), "id"));
     orl_report_job_error(job);
 }
 
@@ -97,13 +97,13 @@ int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
         {.name = "state", .metavar = "STATE", .help = "only jobs in that state", .value = &state},
-        {.name = "tag", .metavar = "TAG", .help = "only jobs that have that tag", .value = &tag},
+        {.name = "tag", .metavar = "TAG", .help = "only jobs with that tag", .value = &tag},
         {.name = "scene", .metavar = "ID", .help = "only jobs of that scene", .value = &scene},
         {.name = "since",
          .metavar = "TIME",
-         .help = "only jobs that came then or later: 2026-11-23T08:00:00Z",
+         .help = "only jobs submitted at that time or later: 2026-11-23T08:00:00Z",
          .value = &since},
-        {.name = "limit", .metavar = "N", .help = "at most so many (100)", .value = &limit},
+        {.name = "limit", .metavar = "N", .help = "largest number of jobs (100)", .value = &limit},
     };
     struct orl_operands operands;
     struct orl_http http = {0};

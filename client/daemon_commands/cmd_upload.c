@@ -1,5 +1,6 @@
-/* oriel upload scene FILE... | scene FOLDER | scene FILE.zip | scene MODEL.hbjson | bsdf FILE:
- * uploads a scene or a BSDF. */
+/* What a daemon stores: oriel upload scene|bsdf FILE... uploads a scene or a BSDF, oriel list
+ * scenes|bsdfs prints the uploads as a table, oriel remove job|scene|bsdf ID... removes jobs or
+ * uploads. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,9 +10,11 @@
 #include <oriel/base/limits.h>
 #include <sys/stat.h>
 
+#include "distributed/atomic_files.h"
 #include "http/http_client.h"
 #include "http/json_get.h"
 #include "http/upload_bundle.h"
+#include "input/input_folders.h"
 #include "options/command.h"
 #include "output/reports.h"
 #include "output/terminal.h"
@@ -64,7 +67,7 @@ static int post_and_print(struct orl_http *http, const char *path, const char *f
     const int rc = orl_http_post_file(http, path, file, type, &reply, err);
 
     if (rc == 0)
-        printf("%s\n", orl_json_text(reply, "id"));
+        printf("%s\n", orl_get_text(reply, "id"));
     json_decref(reply);
     return rc;
 }
@@ -89,13 +92,6 @@ static int upload_zip(struct orl_http *http, const char *file, char **names, int
     return rc ? rc : post_and_print(http, path, file, "application/zip", err);
 }
 
-static bool is_folder(const char *path)
-{
-    struct stat info;
-
-    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-}
-
 static bool ends_with(const char *path, const char *ending)
 {
     const size_t length = strlen(path), tail = strlen(ending);
@@ -106,7 +102,7 @@ static bool ends_with(const char *path, const char *ending)
 static int upload_scene(struct orl_http *http, char **names, int count, bool list_only,
                         struct orl_error *err)
 {
-    if (is_folder(names[0]))
+    if (orl_is_folder(names[0]))
         return upload_folder(http, names[0], names + 1, count - 1, list_only, err);
     const bool model = ends_with(names[0], ".hbjson");
     if (!model && !ends_with(names[0], ".zip"))
@@ -150,7 +146,7 @@ int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv)
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
         {.name = "list",
-         .help = "only say which files a scene's upload would carry",
+         .help = "only list the files that the upload of a scene would contain",
          .flag = &list_only},
     };
     struct orl_operands operands;
@@ -176,7 +172,7 @@ int orl_cmd_upload(const struct orl_subcommand *self, int argc, char **argv)
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-/* oriel list scenes|bsdfs: prints a daemon's uploads as a table. */
+/* ---- oriel list ------------------------------------------------------------------------------ */
 
 static void print_scenes(const json_t *scenes)
 {
@@ -188,10 +184,10 @@ static void print_scenes(const json_t *scenes)
     {
         char size[32];
 
-        orl_format_amount(orl_json_number(scene, "bytes", 0), "B", size, sizeof size);
-        printf("%-64s  %10s  %5.0f  %9.0f  %.19s\n", orl_json_text(scene, "id"), size,
-               orl_json_number(scene, "jobs", 0), orl_json_number(scene, "jobs_under_way", 0),
-               orl_json_text(scene, "last_used"));
+        orl_format_amount(orl_get_number(scene, "bytes", 0), "B", size, sizeof size);
+        printf("%-64s  %10s  %5.0f  %9.0f  %.19s\n", orl_get_text(scene, "id"), size,
+               orl_get_number(scene, "jobs", 0), orl_get_number(scene, "jobs_under_way", 0),
+               orl_get_text(scene, "last_used"));
     }
 }
 
@@ -205,9 +201,9 @@ static void print_bsdfs(const json_t *bsdfs)
     {
         char size[32];
 
-        orl_format_amount(orl_json_number(bsdf, "bytes", 0), "B", size, sizeof size);
-        printf("%-64s  %10s  %6zu  %s\n", orl_json_text(bsdf, "id"), size,
-               json_array_size(json_object_get(bsdf, "scenes")), orl_json_text(bsdf, "name"));
+        orl_format_amount(orl_get_number(bsdf, "bytes", 0), "B", size, sizeof size);
+        printf("%-64s  %10s  %6zu  %s\n", orl_get_text(bsdf, "id"), size,
+               json_array_size(json_object_get(bsdf, "scenes")), orl_get_text(bsdf, "name"));
     }
 }
 
@@ -263,7 +259,7 @@ int orl_cmd_list(const struct orl_subcommand *self, int argc, char **argv)
     return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }
 
-/* oriel remove job|scene|bsdf ID...: removes jobs or uploads. */
+/* ---- oriel remove ---------------------------------------------------------------------------- */
 
 /* Returns the API path of a kind, such as "/v1/jobs" for "job", or NULL for others. */
 static const char *folder_of(const char *what)
@@ -297,7 +293,7 @@ static int complete_id(struct orl_http *http, const char *begun, char ret_id[64]
     snprintf(path, sizeof path, "/v1/jobs/%.40s", begun);
     rc = orl_http_call(http, "GET", path, &job, err);
     if (rc == 0)
-        snprintf(ret_id, 64, "%.63s", orl_json_text(job, "id"));
+        snprintf(ret_id, 64, "%.63s", orl_get_text(job, "id"));
     json_decref(job);
     return rc;
 }

@@ -31,17 +31,17 @@ struct watch {
  * progress. */
 static bool has_changed(const json_t *printed_jobs, const json_t *job)
 {
-    const double percent = orl_json_number(job, "percent", 0);
+    const double percent = orl_get_number(job, "percent", 0);
 
     return !printed_jobs ||
-           strcmp(orl_json_text(printed_jobs, "state"), orl_json_text(job, "state")) != 0 ||
+           strcmp(orl_get_text(printed_jobs, "state"), orl_get_text(job, "state")) != 0 ||
            !json_equal(json_object_get(printed_jobs, "error"), json_object_get(job, "error")) ||
-           fabs(percent - orl_json_number(printed_jobs, "percent", 0)) >= PERCENT_STEP;
+           fabs(percent - orl_get_number(printed_jobs, "percent", 0)) >= PERCENT_STEP;
 }
 
 static void handle_job(struct watch *watch, json_t *job)
 {
-    const char *id = orl_json_text(job, "id");
+    const char *id = orl_get_text(job, "id");
 
     if (!has_changed(json_object_get(watch->printed_jobs, id), job))
         return;
@@ -56,8 +56,8 @@ static void handle_event(struct watch *watch)
     if (doc && strcmp(watch->event, "job") == 0) {
         handle_job(watch, doc);
     } else if (doc && strcmp(watch->event, "removed") == 0) {
-        printf("%-8.8s  removed\n", orl_json_text(doc, "id"));
-        json_object_del(watch->printed_jobs, orl_json_text(doc, "id"));
+        printf("%-8.8s  removed\n", orl_get_text(doc, "id"));
+        json_object_del(watch->printed_jobs, orl_get_text(doc, "id"));
     }
     json_decref(doc);
     free(watch->data);
@@ -137,7 +137,7 @@ int orl_cmd_watch(const struct orl_subcommand *self, int argc, char **argv)
     const char *server = NULL, *tag = NULL;
     const struct orl_option options[] = {
         ORL_OPTION_SERVER(&server),
-        {.name = "tag", .metavar = "TAG", .help = "only jobs that have that tag", .value = &tag},
+        {.name = "tag", .metavar = "TAG", .help = "only jobs with that tag", .value = &tag},
     };
     struct orl_operands operands;
     struct orl_http http = {0};

@@ -31,28 +31,28 @@ int orl_job_path(const char *id, const char *rest, char *ret_path, size_t size,
 
 void orl_format_map(const json_t *map, char *ret_text, size_t size)
 {
-    const double seconds = orl_json_number(map, "seconds", 0);
-    const double reused = orl_json_number(map, "reused", 0);
+    const double seconds = orl_get_number(map, "seconds", 0);
+    const double reused = orl_get_number(map, "reused", 0);
     char stored[32], bytes[32], before[32];
 
-    if (strcmp(orl_json_text(map, "kind"), "made") == 0) {
-        orl_format_amount(orl_json_number(map, "emitted", 0), "", stored, sizeof stored);
+    if (strcmp(orl_get_text(map, "kind"), "made") == 0) {
+        orl_format_amount(orl_get_number(map, "emitted", 0), "", stored, sizeof stored);
         snprintf(ret_text, size, "BSDF: %s %.1f s (of %s paths, or rows measured)",
-                 orl_json_true(map, "cached") ? "made before, in" : "made in", seconds, stored);
+                 orl_get_true(map, "cached") ? "made before, in" : "made in", seconds, stored);
         return;
     }
-    orl_format_amount(orl_json_number(map, "stored", 0), "", stored, sizeof stored);
-    orl_format_amount(orl_json_number(map, "bytes", 0), "B", bytes, sizeof bytes);
+    orl_format_amount(orl_get_number(map, "stored", 0), "", stored, sizeof stored);
+    orl_format_amount(orl_get_number(map, "bytes", 0), "B", bytes, sizeof bytes);
     orl_format_amount(reused, "", before, sizeof before);
-    if (orl_json_true(map, "cached"))
+    if (orl_get_true(map, "cached"))
         snprintf(ret_text, size, "%s map: found in the cache (%s photons, %s), %.1f s saved",
-                 orl_json_text(map, "kind"), stored, bytes, seconds);
+                 orl_get_text(map, "kind"), stored, bytes, seconds);
     else if (reused > 0)
         snprintf(ret_text, size, "%s map: topped up from %s photons (%s photons, %s)",
-                 orl_json_text(map, "kind"), before, stored, bytes);
+                 orl_get_text(map, "kind"), before, stored, bytes);
     else
         snprintf(ret_text, size, "%s map: built in %.1f s (%s photons, %s)",
-                 orl_json_text(map, "kind"), seconds, stored, bytes);
+                 orl_get_text(map, "kind"), seconds, stored, bytes);
 }
 
 /* Facts reported so far. */
@@ -88,32 +88,32 @@ static void report_sky(struct orl_progress_line *progress, const json_t *job,
                        struct reported *reported)
 {
     const json_t *skies = json_object_get(job, "skies");
-    const char *sky = orl_json_text(skies, "running");
+    const char *sky = orl_get_text(skies, "running");
 
     if (!*sky || strcmp(reported->sky, sky) == 0)
         return;
     *reported = (struct reported){.technique = true, .runner = true};
     snprintf(reported->sky, sizeof reported->sky, "%s", sky);
-    orl_progress_note(progress, "sky %s (%.0f of %.0f done)", sky,
-                      orl_json_number(skies, "done", 0), orl_json_number(skies, "count", 0));
+    orl_progress_note(progress, "sky %s (%.0f of %.0f done)", sky, orl_get_number(skies, "done", 0),
+                      orl_get_number(skies, "count", 0));
 }
 
 /* Reports once where the job runs, and why. */
 static void report_runner(struct orl_progress_line *progress, const json_t *job, bool *reported)
 {
     const json_t *runner = json_object_get(job, "runner");
-    const bool slurm = strcmp(orl_json_text(runner, "name"), "slurm") == 0;
+    const bool slurm = strcmp(orl_get_text(runner, "name"), "slurm") == 0;
 
     if (runner && !*reported)
         orl_progress_note(progress, "%s: %s", slurm ? "in parts, by Slurm" : "with the daemon",
-                          orl_json_text(runner, "why"));
+                          orl_get_text(runner, "why"));
     *reported = *reported || runner;
 }
 
 /* Reports once which technique the plan chose. */
 static void report_technique(struct orl_progress_line *progress, const json_t *job, bool *reported)
 {
-    const char *technique = orl_json_text(job, "technique");
+    const char *technique = orl_get_text(job, "technique");
 
     if (*technique && !*reported)
         orl_progress_note(progress, "plan: %s", technique);
@@ -150,8 +150,8 @@ static void report_points(struct orl_progress_line *progress, const json_t *job,
 static void report_round(struct orl_progress_line *progress, const json_t *job, double *reported)
 {
     const json_t *accuracy = json_object_get(job, "accuracy");
-    const double rounds = orl_json_number(accuracy, "rounds", 0);
-    const double error = orl_json_number(accuracy, "achieved", -1);
+    const double rounds = orl_get_number(accuracy, "rounds", 0);
+    const double error = orl_get_number(accuracy, "achieved", -1);
 
     if (!(rounds > *reported))
         return;
@@ -169,17 +169,17 @@ static void report_verdict(struct orl_progress_line *progress, const json_t *job
 {
     const json_t *accuracy = json_object_get(json_object_get(job, "annual"), "accuracy");
     const json_t *interval = json_object_get(accuracy, "interval_95");
-    const double rounds = orl_json_number(accuracy, "rounds", 0);
+    const double rounds = orl_get_number(accuracy, "rounds", 0);
 
     if (!(rounds > *reported))
         return;
     *reported = rounds;
     orl_progress_note(
         progress, "round %.0f: %s: %.4g [%.4g, %.4g], %s; %.0f sensors refined", rounds,
-        orl_json_text(accuracy, "target"), orl_json_number(accuracy, "value", NAN),
+        orl_get_text(accuracy, "target"), orl_get_number(accuracy, "value", NAN),
         json_number_value(json_array_get(interval, 0)),
-        json_number_value(json_array_get(interval, 1)), orl_json_text(accuracy, "verdict"),
-        orl_json_number(accuracy, "refined_sensors", 0));
+        json_number_value(json_array_get(interval, 1)), orl_get_text(accuracy, "verdict"),
+        orl_get_number(accuracy, "refined_sensors", 0));
 }
 
 static void report_timings(json_t *job)
@@ -200,7 +200,7 @@ static void report_timings(json_t *job)
 /* Reports how the job ended; returns the exit code. */
 static int report_end(json_t *job, const char *id)
 {
-    const char *state = orl_json_text(job, "state");
+    const char *state = orl_get_text(job, "state");
 
     const json_t *accuracy = json_object_get(job, "accuracy");
 
@@ -208,12 +208,12 @@ static int report_end(json_t *job, const char *id)
     if (accuracy)
         fprintf(stderr, "accuracy: %s: %s\n",
                 json_is_true(json_object_get(accuracy, "met")) ? "met" : "not met",
-                orl_json_text(accuracy, "why"));
+                orl_get_text(accuracy, "why"));
     report_timings(job);
     orl_print_verdicts(stderr, json_object_get(json_object_get(job, "annual"), "verdicts"));
     if (json_object_get(job, "bsdf"))
         fprintf(stderr, "BSDF %s, for scenes to name\n",
-                orl_json_text(json_object_get(job, "bsdf"), "id"));
+                orl_get_text(json_object_get(job, "bsdf"), "id"));
     fprintf(stderr, "job %s: %s\n", id, state);
     return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;
 }
@@ -228,19 +228,19 @@ static void pause_s(double seconds)
 
 static void show_job(struct orl_progress_line *progress, const json_t *job)
 {
-    const char *state = orl_json_text(job, "state"), *stage = orl_json_text(job, "stage");
+    const char *state = orl_get_text(job, "state"), *stage = orl_get_text(job, "stage");
 
     if (!*stage)
-        stage = orl_json_text(json_object_get(job, "study"), "running");
+        stage = orl_get_text(json_object_get(job, "study"), "running");
     if (strcmp(state, "queued") == 0)
         stage = "queued";
-    orl_progress_show(progress, *stage ? stage : state, orl_json_number(job, "percent", 0) / 100,
-                      orl_json_number(job, "eta_s", NAN));
+    orl_progress_show(progress, *stage ? stage : state, orl_get_number(job, "percent", 0) / 100,
+                      orl_get_number(job, "eta_s", NAN));
 }
 
 bool orl_job_has_ended(const json_t *job)
 {
-    const char *state = orl_json_text(job, "state");
+    const char *state = orl_get_text(job, "state");
 
     return strcmp(state, "succeeded") == 0 || strcmp(state, "failed") == 0 ||
            strcmp(state, "cancelled") == 0;

@@ -4,7 +4,7 @@ import { Problem, ask, explain, get, jobPath, post } from './api.js';
 import { fill, h, say, setAttr, setText } from './dom.js';
 import { ErrorChart } from './error_chart.js';
 import { duration, fullMoment, isOver, jobName, percent, stateName } from './format.js';
-import { changed, halved, withViewpoint } from './again.js';
+import { copyDocument, withHalfError, withViewpoint } from './derive_job.js';
 import { resultOfKind } from './job_kinds.js';
 import * as parts from './job_parts.js';
 import { Pictures } from './pictures.js';
@@ -163,8 +163,8 @@ export class JobPage {
       const canHalve = job.kind === 'render' && job.state === 'succeeded' && Number.isFinite(next?.error) && next.error > 0 && Number.isFinite(next?.halve_s);
       return [button('Remove', () => this.#remove(), { class: 'plain' }),
         this.result?.views?.length > 0 && button('Another view', () => this.#turn()),
-        button('Run again', () => this.#again((document) => changed(document))),
-        canHalve && button(`Halve the error, about ${duration(next.halve_s)}`, () => this.#again((document) => halved(document, this.result)), { class: 'main' })];
+        button('Run again', () => this.#again((document) => copyDocument(document))),
+        canHalve && button(`Halve the error, about ${duration(next.halve_s)}`, () => this.#again((document) => withHalfError(document, this.result)), { class: 'main' })];
     });
   }
 

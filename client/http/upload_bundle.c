@@ -45,8 +45,10 @@ static int add_line(struct orl_sha256 *hash, const struct orl_upload_part *part,
     return 0;
 }
 
-int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
-                     char ret_id[ORL_DIGEST_TEXT], struct orl_error *err)
+/* Computes the daemon's id of a scene of these files (defined at POST /v1/scenes), so that uploads
+ * that the daemon already has are skipped. */
+static int digest_scene(const struct orl_upload_part *parts, size_t n_parts,
+                        char ret_id[ORL_DIGEST_TEXT], struct orl_error *err)
 {
     static const char first[] = "oriel-scene 1\n";
     struct orl_upload_part *resources =
@@ -179,8 +181,9 @@ done:
     return rc;
 }
 
-int orl_bundle_add_referenced(struct orl_upload *bundle, const char *folder,
-                              const char *const *names, size_t count, struct orl_error *err)
+/* Adds the files that these files refer to when read in order, but not these files themselves. */
+static int add_referenced(struct orl_upload *bundle, const char *folder, const char *const *names,
+                          size_t count, struct orl_error *err)
 {
     const struct orl_files files = orl_raypath_files(folder);
     struct orl_scene_summary summary = {0};
@@ -297,7 +300,7 @@ int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, ch
     json_t *reply = NULL;
     bool known = false;
     char id[ORL_DIGEST_TEXT], path[ORL_DIGEST_TEXT + 32];
-    int rc = orl_digest_scene(bundle->parts, bundle->n_parts, id, err);
+    int rc = digest_scene(bundle->parts, bundle->n_parts, id, err);
 
     if (rc)
         return rc;
@@ -317,7 +320,7 @@ int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, ch
     fprintf(stderr, "scene: %zu files, %s, %s in %.1f s\n", bundle->n_parts, amount,
             http->status == 201 ? "uploaded" : "already known to the daemon",
             orl_clock_s(NULL) - start_s);
-    *ret_id = strdup(known ? id : orl_json_text(reply, "id"));
+    *ret_id = strdup(known ? id : orl_get_text(reply, "id"));
     json_decref(reply);
     if (!*ret_id)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -353,8 +356,7 @@ static int collect_state(const struct resources *resources,
         all[i] = names[i];
     for (size_t i = 0; i < state->n_files; i++)
         all[count + i] = state->files[i];
-    rc = orl_bundle_add_referenced(resources->bundle, resources->folder, all,
-                                   count + state->n_files, err);
+    rc = add_referenced(resources->bundle, resources->folder, all, count + state->n_files, err);
     free(all);
     return rc;
 }

@@ -1,23 +1,4 @@
 /*
- * Computes the ids that the daemon uses: SHA-256 digests in hexadecimal. With them, uploads
- * that the daemon already has are skipped.
- */
-#ifndef ORL_CLIENT_HTTP_UPLOAD_BUNDLE_H
-#define ORL_CLIENT_HTTP_UPLOAD_BUNDLE_H
-
-#include <stddef.h>
-
-#include <oriel/base/error.h>
-
-#include "distributed/atomic_files.h"
-#include "http/http_client.h"
-#include "job/job_request_json.h"
-
-/* Computes the id of a scene of these files (defined at POST /v1/scenes). */
-int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
-                     char ret_id[ORL_DIGEST_TEXT], struct orl_error *err);
-
-/*
  * Collects the files of a scene upload: the main files, in order, and every file they refer to
  * (BSDFs, !xform files). The core's own parser finds the references, so that none is missed and
  * errors in the scene are reported before anything is sent. Goniophotometer measurements are
@@ -26,6 +7,15 @@ int orl_digest_scene(const struct orl_upload_part *parts, size_t n_parts,
  * Names are sent as the scene's files spell them, because the daemon looks them up by this
  * spelling. Names outside the folder ("../", "/") are refused.
  */
+#ifndef ORL_CLIENT_HTTP_UPLOAD_BUNDLE_H
+#define ORL_CLIENT_HTTP_UPLOAD_BUNDLE_H
+
+#include <stddef.h>
+
+#include <oriel/base/error.h>
+
+#include "http/http_client.h"
+#include "job/job_request_json.h"
 
 struct orl_upload {
     struct orl_upload_part *parts; /* owned, with their strings; main files first */
@@ -45,9 +35,6 @@ void orl_bundle_names_free(char **names, size_t count); /* NULL is fine */
 /* Adds a file that the job names but the scene does not, such as a weather file. */
 int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *name,
                    struct orl_error *err);
-/* Adds the files that these files refer to when read in order, but not these files themselves. */
-int orl_bundle_add_referenced(struct orl_upload *bundle, const char *folder,
-                              const char *const *names, size_t count, struct orl_error *err);
 void orl_bundle_done(struct orl_upload *bundle); /* NULL and half-filled are fine */
 
 /* Uploads the bundle unless the daemon already has it, and reports which on stderr. *ret_id is
@@ -57,7 +44,7 @@ int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, ch
 
 /*
  * Collects all files that a document of any kind needs: those of its scene with their
- * references (upload_bundle.h), and those that the document names itself.
+ * references, and those that the document names itself.
  */
 
 /* Collects the files of a document that names its scene's files, below the folder. Call

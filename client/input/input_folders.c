@@ -11,7 +11,7 @@
 #include "distributed/atomic_files.h"
 #include "input/input_folders.h"
 
-enum { LIBRARY_PATH_SIZE = 4096 };
+enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16 };
 
 bool orl_raypath_find(const char *name, char *ret_path, size_t size)
 {
@@ -34,7 +34,7 @@ static int raypath_open(void *ctx, const char *name, struct orl_file *ret_file,
                         struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
-    char path[LIBRARY_PATH_SIZE];
+    char path[PATH_SIZE];
 
     (void)ctx;
     if (!orl_raypath_find(name, path, sizeof path))
@@ -49,8 +49,6 @@ struct orl_files orl_raypath_files(const char *folder)
     files.library = raypath_open;
     return files;
 }
-
-enum { PATH_SIZE = 4096, MOST_NAMES = 100000, DEPTH = 16 };
 
 bool orl_is_folder(const char *path)
 {

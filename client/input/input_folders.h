@@ -1,7 +1,5 @@
 /*
- * The user's library of function files, fonts and data that scenes use but do not include: the
- * folders of the environment variable RAYPATH, as in Radiance (rpict(1), ENVIRONMENT). It is
- * searched after the scene's folder. If RAYPATH is unset, there is no library.
+ * Folders from which inputs come: the library of RAYPATH, and temporary folders of links.
  */
 #ifndef ORL_CLIENT_INPUT_INPUT_FOLDERS_H
 #define ORL_CLIENT_INPUT_INPUT_FOLDERS_H
@@ -11,6 +9,12 @@
 
 #include <oriel/base/error.h>
 #include <oriel/base/files.h>
+
+/*
+ * The user's library of function files, fonts and data that scenes use but do not include: the
+ * folders of the environment variable RAYPATH, as in Radiance (rpict(1), ENVIRONMENT). It is
+ * searched after the scene's folder. If RAYPATH is unset, there is no library.
+ */
 
 /* Returns files of a folder (orl_files_from_folder), with the library searched after it. */
 struct orl_files orl_raypath_files(const char *folder);

@@ -41,27 +41,27 @@ int orl_project_scene_to_json(const char *path, const struct orl_project_line *l
     {.name = "sky",                                                                                \
      .metavar = "SKY",                                                                             \
      .help =                                                                                       \
-         "of a project: one of its own by name (oriel project lists them), or a job's \"sky\" "    \
-         "as JSON, whose weather file is looked for here and in the project",                      \
+         "for a project: name of one of its skies (oriel project lists them), or a job's \"sky\" " \
+         "as JSON; its weather file is searched here and in the project",                          \
      .value = &(line)->sky},                                                                       \
     {                                                                                              \
         .name = "states", .metavar = "GROUP=STATE,...",                                            \
-        .help = "of a project: which state its moving parts are in (default: the first)",          \
+        .help = "for a project: states of its dynamic parts (default: the first)",                 \
         .value = &(line)->states                                                                   \
     }
 /* Options for a year of a project. */
 #define ORL_OPTIONS_YEAR(line)                                                                     \
     {.name = "weather",                                                                            \
      .metavar = "FILE",                                                                            \
-     .help = "of a project: the year's weather, EPW or WEA",                                       \
+     .help = "for a project: weather file of the year, EPW or WEA",                                \
      .value = &(line)->weather},                                                                   \
         {.name = "year",                                                                           \
          .metavar = "YEAR",                                                                        \
-         .help = "of a project: the year of the weather file's rows, if it has several",           \
+         .help = "for a project: year of the weather file's rows, if it has several",              \
          .value = &(line)->year},                                                                  \
     {                                                                                              \
         .name = "rules", .metavar = "NAME,...",                                                    \
-        .help = "of a project: what it is held to, as \"LEED,EN 17037\"", .value = &(line)->rules  \
+        .help = "for a project: rules to check, as \"LEED,EN 17037\"", .value = &(line)->rules     \
     }
 /* Opens the document, or makes one for the project: a year if the line has a weather file, else
  * a render job. */

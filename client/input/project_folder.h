@@ -5,9 +5,9 @@
  *     "scene": {"project": PATH, "states": {"GROUP": "STATE"}, "sky": NAME, "files": [...]}
  *
  * adds the project's files before its own, and the project's grids and views if it has none. A
- * year also gets the dynamic parts as shades (project_shades.h). A model is translated to Radiance
- * files (honeybee/hbjson.h). All files are in a temporary folder, beside links to the entries of
- * the document's own folder.
+ * year also gets the dynamic parts as shades (orl_project_fill_shades). A model is translated to
+ * Radiance files (honeybee/hbjson.h). All files are in a temporary folder, beside links to the
+ * entries of the document's own folder.
  */
 #ifndef ORL_CLIENT_INPUT_PROJECT_FOLDER_H
 #define ORL_CLIENT_INPUT_PROJECT_FOLDER_H
@@ -49,7 +49,7 @@ int orl_project_fill_document(const struct orl_project_folder *project_folder, c
 void orl_project_list(const json_t *project);
 
 /*
- * Adds a project's dynamic parts as shades to a year's document (annual_shades.h of api/).
+ * Adds a project's dynamic parts as shades to a year's document (annual_members_json.h).
  *
  * If a shade of the document has a group's name and no "states", it gets the project's: a state
  * per file, with its name, in the same order. Groups that no shade names are added with their

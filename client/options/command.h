@@ -62,7 +62,8 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
 #define ORL_OPTION_SERVER(target)                                                                  \
     {                                                                                              \
         .name = "server", .metavar = "URL",                                                        \
-        .help = "the daemon (default: $ORIEL_URL, or http://127.0.0.1:8423)", .value = (target)    \
+        .help = "URL of the daemon (default: $ORIEL_URL, or http://127.0.0.1:8423)",               \
+        .value = (target)                                                                          \
     }
 
 int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv);

@@ -1,5 +1,7 @@
 /*
- * Options that are members of a document. A command that accepts either a document or options
+ * Options that several commands share: members of a document, and jobs in parts.
+ *
+ * Members of a document: a command that accepts either a document or options
  * turns the options into a document first, so that both are checked by the same code.
  */
 #ifndef ORL_CLIENT_OPTIONS_JOB_OPTIONS_H
@@ -48,14 +50,14 @@ struct orl_distributed_options {
 #define ORL_OPTIONS_DISTRIBUTED(line)                                                              \
     {.name = "parts",                                                                              \
      .metavar = "N",                                                                               \
-     .help = "do it in up to N parts at a time, each a process of its own; same results",          \
+     .help = "compute in up to N parts at a time, each in its own process; same results",          \
      .value = &(line)->parts_text},                                                                \
         {.name = "slurm",                                                                          \
-         .help = "parts are tasks of Slurm; DIR and this program are where all nodes see them",    \
+         .help = "run parts as Slurm tasks; all nodes must see DIR and this program",              \
          .flag = &(line)->slurm},                                                                  \
     {                                                                                              \
         .name = "sbatch", .metavar = "OPTIONS",                                                    \
-        .help = "with --slurm: more options of sbatch, as \"--partition=long --time=60\"",         \
+        .help = "with --slurm: additional options for sbatch, as \"--partition=long --time=60\"",  \
         .value = &(line)->sbatch                                                                   \
     }
 enum { ORL_DISTRIBUTED_OPTIONS = 3 };
@@ -81,7 +83,7 @@ int orl_local_distributed_open(struct orl_local_distributed *job,
                                const char *folder, const char *output, uint32_t threads,
                                const atomic_bool *cancel, struct orl_error *err);
 /* Ends the job and reports the number of parts on stderr. remove: also removes the folder with
- * all pieces. */
+ * all tasks. */
 void orl_local_distributed_done(struct orl_local_distributed *job, bool remove);
 
 #endif

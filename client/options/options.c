@@ -35,7 +35,7 @@ static void print_help(const struct orl_subcommand *self, const struct orl_optio
                  options[i].metavar ? options[i].metavar : "");
         printf("  %-22s %s\n", left, options[i].help);
     }
-    printf("  -h, --help             this text\n");
+    printf("  -h, --help             print this text\n");
 }
 
 /* Finds the option that an argument names. *ret_value points after '=' or the letter, or is

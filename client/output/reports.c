@@ -67,8 +67,8 @@ static void print_name(const json_t *job)
     char text[400] = "";
     size_t used = 0;
 
-    if (*orl_json_text(job, "name")) {
-        print_padded(orl_json_text(job, "name"), NAME_WIDTH);
+    if (*orl_get_text(job, "name")) {
+        print_padded(orl_get_text(job, "name"), NAME_WIDTH);
         return;
     }
     for (size_t i = 0; i < json_array_size(tags) && used + 1 < sizeof text; i++) {
@@ -91,20 +91,20 @@ static void format_share(double percent, char ret_text[CELL])
 
 void orl_print_job(const json_t *job)
 {
-    const double eta_s = orl_json_number(job, "eta_s", -1);
-    const double position = orl_json_number(job, "queue_position", -1);
+    const double eta_s = orl_get_number(job, "eta_s", -1);
+    const double position = orl_get_number(job, "queue_position", -1);
     char percent[CELL], eta[CELL] = "", error[CELL];
 
-    format_share(orl_json_number(job, "percent", -1), percent);
-    format_share(100 * orl_json_number(job, "error", -1), error);
+    format_share(orl_get_number(job, "percent", -1), percent);
+    format_share(100 * orl_get_number(job, "error", -1), error);
     if (eta_s >= 0)
         orl_format_duration(eta_s, eta, sizeof eta);
     else if (position > 0)
         snprintf(eta, sizeof eta, "%.0f. in line", position);
-    printf("%-8.8s  ", orl_json_text(job, "id"));
+    printf("%-8.8s  ", orl_get_text(job, "id"));
     print_name(job);
-    printf("  %-6s  %-10s  %8s  %11s  %7s  %.19s\n", orl_json_text(job, "kind"),
-           orl_json_text(job, "state"), percent, eta, error, orl_json_text(job, "created"));
+    printf("  %-6s  %-10s  %8s  %11s  %7s  %.19s\n", orl_get_text(job, "kind"),
+           orl_get_text(job, "state"), percent, eta, error, orl_get_text(job, "created"));
 }
 
 void orl_print_job_heading(void)
@@ -227,11 +227,11 @@ void orl_study_print(FILE *to, const struct orl_study *study)
 void orl_format_study_point(const json_t *point, char *ret_text, size_t size)
 {
     char photons[32], samples[32];
-    format_setting((uint64_t)orl_json_number(point, "photons", 0),
-                   (uint32_t)orl_json_number(point, "samples", 0), photons, samples);
+    format_setting((uint64_t)orl_get_number(point, "photons", 0),
+                   (uint32_t)orl_get_number(point, "samples", 0), photons, samples);
     snprintf(ret_text, size, "%s, %s photons, %s samples: %.2f s, rms %.2f %%",
-             orl_json_text(point, "technique"), photons, samples,
-             orl_json_number(point, "total_s", NAN), 100 * orl_json_number(point, "rms", NAN));
+             orl_get_text(point, "technique"), photons, samples,
+             orl_get_number(point, "total_s", NAN), 100 * orl_get_number(point, "rms", NAN));
 }
 
 static void print_value(FILE *to, const json_t *verdict)
@@ -249,10 +249,10 @@ static void print_value(FILE *to, const json_t *verdict)
 
 static void print_verdict(FILE *to, const json_t *verdict)
 {
-    const char *rule = orl_json_text(verdict, "rule"), *target = orl_json_text(verdict, "target");
-    const char *grid = orl_json_text(verdict, "grid"), *note = orl_json_text(verdict, "note");
+    const char *rule = orl_get_text(verdict, "rule"), *target = orl_get_text(verdict, "target");
+    const char *grid = orl_get_text(verdict, "grid"), *note = orl_get_text(verdict, "note");
 
-    fprintf(to, "%-10s %s%s%s (%s)", orl_json_text(verdict, "verdict"), rule,
+    fprintf(to, "%-10s %s%s%s (%s)", orl_get_text(verdict, "verdict"), rule,
             *rule && *target ? ": " : "", target, *grid ? grid : "all grids");
     print_value(to, verdict);
     fprintf(to, "%s%s\n", *note ? ": " : "", note);

@@ -1,6 +1,8 @@
 /*
- * Progress on stderr. On a terminal one line is rewritten in place. Otherwise a line is printed
- * when the stage changes and at every tenth, so that logs stay short. The caller gives the
+ * Text for a terminal: progress, wrapped lines, and plans as tables.
+ *
+ * Progress goes to stderr. On a terminal one line is rewritten in place. Otherwise a line is
+ * printed when the stage changes and at every tenth, so that logs stay short. The caller gives the
  * job's fraction done. Times are in seconds of a monotonic clock.
  */
 #ifndef ORL_CLIENT_OUTPUT_TERMINAL_H

@@ -1,6 +1,7 @@
 /*
- * Loads a BSDF: turns the file's sides into the surface's frame and drops a dummy transmission. It
- * fills a missing transmission by reciprocity, makes colour and peaks, and fills the description.
+ * Loads a BSDF: turns the file's sides into the surface's frame and drops a placeholder
+ * transmission. It fills a missing transmission by reciprocity, makes colour and peaks, and fills
+ * the description.
  */
 #include <oriel/base/thread_pool.h>
 #include <oriel/bsdf/bsdf.h>
@@ -53,16 +54,16 @@ static bool is_same(const struct orl_bsdf *bsdf, const struct orl_component *c,
     return orl_matrix_equal(&c->matrix, &d->matrix);
 }
 
-/* Returns true if the transmissions are exact copies but not reciprocal: the one called Back then
- * carries no data of its own. */
+/* Returns true if the transmissions are exact copies but not reciprocal. The one called Back then
+ * has no data of its own. */
 static bool is_senseless_copy(const struct orl_bsdf *bsdf, const struct orl_component *front,
                               const struct orl_component *back)
 {
     return is_same(bsdf, front, back) && orl_bsdf_irreciprocal_transmission(bsdf) > 0.02;
 }
 
-/* Drops a dummy transmission (enum orl_bsdf_placeholder). The views must be set before; they are
- * set again. */
+/* Drops a placeholder transmission (enum orl_bsdf_placeholder). The views must be set before; they
+ * are set again. */
 static void drop_dummy(struct orl_bsdf *bsdf)
 {
     struct orl_component *front = &bsdf->document.parts[ORL_COMPONENT_TRANSMISSION_FRONT];

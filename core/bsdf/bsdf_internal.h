@@ -1,6 +1,6 @@
 /*
- * Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it) and check_bsdf.c.
- * For core/bsdf only.
+ * Contents of an orl_bsdf, shared by bsdf.c (builds it), values.c (evaluates it), cells.c,
+ * compiled_bsdf.c, cone_table.c and check/. For core/bsdf only.
  *
  * A view is one component in the surface's frame. A transmission missing in the file is a
  * transposed view of the one that is there. Views are immutable once loaded.
@@ -17,7 +17,7 @@
 
 struct orl_component_view {
     const struct orl_component *component; /* NULL: black */
-    bool transposed;                       /* true if in is the component's B and out its A */
+    bool transposed;                       /* true if in is the component's B, and out its A */
 };
 
 struct orl_bsdf {
@@ -26,7 +26,7 @@ struct orl_bsdf {
     struct orl_component_view views[2][2]; /* [light comes from the front][transmitted] */
     double bound[2]; /* upper bounds of R + T as filed, any channel: light from back, front */
     struct orl_bsdf_info info;
-    struct orl_checked_file file; /* mapped file with all arrays (compiled_bsdf.h), if any */
+    struct orl_checked_file file; /* mapped file with all arrays (compiled_bsdf.c), if any */
 };
 
 /* Sets the views according to the components present. */
@@ -75,9 +75,7 @@ void orl_r_sequence_point(unsigned i, double ret_u[4]);
 double orl_bsdf_irreciprocal_reflection(const struct orl_bsdf *bsdf, bool front);
 double orl_bsdf_irreciprocal_transmission(const struct orl_bsdf *bsdf);
 
-/* Turns figures (check_bsdf.c) into sentences (verdict.c). For core/bsdf only. */
-
-/* Fills verdicts and worst of a check from its other fields. */
+/* Fills verdicts and worst of a check from its other fields (check/verdict.c). */
 void orl_bsdf_set_verdicts(struct orl_bsdf_check *check);
 
 #endif

@@ -1,10 +1,10 @@
-/* Directions that the data distinguish, and the cells that belong to them. */
+/* Cells of directions that the data distinguish; the transmission matrix by these cells. */
 #include <stdlib.h>
 
 #include "bsdf/bsdf_internal.h"
 #include "bsdf/tree/shirley.h"
 
-/* Colour may be finer than luminance. */
+/* Returns the depth of the component's tree or of its colour, whichever is finer. */
 static unsigned depth_of(const struct orl_component *c)
 {
     return c->tree.depth > c->chroma.depth ? c->tree.depth : c->chroma.depth;
@@ -36,7 +36,7 @@ static struct orl_vec3 tree_incident(unsigned depth, size_t cell, double *ret_om
                             ((double)(cell & (side - 1)) + 0.5) * width - 1});
 }
 
-/* All azimuths are equivalent; the direction returned has azimuth 0 (x axis). */
+/* Returns the middle of a ring, at azimuth 0 (x axis); all azimuths are equivalent. */
 static struct orl_vec3 iso_incident(unsigned rings, size_t ring, double *ret_omega_sr)
 {
     const double sine = ((double)ring + 0.5) / rings;
@@ -86,7 +86,7 @@ double orl_view_omega(const struct orl_bsdf *bsdf, const struct orl_component_vi
     return cell < 0 ? 0 : orl_basis_ring(basis, cell)->omega_sr;
 }
 
-/* Transmission matrix of a matrix BSDF, as used by the three-phase method. */
+/* ---- Transmission matrix, as used by the three-phase method ---------------------------------- */
 
 /* Returns the middle of a cell in the file's numbering. Incident directions are negated, because
  * cells hold them as the light travels. */

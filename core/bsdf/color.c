@@ -1,3 +1,4 @@
+/* Colour of BSDF values (tints), and the colour of one component made of them. */
 #include "bsdf/document.h"
 
 #include <stdlib.h>
@@ -31,7 +32,7 @@ static struct orl_tint encode_tint(struct shares s)
 {
     const double sum = s.r + s.g + s.b;
     double r = nearbyint(s.r / sum * STEPS), b = nearbyint(s.b / sum * STEPS);
-    /* Green has the rest: exactly none if its share is 0. */
+    /* Green has the rest, which is exactly 0 if its share is 0. */
     if (!(s.g > 0))
         b = STEPS - r;
     return (struct orl_tint){(uint32_t)r << 16 | (uint32_t)fmin(b, STEPS - r)};
@@ -67,7 +68,8 @@ struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside)
                           outside);
 }
 
-struct orl_tint orl_tint_of_uv(double u, double v, size_t *outside)
+/* Returns the tint of a chromaticity u', v'. An invalid one (v' not positive) gives grey. */
+static struct orl_tint tint_of_uv(double u, double v, size_t *outside)
 {
     if (!(v > 0))
         return orl_tint_gray;
@@ -206,8 +208,8 @@ static void join_trees(struct joint *j, const struct cube *cube)
         if (!(y > 0))
             return;
         const struct orl_tint tint =
-            orl_tint_of_uv((double)orl_tree_leaf_value(cube->ref[1]),
-                           (double)orl_tree_leaf_value(cube->ref[2]), &j->outside);
+            tint_of_uv((double)orl_tree_leaf_value(cube->ref[1]),
+                       (double)orl_tree_leaf_value(cube->ref[2]), &j->outside);
         for (int axis = 0; axis < 2; axis++)
             add_tinted(&j->sums[axis][level_start(cube->level) +
                                       ((size_t)cube->x[axis] << cube->level | cube->y[axis])],
@@ -302,8 +304,8 @@ static int finish_iso(struct orl_chroma *c, const struct orl_iso *iso, size_t *o
             const double luminance = value_at_cell(iso, half, a, x, y);
             if (luminance > 0)
                 add_tinted(&sum,
-                           orl_tint_of_uv(value_at_cell(&c->iso[0], half, a, x, y),
-                                          value_at_cell(&c->iso[1], half, a, x, y), outside),
+                           tint_of_uv(value_at_cell(&c->iso[0], half, a, x, y),
+                                      value_at_cell(&c->iso[1], half, a, x, y), outside),
                            luminance);
         }
         c->total[ORL_AXIS_A][a] = tint_or_gray(sum);
@@ -371,11 +373,11 @@ struct orl_tint orl_chroma_tint(enum orl_structure structure, const struct orl_c
     if (!c->present)
         return orl_tint_gray;
     if (structure == ORL_STRUCTURE_TREE4)
-        return orl_tint_of_uv(orl_tree_eval(&c->tree[0], a->square, b->square),
-                              orl_tree_eval(&c->tree[1], a->square, b->square), &counted);
+        return tint_of_uv(orl_tree_eval(&c->tree[0], a->square, b->square),
+                          orl_tree_eval(&c->tree[1], a->square, b->square), &counted);
     if (structure == ORL_STRUCTURE_TREE3)
-        return orl_tint_of_uv(orl_iso_eval(&c->iso[0], a->disk, b->disk),
-                              orl_iso_eval(&c->iso[1], a->disk, b->disk), &counted);
+        return tint_of_uv(orl_iso_eval(&c->iso[0], a->disk, b->disk),
+                          orl_iso_eval(&c->iso[1], a->disk, b->disk), &counted);
     index = orl_matrix_index(&component->matrix, a->polar, b->polar);
     return index < 0 ? orl_tint_gray : c->values[index];
 }

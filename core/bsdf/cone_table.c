@@ -7,8 +7,7 @@
 
 enum { MOST_CELLS = 16, RINGS = 4, SPOKES = 32 };
 
-/* A slot of the alias table: a leaf, and the leaf that has the rest. All slots are equally
- * likely. */
+/* Slot of the alias table: a leaf, and the leaf that has the rest. All slots are equally likely. */
 struct slot {
     float own; /* the leaf's share of the slot */
     uint32_t other;
@@ -139,8 +138,8 @@ static size_t place_of(const struct orl_cone_table *cone_table, struct orl_vec3 
 }
 
 /*
- * Makes a table for each cell met by directions all over the cone and slightly beyond it. If these
- * are all in one cell, so is the whole cone.
+ * Makes a table for each cell that contains one of a set of directions over the cone and slightly
+ * beyond it. If these are all in one cell, so is the whole cone.
  */
 static int make_cells(struct orl_cone_table *cone_table, struct orl_vec3 in, double half_angle_rad)
 {
@@ -203,7 +202,7 @@ void orl_cone_table_free(struct orl_cone_table *cone_table)
     free(cone_table);
 }
 
-/* ---- Draws ----------------------------------------------------------------------------------- */
+/* ---- Sampling -------------------------------------------------------------------------------- */
 
 static const struct slot *draw_slot(const struct cell *cell, double u, double *ret_rest)
 {

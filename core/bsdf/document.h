@@ -1,14 +1,7 @@
 /*
- * Colour of BSDF values. A file gives luminance (Visible) and beside it CIE X and Z (matrices) or
- * the chromaticity u', v' (CIE 1976, tensor trees). Colour is stored as a tint: RGB of luma 1 in
- * four bytes, by which the luminance is multiplied. Sampling uses luminance only. The luma of every
- * value is exactly that of the Visible channel.
- *
- * RGB is Radiance's: primaries (x, y) = (.640, .330), (.290, .600), (.150, .060), equal-energy
- * white. Colours outside that triangle are moved to its edge at equal luminance.
- *
- * A tint holds two 16-bit shares of the luminance, for red and blue; green has the rest. A channel
- * that is dark is therefore exactly 0. Grey has its own code and is exactly grey.
+ * Contents of a BSDF file, before sides are turned and gaps are filled: kinds of data, colour,
+ * direct peaks, and the four components. The reader (xml/xml.c) builds it; orl_bsdf_load (bsdf.c)
+ * takes ownership.
  */
 #ifndef ORL_BSDF_DOCUMENT_H
 #define ORL_BSDF_DOCUMENT_H
@@ -24,6 +17,18 @@
 #include "bsdf/tree/shirley.h"
 #include "bsdf/tree/tree.h"
 
+/*
+ * Colour of BSDF values. A file gives luminance (Visible) and beside it CIE X and Z (matrices) or
+ * the chromaticity u', v' (CIE 1976, tensor trees). Colour is stored as a tint: RGB of luma 1 in
+ * four bytes, by which the luminance is multiplied. Sampling uses luminance only. The luma of every
+ * value is exactly that of the Visible channel.
+ *
+ * RGB is Radiance's: primaries (x, y) = (.640, .330), (.290, .600), (.150, .060), equal-energy
+ * white. Colours outside that triangle are moved to its edge at equal luminance.
+ *
+ * A tint holds two 16-bit shares of the luminance, for red and blue; green has the rest. A channel
+ * that is dark is therefore exactly 0. Grey has its own code and is exactly grey.
+ */
 struct orl_tint {
     uint32_t code;
 };
@@ -32,8 +37,6 @@ static const struct orl_tint orl_tint_gray = {UINT32_MAX};
 /* Returns the tint of a tristimulus value; y must be positive. Increments *outside if the colour is
  * outside the triangle. */
 struct orl_tint orl_tint_of_xyz(double x, double y, double z, size_t *outside);
-/* Returns the tint of a chromaticity u', v'. An invalid one (v' not positive) gives grey. */
-struct orl_tint orl_tint_of_uv(double u, double v, size_t *outside);
 /* Returns the tint of an RGB colour of positive luma. */
 struct orl_tint orl_tint_of_rgb(struct orl_rgb color);
 
@@ -41,7 +44,7 @@ struct orl_rgb orl_tint_rgb(struct orl_tint tint);
 
 /* Returns X and Z of a colour whose Y is its luma; the inverse of orl_tint_of_xyz. */
 void orl_color_xz(struct orl_rgb color, double *ret_x, double *ret_z);
-/* Returns the chromaticity of a colour, the inverse of orl_tint_of_uv; that of grey for black. */
+/* Returns the chromaticity of a colour, u' and v' of CIE 1976; that of grey for black. */
 void orl_color_uv(struct orl_rgb color, double *ret_u, double *ret_v);
 
 static inline struct orl_rgb orl_tinted(struct orl_tint tint, double luminance)
@@ -59,7 +62,7 @@ enum orl_structure {
     ORL_STRUCTURE_MATRIX
 };
 
-/* Computed once for a direction and used for all components. */
+/* Coordinates of one direction; computed once and used for all components. */
 struct orl_coords {
     union {
         struct orl_square square;   /* TREE4 */
@@ -109,7 +112,7 @@ struct orl_chroma {
     unsigned rings; /* rank 3: number of rings in total */
 };
 
-struct orl_component; /* defined in document.h */
+struct orl_component;
 
 /*
  * Makes the tints of component->chroma if both channels are given and match the luminance; frees
@@ -135,7 +138,7 @@ struct orl_tint orl_chroma_total(enum orl_structure structure,
  * Trees: candidates are the straight cell and its neighbours, two cells each way, of the finest
  * size in the tree. They belong to the peak while they are within a factor of eight of its mean.
  * The others are the surround. There is a peak under three conditions. The straight cell belongs to
- * it, the surround has at least a fifth of its solid angle, and at least 0.05 % of the light stands
+ * it. The surround has at least a fifth of its solid angle. At least 0.05 % of the light stands
  * out.
  *
  * Matrices have wide cells, so only the straight cell can be a peak. Cells whose centres are within
@@ -160,8 +163,6 @@ struct orl_peak {
     struct orl_tint *tint[2]; /* tint of each entry of share; NULL without colour */
 };
 
-struct orl_component; /* defined in document.h */
-
 /* Fills component->peak from the component's other fields. Returns 0 or ORL_ERR_NOMEM. */
 int orl_peak_make(enum orl_structure structure, struct orl_component *component,
                   struct orl_error *err);
@@ -178,11 +179,6 @@ double orl_peak_total(enum orl_structure structure, const struct orl_component *
                       enum orl_tree_axis given, const struct orl_coords *coords);
 struct orl_rgb orl_peak_color(enum orl_structure structure, const struct orl_component *component,
                               enum orl_tree_axis given, const struct orl_coords *coords);
-
-/*
- * Contents of a BSDF file, before sides are turned and gaps are filled. The reader (xml.c) builds
- * it; orl_bsdf_load (bsdf.c) takes ownership.
- */
 
 /* The file's own names for the four components; Front is the exterior. */
 enum orl_component_kind {

@@ -1,6 +1,6 @@
 /*
- * BSDF values between directions that are used many times: each direction is located in the data
- * once. All directions are in the surface's frame and point away from it, as in oriel/bsdf/bsdf.h.
+ * Ways to read a loaded BSDF often and fast, for the rest of core: directions located once, tables
+ * for light from a narrow cone, and a file to be mapped by later jobs.
  */
 #ifndef ORL_BSDF_LOADED_BSDF_H
 #define ORL_BSDF_LOADED_BSDF_H
@@ -10,6 +10,11 @@
 #include <oriel/bsdf/bsdf.h>
 
 #include "bsdf/document.h"
+
+/*
+ * BSDF values between directions that are used many times: each direction is located in the data
+ * once. All directions are in the surface's frame and point away from it, as in oriel/bsdf/bsdf.h.
+ */
 
 struct orl_bsdf_direction {
     struct orl_vec3 at; /* unit */
@@ -40,9 +45,9 @@ bool orl_bsdf_in_one_cell(const struct orl_bsdf *bsdf, const struct orl_bsdf_inc
  * into a few cells of a tensor tree, the transmission of each is tabulated beforehand. Sampling is
  * then a table look-up instead of a descent of the tree.
  *
- * Each table is an alias table (Walker 1977, built as by Vose 1991) over the leaves that the cell
- * meets, by value times size; its probabilities equal the values' own to 1e-7. Light from outside
- * the tabulated cells is sampled by orl_bsdf_sample.
+ * Each table is an alias table (Walker 1977, built as by Vose 1991) over the leaves in the cell, by
+ * value times size. Its probabilities equal those of the values to 1e-7. Light from outside the
+ * tabulated cells is sampled by orl_bsdf_sample.
  *
  * Borrows the BSDF. Immutable once built; any number of threads may sample it.
  */
@@ -50,8 +55,8 @@ bool orl_bsdf_in_one_cell(const struct orl_bsdf *bsdf, const struct orl_bsdf_inc
 struct orl_cone_table;
 
 /*
- * Builds tables for the cone about the unit direction in; directions as for orl_bsdf_sample.
- * *ret_incident is NULL if tables would not help: other kinds of data, colour, or too many cells.
+ * Builds tables for the cone about the unit direction in. Directions are as for orl_bsdf_sample.
+ * *ret_table is NULL if tables would not help: other kinds of data, colour, or too many cells.
  * Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_cone_table_new(const struct orl_bsdf *bsdf, struct orl_vec3 in, double half_angle_rad,
@@ -69,7 +74,7 @@ bool orl_cone_table_sample(const struct orl_cone_table *cone_table, struct orl_v
  * It is a sealed file (base/io/checked_file.h): struct orl_bsdf with offsets in place of its
  * pointers, then the arrays that they point to.
  *
- * Any change of what loading makes of a file, or of its memory layout, needs a new version.
+ * A change of the loaded data or of their memory layout needs a new version.
  */
 
 enum { ORL_COMPILED_VERSION = 3, ORL_COMPILED_DIGEST = 32 };

@@ -34,7 +34,7 @@ static unsigned sort_by_value(const struct group *g, unsigned char ret_order[NEI
     return count;
 }
 
-/* Finds the members of the peak (peak.h). Returns their bits, 0 if there is no peak. */
+/* Finds the members of the peak (document.h). Returns their bits, 0 if there is no peak. */
 static uint32_t find_members(const struct group *g, double *ret_surround, double *ret_share)
 {
     unsigned char order[NEIGHBOURS_MAX];
@@ -158,7 +158,7 @@ static void add_tree_cell(struct orl_component *c, struct sums *sums, unsigned x
     struct orl_peak *p = &c->peak;
     struct group g;
     double surround, share;
-    /* Most straight cells are coarse or black; one look-up excludes them. */
+    /* One look-up excludes straight cells that are coarse or black, which most are. */
     const struct orl_coords a = {.square = middle_of(x, y, depth, -1)};
     unsigned level;
     if (!(orl_tree_eval_level(&c->tree, a.square, middle_of(x, y, depth, 1), &level) > 0) ||

@@ -4,7 +4,7 @@
  * The pdf of a sample is f |cos| over its integral, by luminance, computed from the same leaf as
  * eval. A sample's weight is therefore the albedo times the tint of that leaf. f is here the value
  * as filed. If R + T is above 1, values are divided by it when read. Given the incident direction,
- * that leaves the pdf unchanged. Given the exitant direction, the quotient goes into the weight.
+ * that leaves the pdf unchanged. Given the exitant direction, the quotient is part of the weight.
  * Sampling descends by float means, so it realises the pdf to about 1e-6 relative and leaves out no
  * region of positive f.
  */
@@ -127,8 +127,8 @@ struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3
 
 /*
  * Returns the divisor of all values for light from in: R + T as filed, in the largest channel, if
- * above 1. No more light then leaves than arrives. Reflection and transmission shrink alike, and
- * samples given the incident direction keep their pdf.
+ * above 1. The division limits the light that leaves to the light that arrives. Reflection and
+ * transmission shrink alike, and samples given the incident direction keep their pdf.
  */
 static inline double gain_of(const struct orl_bsdf *bsdf, struct orl_vec3 in)
 {
@@ -194,9 +194,9 @@ double orl_bsdf_total(const struct orl_bsdf *bsdf, struct orl_vec3 given, bool a
 /* ---- Sampling ------------------------------------------------------------------------------- */
 
 /*
- * Makes a sample that fell into the peak go straight. Given the incident direction, its weight is
- * unchanged. Given the exitant one, the peak is integrated over incident directions, but the
- * straight share over exitant ones. They differ for data that are not reciprocal; the weight
+ * Moves a sample within the peak to the straight direction. Given the incident direction, its
+ * weight is unchanged. Given the exitant one, the peak is integrated over incident directions, but
+ * the straight share over exitant ones. They differ for data that are not reciprocal; the weight
  * corrects for that.
  */
 static void straighten_draw(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
@@ -270,7 +270,7 @@ static inline void end_draw(const struct orl_bsdf *bsdf, const struct drawing *d
     ret->weight = orl_gray(d->sum / gain_of(bsdf, d->role == ORL_ROLE_IN ? given : ret->direction));
 }
 
-/* Samples the direction in the other role. With peaks, samples within a peak go straight. */
+/* Samples the direction in the other role. Samples within a peak go straight. */
 static bool draw_other(const struct orl_bsdf *bsdf, enum orl_role role, struct orl_vec3 given,
                        enum orl_bsdf_side sides, const double u[3], bool peaks,
                        struct orl_bsdf_sample_result *ret)

@@ -23,7 +23,7 @@
  * outside its list) is 0, as in rcalc, and the point is marked.
  *
  * No file is opened here: names go to the caller's provider. Names that it does not have are
- * searched among Oriel's own versions of Radiance's standard files (standard.h).
+ * searched among Oriel's own versions of Radiance's standard files (below).
  *
  * Limits for untrusted text: ORL_FUNCTION_* below. If a limit is exceeded while reading or
  * compiling, the error has file and line. If one is exceeded while evaluating, the evaluation ends
@@ -130,8 +130,8 @@ bool orl_function_is_constant(const struct orl_function *function, size_t expres
                               double *ret_value);
 
 /*
- * Writes a program to a stream, or reads one (base/io/serializer.h); NULL is valid, too. The owner
- * of the slot owns what is read, also after an error.
+ * Writes a program to a stream, or reads one (base/io/checked_file.h); NULL is valid, too. The
+ * owner of the slot owns what is read, also after an error.
  */
 struct orl_serializer;
 void orl_function_serialize(struct orl_function **function, struct orl_serializer *serializer);
@@ -191,7 +191,7 @@ enum orl_ray_input {
     ORL_RAY_T,    /* distance from the start of the path */
     ORL_RAY_TS,   /* distance along this ray */
     ORL_RAY_RDOT, /* cosine between ray and normal, below 0 on the back */
-    ORL_RAY_S,    /* length of the world's unit in the function's units */
+    ORL_RAY_S,    /* length of the world unit in the function's units */
     ORL_RAY_TX,   /* the world's origin and unit vectors in the function's frame */
     ORL_RAY_TY,
     ORL_RAY_TZ,

@@ -1,11 +1,17 @@
 /*
- * Sampling of points on lamps for shadow rays: uniform over the cone that a sphere fills, uniform
- * by area on any other surface. Directions are unit, points in moved coordinates.
+ * Light that arrives straight from suns and lamps, estimated by shadow rays: through thin panes and
+ * by way of flat mirrors. MIS weights for lamps that both shadow rays and BSDF-sampled rays can
+ * find.
  */
 #ifndef ORL_LIGHT_DIRECT_H
 #define ORL_LIGHT_DIRECT_H
 
 #include "light/lit_scene.h"
+
+/*
+ * Sampling of points on lamps for shadow rays: uniform over the cone that a sphere fills, uniform
+ * by area on any other surface. Directions are unit, points in moved coordinates.
+ */
 
 /* A sampled point of an emitter as seen from a point, and the solid angle that it stands for (1
  * / pdf). */
@@ -29,12 +35,6 @@ static inline double orl_light_sample_pdf(const struct orl_light_sample *light_s
  * the lamp. */
 double orl_light_pdf_of_hit(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
                             struct orl_vec3 from);
-
-/*
- * Light that arrives straight from suns and lamps, estimated by shadow rays: through thin panes and
- * by way of flat mirrors. MIS weights for lamps that both shadow rays and BSDF-sampled rays can
- * find.
- */
 
 /*
  * Returns the share of light that arrives straight from `direction`, from up to max_distance,
@@ -70,7 +70,7 @@ struct orl_direct_query {
     const struct orl_hit *hit;
     struct orl_vec3 eye;
     /* the point is in a volume, not on a surface: light is scattered towards eye by the phase
-     * function (volume.h) with parameter forward */
+     * function of asymmetry (scene/built/scene.h) */
     bool mist;
     double asymmetry;
     bool mirrored; /* true to add the suns' and lamps' images in flat mirrors */
@@ -94,9 +94,11 @@ struct orl_rgb orl_direct_by_virtual_suns(const struct orl_lit_scene *lit_scene,
                                           const struct orl_direct_query *query,
                                           struct orl_random *random);
 
-/* Returns the radiance of suns and lamps that mist scatters at a point towards an eye, whose ray
- * has the direction `along`. The phase function has the parameter forward (volume.h). Traces one
- * shadow ray for each light. */
+/*
+ * Returns the radiance of suns and lamps that a volume scatters at a point towards an eye, whose
+ * ray has the direction `along`. asymmetry: parameter of the phase function (scene/built/scene.h).
+ * Traces one shadow ray for each light.
+ */
 struct orl_rgb orl_direct_in_volume(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,
                                     struct orl_vec3 along, double asymmetry,
                                     struct orl_random *random);

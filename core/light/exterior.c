@@ -4,7 +4,7 @@ enum { SURE_BOUNCES = 3, MOST_PANES = 64 };
 
 /* State of a path outdoors. */
 struct exterior_path {
-    struct orl_eye_path eye; /* first member: sinks cast its address to the outing */
+    struct orl_eye_path eye; /* first member: visitors cast its address to the exterior_path */
     /* set: the path may pass ports and finds light that has passed ports; NULL: first light only */
     struct orl_building_entry *ret_entry;
     bool diffused;
@@ -70,8 +70,8 @@ static struct orl_rgb scattered_direct(const struct exterior_path *o, const stru
 /*
  * Returns the light of suns by a BSDF port that is met from outside after a diffuse bounce. Its
  * sharp lobes would put the sun on the ground as sparks that hardly any path finds. So their flux
- * is kept and their shape is not: light is scattered diffusely, by the albedo for its direction of
- * incidence.
+ * is conserved and their shape is not: light is scattered diffusely, by the albedo for its
+ * direction of incidence.
  */
 static struct orl_rgb diffused_bsdf_direct(const struct exterior_path *o, const struct orl_hit *hit)
 {

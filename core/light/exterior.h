@@ -2,8 +2,8 @@
  * Radiance by path tracing alone, without a photon map. It traces shadow rays to suns and lamps at
  * each bounce, until the path leaves, is absorbed or ends by Russian roulette. Suns in flat mirrors
  * and panes are found by their images (virtual_suns.h). Suns that are refracted, or reflected by
- * curved mirrors, are left out. Light that BSDF ports send outdoors after a diffuse bounce keeps
- * its flux but not its shape.
+ * curved mirrors, are left out. Of light that BSDF ports send outdoors after a diffuse bounce, the
+ * flux is right but not the shape.
  *
  * Photon ports use it for the radiance outwards, so that every photon carries the radiance that
  * arrives, the ground's and the neighbours' included. Views, sensors and rays from inside use it

@@ -1,14 +1,14 @@
 /*
  * Paths from eyes and sensors against the light: one loop for all techniques, which define by a
- * sink (callbacks) what they add. The radiance that a path has seen is a sum; each part is weighted
- * by the path's throughput where it was found:
+ * visitor (callbacks) what they add. The radiance that a path has seen is a sum; each part is
+ * weighted by the path's throughput where it was found:
  * - the domes, where the ray meets no surface: added here
- * - light of suns and lamps that mist scatters: added here
- * - light outdoors, where the path leaves a sealed building: the sink's `outdoors`
- * - emission and reflection of each surface: the sink's `met`
+ * - light of suns and lamps that volumes scatter: added here
+ * - light outdoors, where the path leaves a sealed building: the visitor's on_outdoors
+ * - emission and reflection of each surface: the visitor's met
  * Shadow rays find lamps, too; chance (direct.h) has the MIS weight of the path's own share.
  *
- * The loop is inlined with a sink that is constant at the call, so that neither costs a function
+ * The loop is inlined with a visitor that is constant at the call, so that neither costs a function
  * call.
  */
 #ifndef ORL_LIGHT_EYE_PATH_H
@@ -31,11 +31,11 @@ struct orl_eye_path {
     struct orl_rgb seen;
     struct orl_mis_pdf chance; /* MIS state for lamps that the path hits next */
     int bounce;
-    /* the path is outside a sealed building, and `outdoors` has not been called yet */
+    /* the path is outside a sealed building, and on_outdoors has not been called yet */
     bool outside;
     bool clear;               /* nothing lies between the path and the domes */
-    bool next_hit_known, met; /* looked: the next hit is known already; met: there is one */
-    struct orl_hit hit;       /* the current hit, or the next one if looked */
+    bool next_hit_known, met; /* the next hit is known already; met: there is one */
+    struct orl_hit hit;       /* the current hit, or the next one if next_hit_known */
 };
 
 struct orl_path_visitor {
@@ -49,7 +49,7 @@ struct orl_path_visitor {
     /* Samples the next direction. NULL: samples with the path's own random numbers. */
     struct orl_surface_sample (*draw)(struct orl_eye_path *p, const struct orl_material *material,
                                       enum orl_lobes lobes);
-    /* Called after mist has scattered the path and set its new direction. Returns false to end
+    /* Called after a volume has scattered the path and set its new direction. Returns false to end
      * the path. NULL: it continues. */
     bool (*scattered)(struct orl_eye_path *p);
     /* Called when a direction is sampled and the weight multiplied, before the path moves on.
@@ -80,7 +80,7 @@ static inline void orl_eye_path_cross_port(struct orl_eye_path *p,
     p->clear = sample->transmitted && orl_lit_scene_leaves_clear(p->lit_scene, &p->hit);
 }
 
-/* Samples scattering in mist on the way to the next hit. Returns true if the path is scattered,
+/* Samples scattering in a volume on the way to the next hit. Returns true if the path is scattered,
  * with its new origin and direction set. */
 static inline bool orl_eye_path_scatter_volume(struct orl_eye_path *p)
 {

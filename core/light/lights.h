@@ -19,9 +19,11 @@ struct orl_sun {
     struct orl_rgb irradiance;
 };
 
-/* A wide distant light: a sky, a ground, a hemisphere of glow. Where domes overlap, all lights
- * shine and hide glows; of glows the first one shines, as in Radiance (sourcehit of
- * rt/source.c). A dome of negative radius also hides those behind it, and exists for views only. */
+/*
+ * A wide distant light: a sky, a ground, a hemisphere of glow. Where domes overlap, all lights
+ * shine and hide glows; of glows the first one shines, as in Radiance (sourcehit() of its src/rt).
+ * A dome of negative radius also hides those behind it, and exists for views only.
+ */
 struct orl_dome {
     struct orl_vec3 direction;
     double cos_half_angle;
@@ -79,7 +81,7 @@ struct orl_lights *orl_lights_hold(struct orl_lights *lights);
 void orl_lights_release(struct orl_lights *lights);
 
 /* Returns true if a facet of that material is sampled by shadow rays. Glows are, up to the area
- * most_aimed_glow. */
+ * largest_sampled_glow. */
 bool orl_is_lamp(const struct orl_geometry *geometry, double largest_sampled_glow,
                  const struct orl_material *material, uint32_t facet);
 

@@ -6,8 +6,8 @@
  * Light is split by the first time it crosses a port inwards. Light that crosses one is emitted
  * from the ports (photon/emission/emit.h) with the radiance that really arrives there. Light that
  * crosses none is emitted from the lights themselves, and only if the scene has openings ("open").
- * In a sealed scene (not open) photons therefore land inside only, and surfaces outside are shaded
- * by path tracing (exterior.h) instead of density estimation.
+ * In a sealed scene (not open) photons are therefore stored inside only, and surfaces outside are
+ * shaded by path tracing (exterior.h) instead of density estimation.
  */
 #ifndef ORL_LIGHT_LIT_SCENE_H
 #define ORL_LIGHT_LIT_SCENE_H
@@ -22,7 +22,7 @@
 struct orl_omissions {
     bool exterior; /* surfaces outside reflect nothing: they only block light */
     bool glossy, media, refraction,
-        /* already applied to the materials; kept so that maps of different plans have different
+        /* already applied to the materials; stored so that maps of different plans have different
          * keys */
         bleached;
     bool mirror_caustics, lobe_caustics; /* no caustic photons by way of mirrors, or of lobes */
@@ -44,10 +44,10 @@ struct orl_lit_scene {
      * ports were not searched */
     const int32_t *port_of_facet;
     bool open; /* light can enter without crossing a port */
-    /* the world that views see: this one with another geometry; NULL: no BSDF stands for
+    /* the lit scene that views see: this one with another geometry; NULL: no BSDF stands for
      * geometry */
     struct orl_lit_scene *seen;
-    /* The world's own copies, of what is simulated. */
+    /* The lit scene's own copies, of what is simulated. */
     struct orl_material *materials;
     size_t n_materials;
     struct orl_sun *suns;
@@ -68,21 +68,21 @@ struct orl_lit_scene {
 };
 
 /*
- * Makes a world of all of the scene and its lights, and holds both. crew: polled for cancellation,
- * or NULL. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. The caller may remove things from the
- * world before it is used (plan/plan.h), and then calls orl_lit_scene_update_seen.
+ * Makes a lit scene of all of the scene and its lights, and holds both. pool: polled for
+ * cancellation, or NULL. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. The caller may remove parts
+ * of the lit scene before it is used (plan/plan.h), and then calls orl_lit_scene_update_seen.
  */
 int orl_lit_scene_new(struct orl_lights *lights, const struct orl_thread_pool *pool,
                       struct orl_lit_scene **ret_lit_scene, struct orl_error *err);
 void orl_lit_scene_free(struct orl_lit_scene *lit_scene);
 
-/* Keeps only the suns for which `keep` is true; NULL keeps none. */
+/* Removes all suns but those for which `keep` is true; NULL: removes all. */
 void orl_lit_scene_select_suns(struct orl_lit_scene *lit_scene, const bool *keep);
 
 /* Updates orl_lit_scene.seen from the rest, once that is complete. */
 void orl_lit_scene_update_seen(struct orl_lit_scene *lit_scene);
 
-/* Returns the world that views see. */
+/* Returns the lit scene that views see. */
 static inline const struct orl_lit_scene *orl_lit_scene_seen(const struct orl_lit_scene *lit_scene)
 {
     return lit_scene->seen ? lit_scene->seen : lit_scene;

@@ -7,12 +7,12 @@
  *   scatter      sample one direction from the material             orl_material_sample
  *   weigh        multiply by the sample's weight, Russian roulette  orl_path_roulette
  *   move on      start the next ray beyond the surface              orl_path_spawn_ray,
- * _look_through
+ *                                                                   orl_path_skip_surface
  *
- * Callers that split rays (views, suns' images) keep one orl_path for each branch.
+ * Callers that split rays (views, suns' images) have one orl_path for each branch.
  *
  * Directions are unit vectors, points are in moved coordinates (scene/geometry/geometry.h). Steps
- * allocate nothing and keep no state. Eye paths have their own loop, eye_path.h.
+ * allocate nothing and have no state. Eye paths have their own loop, eye_path.h.
  */
 #ifndef ORL_LIGHT_PATH_H
 #define ORL_LIGHT_PATH_H

@@ -30,7 +30,7 @@ enum {
  * RAYS, PORTS, SHADOW, IMAGES and BEAMS sample the same variable, the direction at the receiver. If
  * a cell has several of them they are combined by the balance heuristic (Veach 1997, 9.2). Photons
  * are not combined with them: photons of light that these strategies find are not counted
- * (photon/tracing/path_owner.h).
+ * (photon/tracing/trace.c).
  */
 static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL_RECEIVERS] = {
     /* Global photons start at windows with the radiance that arrives there. If the map is read
@@ -64,7 +64,7 @@ static const unsigned char strategies[ORL_PATH_CLASSES][ORL_TECHNIQUE_COUNT][ORL
     [ORL_PATHS_DIFFUSE] = {BOTH(RAYS), BOTH(RAYS | PORTS | GLOBAL), BOTH(RAYS | PORTS | GLOBAL),
                            AIR_SURFACE(RAYS | PORTS | GLOBAL, GLOBAL),
                            AIR_SURFACE(RAYS | PORTS | GLOBAL, GLOBAL)},
-    /* Mist does not scatter photons. */
+    /* Volumes do not scatter photons. */
     [ORL_PATHS_VOLUME] = {BOTH(RAYS), BOTH(RAYS), BOTH(0), BOTH(0), BOTH(0)},
 };
 

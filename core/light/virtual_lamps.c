@@ -11,7 +11,8 @@
 static const uint64_t most_pairs = 4000000;
 /* Limit of mirrors for which rays test whether they are inside. Mirrors beyond it are left out. */
 enum { MOST_MIRRORS_LOOKED_AT = 4096 };
-/* LEAST_PAIRS pairs are kept, or PAIRS_A_LAMP for each lamp if that is more, up to MOST_PAIRS. */
+/* LEAST_PAIRS pairs are selected, or PAIRS_A_LAMP for each lamp if that is more; at most
+ * MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
 /* Limit of mirrors for the estimate of light by two mirrors. Scenes with more of them have pairs
  * left out, too (images->left_out). */
@@ -27,7 +28,7 @@ struct pair {
 struct pairs {
     struct pair kept[MOST_PAIRS];
     size_t n, most;
-    double left_out;  /* sum of the strengths of pairs that are not kept */
+    double left_out;  /* sum of the strengths of pairs that are not selected */
     bool overflown;   /* there are pairs that were not tested */
     size_t looked_at; /* mirrors from which rays were traced */
 };
@@ -329,7 +330,7 @@ static const struct spot *find_spot(const struct spot *spots, size_t n, uint32_t
     return NULL;
 }
 
-/* Estimates images->twice. */
+/* Estimates images->two_mirror_share. */
 static void estimate_two_mirrors(struct orl_virtual_lamps *images,
                                  const struct orl_lit_scene *lit_scene, const struct spot *spots,
                                  size_t n_spots)

@@ -6,10 +6,10 @@
  * are two strategies over the same directions, combined by MIS as for lamps seen straight
  * (orl_mis_pdf).
  *
- * The brightest pairs of lamp and mirror are kept: 64, or twice the number of lamps, up to 1024.
- * Left to rays that hit the lamp by chance and to photons: more reflections, mirrors beyond the
- * limit, mirrors outside a sealed building, and instanced surfaces. orl_virtual_lamps_contain says
- * which pairs are kept.
+ * The brightest pairs of lamp and mirror are selected: 64, or twice the number of lamps, up to
+ * 1024. Left to rays that hit the lamp by chance and to photons: more reflections, mirrors beyond
+ * the limit, mirrors outside a sealed building, and instanced surfaces. orl_virtual_lamps_contain
+ * returns which pairs are selected.
  */
 #ifndef ORL_LIGHT_VIRTUAL_LAMPS_H
 #define ORL_LIGHT_VIRTUAL_LAMPS_H
@@ -24,7 +24,7 @@
 struct orl_lit_scene;
 
 struct orl_virtual_lamp {
-    uint32_t emitter;               /* index into the world's emitters */
+    uint32_t emitter;               /* index into the lit scene's emitters */
     uint32_t lamp, mirror;          /* facets of the lamp and the mirror */
     struct orl_vec3 normal, center; /* normal of the mirror, and a point of its plane */
     double radius;                  /* radius of a sphere about center that contains the mirror */
@@ -33,7 +33,7 @@ struct orl_virtual_lamp {
 struct orl_virtual_lamps {
     struct orl_virtual_lamp *images; /* sorted by mirror, then by lamp */
     size_t n_images;
-    double left_out; /* approximate share of the mirrored light whose pairs are not kept */
+    double left_out; /* approximate share of the mirrored light whose pairs are not selected */
     /* approximate flux by way of two mirrors, which have no images, over the flux of all lamps */
     double two_mirror_share;
 };
@@ -56,7 +56,7 @@ static inline struct orl_vec3 orl_virtual_lamp_mirror_point(const struct orl_vir
     return orl_madd(point, image->normal, -2 * orl_virtual_lamp_height(image, point));
 }
 
-/* Finds the pairs of the world's lamps and mirrors. Returns 0, ORL_ERR_NOMEM or
+/* Finds the pairs of the lit scene's lamps and mirrors. Returns 0, ORL_ERR_NOMEM or
  * ORL_ERR_CANCELLED; the caller calls orl_virtual_lamps_done in any case. */
 int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_lit_scene *lit_scene,
                             const struct orl_thread_pool *pool);

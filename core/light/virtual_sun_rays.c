@@ -1,3 +1,5 @@
+/* Virtual suns: the columns from which an image may be visible, shadow rays to images, and suns
+ * that rays hit by chance. */
 #include <math.h>
 
 #include "light/path.h"
@@ -127,8 +129,8 @@ void orl_virtual_sun_columns_build(struct orl_virtual_sun_columns *columns,
         visit_parts(&d, mark_columns);
 }
 
-/* Shadow rays to the suns' images, and the test whether they cover a ray that hit a sun by
- * chance. */
+/* Shadow rays to the suns' images, and the test whether they have counted the light of a ray that
+ * hit a sun by chance. */
 
 enum { MOST_BRANCHES = 16, MOST_STEPS = 256 };
 
@@ -238,7 +240,7 @@ void orl_mirror_history_add(struct orl_mirror_history *history,
     history->classes[history->reflections++] = class;
 }
 
-/* Returns true if the mirrors of a trail lead from the node to the sun itself. */
+/* Returns true if the mirrors of a history lead from the node to the sun itself. */
 static bool leads_to_sun(const struct orl_virtual_suns *images, size_t node,
                          const struct orl_mirror_history *history)
 {

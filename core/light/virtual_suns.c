@@ -25,7 +25,7 @@ struct class
     struct orl_vec3 normal;
     double weight; /* area times reflectance at 60 degrees */
     size_t facets;
-    int16_t index; /* index among the classes kept; -1: not kept */
+    int16_t index; /* index among the selected classes; -1: not selected */
 };
 
 static const struct orl_material *material_of(const struct orl_lit_scene *lit_scene, size_t facet)
@@ -62,7 +62,7 @@ static size_t find_class(struct class *classes, size_t n, struct orl_vec3 normal
     return k;
 }
 
-/* Keeps the classes of largest weight, in their original order. */
+/* Selects the classes of largest weight, in their original order. */
 static void keep_heaviest(struct orl_virtual_suns *images, struct class *classes, size_t n)
 {
     for (size_t kept = 0; kept < ORL_MOST_MIRRORS && kept < n; kept++) {

@@ -1,12 +1,21 @@
 /*
- * Bounds on the points from which a sun's image may be visible. All rays towards an image have one
- * direction. So the mirrors that show it are projected onto a plane across that direction, which is
- * cut into square columns. Each column holds how far along the direction its farthest mirror lies.
- * A point can see the image only if its column has a mirror before it; otherwise no shadow ray is
- * needed.
+ * Suns as flat mirrors and panes show them, by any number of reflections: in a light pipe, between
+ * panes, off a tower opposite. A reflected sun has another direction, and the mirrors' planes fall
+ * into few classes. So all reflections form a graph: its nodes are directions, first the suns' own.
+ * An edge says that a mirror of its class turns light of one node into the other node's direction.
  *
- * Conservative: mirrors are enlarged by the sun's disc and by rounding errors, so no visible image
- * is missed.
+ * A shadow ray to an image passes panes and is reflected by each mirror that has an edge. It counts
+ * if it leaves the scene towards the sun itself. At a pane that both reflects and transmits, the
+ * ray follows both directions. So every chain of reflections between the nodes is counted once, by
+ * the image at which it is seen.
+ *
+ * Mirrors within a milliradian of each other form one class, that of the first of them: files have
+ * rounded corners, and a sun is nine times as wide. All images by one reflection are used. Images
+ * by more are used if a pilot finds that they carry a share of the light on mirrors, the brightest
+ * first. A path that hits the sun by mirrors calls orl_virtual_suns_counted, so that it does not
+ * count light that shadow rays have found.
+ *
+ * Constant once built. Independent of the number of threads and of time.
  */
 #ifndef ORL_LIGHT_VIRTUAL_SUNS_H
 #define ORL_LIGHT_VIRTUAL_SUNS_H
@@ -19,6 +28,17 @@
 #include <oriel/base/vec.h>
 
 #include "scene/geometry/geometry.h"
+
+/*
+ * Bounds on the points from which a sun's image may be visible. All rays towards an image have one
+ * direction. So the mirrors that show it are projected onto a plane across that direction, which is
+ * cut into square columns. Each column holds how far along the direction its farthest mirror lies.
+ * A point can see the image only if its column has a mirror before it; otherwise no shadow ray is
+ * needed.
+ *
+ * Conservative: mirrors are enlarged by the sun's disc and by rounding errors, so no visible image
+ * is missed.
+ */
 
 enum { ORL_VIRTUAL_SUN_COLUMNS = 64 };
 
@@ -47,26 +67,6 @@ static inline bool orl_virtual_sun_columns_show(const struct orl_virtual_sun_col
     return x >= 0 && y >= 0 && x < ORL_VIRTUAL_SUN_COLUMNS && y < ORL_VIRTUAL_SUN_COLUMNS &&
            orl_dot(frame->n, point) < (double)columns->farthest[(int)y][(int)x];
 }
-
-/*
- * Suns as flat mirrors and panes show them, by any number of reflections: in a light pipe, between
- * panes, off a tower opposite. A reflected sun has another direction, and the mirrors' planes fall
- * into few classes. So all reflections form a graph: its nodes are directions, first the suns' own.
- * An edge says that a mirror of its class turns light of one node into the other node's direction.
- *
- * A shadow ray to an image passes panes and is reflected by each mirror that has an edge. It counts
- * if it leaves the scene towards the sun itself. At a pane that both reflects and transmits, the
- * ray follows both directions. So every chain of reflections between the nodes is counted once, by
- * the image at which it is seen.
- *
- * Mirrors within a milliradian of each other form one class, that of the first of them: files have
- * rounded corners, and a sun is nine times as wide. All images by one reflection are kept. Images
- * by more are kept if a pilot finds that they carry a share of the light on mirrors, the brightest
- * first. A path that hits the sun by mirrors calls orl_virtual_suns_counted, so that it does not
- * count light that shadow rays have found.
- *
- * Constant once built. Independent of the number of threads and of time.
- */
 
 struct orl_lit_scene;
 
@@ -126,13 +126,13 @@ static inline bool orl_virtual_suns_may_show(const struct orl_virtual_suns *imag
            orl_virtual_sun_columns_show(&images->columns[k], &images->nodes[node].frame, point);
 }
 
-/* Builds the images of the world's suns. crew: polled for cancellation, or NULL. Returns 0,
+/* Builds the images of the lit scene's suns. pool: polled for cancellation, or NULL. Returns 0,
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED; orl_virtual_suns_done in any case. */
 int orl_virtual_suns_build(struct orl_virtual_suns *images, const struct orl_lit_scene *lit_scene,
                            const struct orl_thread_pool *pool);
 void orl_virtual_suns_done(struct orl_virtual_suns *images);
 
-/* Keeps only the suns for which `keep` is true (indices move up); NULL keeps none. */
+/* Removes all suns but those for which `keep` is true (indices move up); NULL: removes all. */
 void orl_virtual_suns_keep(struct orl_virtual_suns *images, const bool *keep);
 
 /* Returns a direction uniform over an image's disc; u in [0,1)^2. */
@@ -166,7 +166,7 @@ static inline struct orl_mirror_history orl_mirror_history_begin(struct orl_vec3
 void orl_mirror_history_add(struct orl_mirror_history *history,
                             const struct orl_virtual_suns *images, uint32_t facet);
 
-/* Returns true if shadow rays to images have counted the light of a ray with that trail that
+/* Returns true if shadow rays to images have counted the light of a ray with that history that
  * arrived at a sun. */
 bool orl_virtual_suns_counted(const struct orl_lit_scene *lit_scene,
                               const struct orl_mirror_history *history);

@@ -1,4 +1,5 @@
-/* Names, bounds and classes of glare. */
+/* Evaluates the glare of a view or a picture: names and bounds, luminance statistics, the indices
+ * of one line of sight, the worst of several, and Radiance pictures. */
 #include "metrics/glare.h"
 
 #include <math.h>
@@ -50,7 +51,7 @@ enum orl_glare_class orl_glare_class_of(const struct orl_glare_value *dgp)
     return low == class_at(dgp->interval_95[1]) ? low : ORL_GLARE_UNDECIDED;
 }
 
-/* Far smaller than the angle of any pixel. */
+/* Least search radius, far smaller than the angle of any pixel. */
 static const double least_radius_rad = 1e-6;
 
 int orl_glare_settings_check(const struct orl_glare_settings *s, struct orl_error *err)
@@ -109,6 +110,8 @@ void orl_glare_done(struct orl_glare *glare)
     glare->n_sources = 0;
 }
 
+/* ---- Luminance statistics -------------------------------------------------------------------- */
+
 static int by_size(const void *a, const void *b)
 {
     const float p = *(const float *)a, q = *(const float *)b;
@@ -132,8 +135,12 @@ static double deviation_of(const float *values, size_t count)
     return count > 1 ? sqrt(squares / (double)(count - 1)) : 0;
 }
 
-int orl_glare_masked_stats(const struct orl_luminances *picture, const float *mask,
-                           struct orl_glare_part *ret_part, struct orl_error *err)
+/* Computes the luminance statistics of the pixels where a mask is brighter than 0.1 (evalglare's
+ * -A). Median and percentiles are over pixels, independent of their solid angle. The mean is
+ * weighted by solid angle; the deviation is about the unweighted mean. All values are zero if no
+ * pixel counts. Returns 0 or ORL_ERR_NOMEM. */
+static int orl_glare_masked_stats(const struct orl_luminances *picture, const float *mask,
+                                  struct orl_glare_part *ret_part, struct orl_error *err)
 {
     static const float inside = 0.1F;
     const struct orl_view_field *field = picture->field;
@@ -166,8 +173,11 @@ int orl_glare_masked_stats(const struct orl_luminances *picture, const float *ma
     return 0;
 }
 
-int orl_glare_band_stats(const struct orl_luminances *picture, double angle_rad,
-                         struct orl_glare_part *ret_part, struct orl_error *err)
+/* Computes the statistics of pixels within an angle above and below the picture's middle row,
+ * column by column, as evalglare's -B. For an even number of rows the middle is the lower one of
+ * the two. */
+static int orl_glare_band_stats(const struct orl_luminances *picture, double angle_rad,
+                                struct orl_glare_part *ret_part, struct orl_error *err)
 {
     const struct orl_view_field *field = picture->field;
     const uint32_t middle = field->height / 2;
@@ -186,6 +196,8 @@ int orl_glare_band_stats(const struct orl_luminances *picture, double angle_rad,
     free(mask);
     return code;
 }
+
+/* ---- One line of sight ----------------------------------------------------------------------- */
 
 static const double usual_threshold = 2000, usual_factor = 5, most_factor = 100;
 static const double usual_radius_rad = 0.2, usual_peak = 50000;
@@ -339,7 +351,10 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
     return code;
 }
 
-double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_t direction)
+/* ---- Several lines of sight ------------------------------------------------------------------ */
+
+/* Returns the rotation of a line of sight of the settings from the view's, degrees. */
+static double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_t direction)
 {
     if (settings->directions < 2)
         return 0;
@@ -347,10 +362,11 @@ double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_
     return direction * step - settings->directions_deg / 2;
 }
 
+/* Share of the view's field that a line of sight must cover. */
 static const double enough = 0.98;
 
-/* Evaluates one line of sight; *ret_held is true if the picture covers enough of the field of view
- * there. */
+/* Evaluates one line of sight; *ret_covered is true if the picture covers enough of the field of
+ * view there. */
 static int evaluate_direction(const struct orl_glare_picture *p,
                               const struct orl_glare_settings *settings, double turned_deg,
                               double least_sr, struct orl_glare *ret_glare, bool *ret_covered,
@@ -394,7 +410,7 @@ int orl_glare_worst_direction(const struct orl_glare_picture *glare_picture,
     return code;
 }
 
-/* Glare of Radiance pictures. */
+/* ---- Radiance pictures ----------------------------------------------------------------------- */
 
 int orl_glare_read_mask(const struct orl_picture_bytes *bytes, uint32_t width, uint32_t height,
                         float **ret_mask, struct orl_error *err)

@@ -1,19 +1,21 @@
-/*
- * Evaluates the luminances of a view to the results of oriel/job/glare.h: threshold, sources,
- * indices.
- *
- * view_field.h defines the pixels that count and their weights. The illuminance at the eye is the
- * sum of luminance times solid angle and cosine over the field. A view smaller than the hemisphere
- * lacks the light from outside; settings->eye_lx can supply it, as evalglare's -i.
- *
- * Standard errors and intervals are left as unknown, and the class is that of the value;
- * view_batches.h computes them.
- */
+/* Glare of a view: one line of sight, the worst of several, and errors from batches of samples. */
 #ifndef ORL_METRICS_GLARE_H
 #define ORL_METRICS_GLARE_H
 
 #include "metrics/glare_sources.h"
 #include "render/film/film.h"
+
+/*
+ * Evaluation of the luminances of a view for one line of sight: threshold, sources, and indices,
+ * the results of oriel/job/glare.h.
+ *
+ * glare_sources.h defines the pixels that count and their weights. The illuminance at the eye is
+ * the sum of luminance times solid angle and cosine over the field. A view smaller than the
+ * hemisphere lacks the light from outside; settings->eye_lx can supply it, as evalglare's -i.
+ *
+ * Standard errors and intervals are left as unknown, and the class is that of the value;
+ * orl_glare_errors computes them.
+ */
 
 /* Returns the luminances of a film, cd/m2; owned. NULL: out of memory. */
 float *orl_film_luminances(const struct orl_film *film);
@@ -32,24 +34,6 @@ int orl_glare_view_check(const struct orl_view *view, const struct orl_glare_set
 /* Returns the class by the bounds 0.35, 0.40 and 0.45; undecided if the interval is known and
  * contains a bound. */
 enum orl_glare_class orl_glare_class_of(const struct orl_glare_value *dgp);
-
-/* Returns the rotation of a line of sight of the settings from the view's, degrees. */
-double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_t direction);
-
-/* Luminance statistics of a part of a view: of pixels where a mask is brighter than 0.1
- * (evalglare's -A), or of a band. */
-
-/* Computes the statistics of masked pixels. Median and percentiles are over pixels, independent of
- * their solid angle. The mean is weighted by solid angle; the deviation is about the unweighted
- * mean. All values are zero if no pixel counts. Returns 0 or ORL_ERR_NOMEM. */
-int orl_glare_masked_stats(const struct orl_luminances *picture, const float *mask,
-                           struct orl_glare_part *ret_part, struct orl_error *err);
-
-/* Computes the statistics of pixels within an angle above and below the picture's middle row,
- * column by column, as evalglare's -B. For an even number of rows the middle is the lower one of
- * the two. */
-int orl_glare_band_stats(const struct orl_luminances *picture, double angle_rad,
-                         struct orl_glare_part *ret_part, struct orl_error *err);
 
 /*
  * Glare of a picture along several lines of sight; the result is the worst by DGP.
@@ -89,13 +73,13 @@ int orl_glare_worst_direction(const struct orl_glare_picture *glare_picture,
  * intervals are wide enough for a bias of that size (base/statistics/estimate.h).
  *
  * Neither includes a source that no sample has found. Suns and small lamps seen directly are
- * sampled separately (render/image/small_lights.h), and are always found. Before that, with two
+ * sampled separately (render/image/small_lights.c), and are always found. Before that, with two
  * lamps of a fifth of a pixel and 16 samples per pixel, 1 run in 120 saw none. It gave a small
  * error for a DGP that was 0.06 too low. Small sources seen in mirrors, and skies between slats,
  * are still left to chance.
  *
- * At most ORL_VIEW_BATCHES are kept. When they are full, neighbours are merged, so that there are
- * always at least half as many. Threads: the lead's only.
+ * At most ORL_VIEW_BATCHES are stored. When they are full, neighbours are merged, so that there are
+ * always at least half as many. Threads: one thread only.
  */
 
 enum { ORL_VIEW_BATCHES = 16 };

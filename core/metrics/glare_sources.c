@@ -1,3 +1,4 @@
+/* Finds glare sources: smoothing first, then the search. */
 #include "metrics/glare_sources.h"
 
 #include <math.h>
@@ -7,6 +8,8 @@
 #include <oriel/base/thread_pool.h>
 
 #include "metrics/indices.h"
+
+/* ---- Smoothing ------------------------------------------------------------------------------- */
 
 /* Share of the disc that a source must fill. */
 static const double enough = 0.2;
@@ -96,6 +99,8 @@ int orl_glare_sources_smooth(const struct orl_luminances *picture, double radius
     free(s.disc_labels);
     return code;
 }
+
+/* ---- Search ---------------------------------------------------------------------------------- */
 
 /* State of a search: labels of all pixels, and the list of pixels to be grouped. */
 struct search {

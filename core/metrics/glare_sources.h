@@ -1,15 +1,5 @@
-/*
- * Field of view: direction and solid angle of each pixel of a picture in the hemisphere before an
- * eye.
- *
- * It is built once for a view and a line of sight, and used for every picture of the view. A pixel
- * counts if its middle lies before the eye and the view sees something at all its corners. Its
- * solid angle is that of the two spherical triangles between its corners (van Oosterom and Strackee
- * 1983). Parallel views have no eye.
- *
- * Axes: the eye's own, x to the right, y up, z along the line of sight; unit vectors. Pixels are
- * counted from the top left, row by row, as in films.
- */
+/* Glare sources in a picture: the field of view, groups of pixels, the sources and their
+ * smoothing. */
 #ifndef ORL_METRICS_GLARE_SOURCES_H
 #define ORL_METRICS_GLARE_SOURCES_H
 
@@ -23,6 +13,19 @@
 #include <oriel/job/glare.h>
 
 #include "render/film/film.h"
+
+/*
+ * Field of view: direction and solid angle of each pixel of a picture in the hemisphere before an
+ * eye.
+ *
+ * It is built once for a view and a line of sight, and used for every picture of the view. A pixel
+ * counts if its middle lies before the eye and the view sees something at all its corners. Its
+ * solid angle is that of the two spherical triangles between its corners (van Oosterom and Strackee
+ * 1983). Parallel views have no eye.
+ *
+ * Axes: the eye's own, x to the right, y up, z along the line of sight; unit vectors. Pixels are
+ * counted from the top left, row by row, as in films.
+ */
 
 struct orl_view_field {
     uint32_t width, height;
@@ -106,9 +109,8 @@ int orl_glare_sources_find(const struct orl_luminances *picture,
                            struct orl_glare_source **ret_sources, size_t *ret_count,
                            struct orl_error *err);
 
-/* Adds pixels that a source surrounds to that source; see glare_sources.h. */
-
-/* label: for each pixel, 0 or a source, from 1 to n_labels. Of the picture only field and cancel
+/* Smooths sources: adds pixels that a source surrounds to that source, as described above. label:
+ * for each pixel, 0 or a source, from 1 to n_labels. Of the picture only field and cancel
  * are used. cancel is polled per pixel, since a disc may be as wide as the picture. Returns 0,
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_glare_sources_smooth(const struct orl_luminances *picture, double radius_rad,

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+/* ---- Position index -------------------------------------------------------------------------- */
+
 static const double most = 16;
 
 static double above_sight(double sigma, double tau)
@@ -11,7 +13,7 @@ static double above_sight(double sigma, double tau)
     return exp(by_angle * 1e-3 * sigma + by_square * 1e-5 * sigma * sigma);
 }
 
-/* tan beta is the distance from the line of sight on a plane at distance 1, stretched
+/* tan beta is the distance from the line of sight on a plane at distance 1, scaled
  * vertically. */
 static double below_sight(struct orl_vec3 d)
 {
@@ -29,6 +31,8 @@ double orl_position_index(struct orl_vec3 direction)
         return fmin(below_sight(direction), most);
     return fmin(above_sight(sigma, atan2(fabs(direction.x), direction.y) / ORL_DEG_TO_RAD), most);
 }
+
+/* ---- DGP ------------------------------------------------------------------------------------- */
 
 static const struct constants {
     double per_lx, contrast, base;

@@ -1,3 +1,11 @@
+/* Glare indices from the light at the eye and a list of sources: the position index, DGP, and the
+ * others. */
+#ifndef ORL_METRICS_INDICES_H
+#define ORL_METRICS_INDICES_H
+
+#include <oriel/base/vec.h>
+#include <oriel/job/glare.h>
+
 /*
  * Position index: the factor by which a source beside the line of sight may be brighter than one on
  * it for the same glare.
@@ -13,13 +21,8 @@
  *     tan beta = tan sigma sqrt(1 + 0.3225 cos^2 tau).
  * It is at most 16. On the line of sight it is 1, and both formulas agree at eye level.
  */
-#ifndef ORL_METRICS_INDICES_H
-#define ORL_METRICS_INDICES_H
 
-#include <oriel/base/vec.h>
-#include <oriel/job/glare.h>
-
-/* Returns the position index. direction: unit, in the eye's axes (view_field.h), in front of the
+/* Returns the position index. direction: unit, in the eye's axes (glare_sources.h), in front of the
  * eye. */
 double orl_position_index(struct orl_vec3 direction);
 
@@ -75,7 +78,7 @@ int orl_dgp(double eye_lx, const struct orl_glare_source *sources, size_t n_sour
  *            100 below a DGR of 20, 0 above 750                            (IESNA 1984)
  *
  * Without sources there is no glare: DGI, UGR, CGI and UGP are 0, VCP is 100, as in evalglare. If a
- * formula is undefined (for a black background), the result is NaN. DGP is in dgp.h.
+ * formula is undefined (for a black background), the result is NaN. DGP is above.
  */
 
 struct orl_glare_light {

@@ -1,4 +1,4 @@
-/* Decides on caustics by the surfaces that are lit (lit_specular.h), never by chance hits of a
+/* Decides on caustics by the surfaces that are lit (lit_specular.c), never by chance hits of a
  * pilot. */
 #include <stdio.h>
 
@@ -106,8 +106,7 @@ static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_
 }
 
 /* Returns true for glass of index 1 that is clear, such as the panes of openings
- * (scene/built/glaze_openings.h).
- */
+ * (scene/built/ports.h). */
 static bool is_invisible(const struct orl_material *m)
 {
     return m->ior == 1 && m->transmissivity.r == 1 && m->transmissivity.g == 1 &&

@@ -1,4 +1,5 @@
-/* Finds the classes of paths (oriel/job/paths.h) of a scene. */
+/* Finds the classes of paths (oriel/job/paths.h) of a scene, and chooses the technique, the number
+ * of reflections, and the number of photons. */
 #include <stdio.h>
 #include <string.h>
 
@@ -72,11 +73,9 @@ uint32_t orl_path_set_without_mirrors(uint32_t set)
                    1U << ORL_PATHS_TWO_LAMP_MIRRORS);
 }
 
-/* Chooses the technique, the number of reflections, and the number of photons. */
-
 enum { MOST_LAMPS = 4000000, DEEPEST = 1000 };
 enum { PHOTONS_A_WINDOW = 40000, LEAST_WINDOWS = 3 };
-/* Virtual lamps: per sample of a sensor, in total and per window; and for views. */
+/* Virtual point lights: per sample of a sensor, in total and per window; and for views. */
 enum { LAMPS_A_SAMPLE = 200, LAMPS_A_WINDOW = 8, LEAST_SAMPLES = 64 };
 enum { LAMPS_OF_VIEWS = 200000, LAMPS_OF_A_SAMPLE = 50, LAMPS_A_WINDOW_OF_VIEWS = 10000 };
 
@@ -270,8 +269,8 @@ static uint32_t reflections_of_photons(const struct orl_plan *plan)
  * Returns the number of photons that a technique needs. for_edges is the number for rooms in which
  * suns and lamps make bright edges. Under the sky alone light is smooth. There sensors have the
  * same noise (1.3 %, mostly of gather rays) with 100 000 photons and with 2 000 000, and blocks of
- * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual lamps adds a third to a standard error. Many
- * windows light many rooms, so the number grows with the windows.
+ * 5 x 5 pixels differ by 1.5 %. A tenth of the virtual point lights adds a third to a standard
+ * error. Many windows light many rooms, so the number grows with the windows.
  */
 static uint64_t enough_photons(const struct orl_plan_survey *survey, uint64_t for_edges,
                                uint64_t a_window)
@@ -288,12 +287,12 @@ static uint64_t enough_photons(const struct orl_plan_survey *survey, uint64_t fo
 }
 
 /*
- * Returns the number of virtual lamps. A sample connects to eight of them, and all samples share
- * them. With S samples and L lamps a sensor's relative variance is proportional to 1 / S + b / L. b
- * is 90 to 105 in the test office, and 8 in rooms under the sky alone. A sample of its sensors
- * takes as long as about 5 lamps. The time for a given error is least with about 200 lamps per
- * sample there, and 50 here. Pixels are so many that the largest useful number of lamps costs them
- * little.
+ * Returns the number of virtual point lights. A sample connects to eight of them, and all samples
+ * share them. With S samples and L lights a sensor's relative variance is proportional to 1 / S + b
+ * / L. b is 90 to 105 in the test office, and 8 in rooms under the sky alone. A sample of its
+ * sensors takes as long as about 5 lights. The time for a given error is least with about 200
+ * lights per sample there, and 50 here. Pixels are so many that the largest useful number of lights
+ * costs them little.
  */
 static uint64_t virtual_lamps(const struct orl_plan_survey *survey)
 {

@@ -1,3 +1,5 @@
+/* Names of techniques and effects, how a decision is filled in, and the decisions on materials,
+ * lights and colour. */
 #include "plan/decide.h"
 
 #include <stdarg.h>

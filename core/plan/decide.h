@@ -1,6 +1,9 @@
 /*
- * Facts about a scene for the planner: materials in use, strength of the lights, size of the job,
- * cost of a ray. It makes no decisions.
+ * The planner's internal interface: facts about the scene (survey), lit mirrors and lobes, and the
+ * decisions by kind.
+ *
+ * The survey holds materials in use, strength of the lights, size of the job, and cost of a ray. It
+ * makes no decisions.
  *
  * Bounds. In a scene of passive surfaces no radiance is larger than that of the brightest light: E
  * <= pi L anywhere, in spite of mirrors and lenses. For domes and lamps that bound is tight enough.
@@ -42,9 +45,6 @@ void orl_plan_survey_measure(struct orl_plan_survey *survey);
  * illuminance. */
 double orl_plan_survey_reflected_lx(const struct orl_plan_survey *survey, double direct_lx);
 
-/* Returns the largest radiance of a dome, W/sr/m2 of luma. */
-double orl_plan_survey_dome_peak(const struct orl_dome *dome);
-
 /* Returns the number of surfaces whose material passes the test. */
 size_t orl_plan_survey_count(const struct orl_plan_survey *survey,
                              bool (*is)(const struct orl_material *material));
@@ -57,8 +57,8 @@ bool orl_plan_survey_is_outdoor(const struct orl_plan_survey *survey);
  * A small mirror that focuses the sun is easily missed by random light. So every facet of such a
  * material is tested from an even set of points on each of its sides, by shadow rays to all suns
  * and lamps, through panes. Rays from the windows along the suns find sun patches that are small
- * relative to the facet. Suns in flat outdoor mirrors are searched from the windows, by their
- * virtual images.
+ * relative to the facet. Suns in flat outdoor mirrors are searched from the windows, as virtual
+ * suns.
  *
  * In sealed scenes surfaces lit outdoors make no caustics indoors, except for those images, and for
  * panes that are lit from outside and scatter light in.
@@ -90,29 +90,9 @@ struct orl_lit_specular {
 void orl_lit_specular_find(const struct orl_plan_survey *survey, struct orl_lit_specular *ret_lit);
 
 /*
- * Tests for objects outside a window: facets that reach beyond the plane of the port's pane.
- * Without them, only domes and suns are visible through the pane. The test is geometric and checks
- * every facet; it does not depend on random rays.
- *
- * crew: polled for cancellation; after it the results are meaningless.
- */
-
-/* Fills ret_clear, one entry per port: true if no facet reaches beyond it. Returns false, with all
- * entries false, if there are too many facets to check. */
-bool orl_outdoors_find_clear(const struct orl_lit_scene *lit_scene,
-                             const struct orl_thread_pool *pool, bool *ret_clear);
-
-/* Returns the largest share of light that a facet beyond any port reflects. */
-double orl_outdoors_reflectance(const struct orl_lit_scene *lit_scene,
-                                const struct orl_thread_pool *pool);
-
-/* Returns the largest share of light that a port reflects. */
-double orl_panes_reflectance(const struct orl_lit_scene *lit_scene);
-
-/*
  * The planner's decisions, by kind. Each function reads the survey, decides on its effects, and
- * removes skipped parts from the world being built. Later functions see the reduced world: a lamp
- * left out lights no mirror.
+ * removes skipped parts from the lit scene being built. Later functions see the reduced lit scene:
+ * a lamp left out lights no mirror.
  *
  * Every decision goes through orl_decision_fill, which combines the need of the scene with the
  * job's override.
@@ -127,8 +107,8 @@ struct orl_finding {
 };
 
 /*
- * Fills the decision, whose wish is already set. format: the reason, one sentence without its full
- * stop. Returns true if the effect is simulated.
+ * Fills the decision, whose override is already set. format: the reason, one sentence without its
+ * full stop. Returns true if the effect is simulated.
  */
 bool orl_decision_fill(struct orl_decision *decision, const struct orl_finding *finding,
                        const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -43,7 +43,7 @@ done:
     return code;
 }
 
-/* Worth from which on caustics get as many photons as the global map. */
+/* Weight from which on caustics get as many photons as the global map. */
 static const double full_weight = 0.05;
 /* A caustic map with fewer photons is too sparse for a kernel; with fewer still there is no map. */
 static const double least_photons = 20000, fewest_photons = 64;
@@ -144,8 +144,8 @@ static uint64_t caustic_photons(const struct orl_photon_pilot *pilot, const stru
     return to_two_digits(photons);
 }
 
-static void fill_foresight(const struct orl_photon_pilot *pilot,
-                           const uint64_t photons[ORL_SHOT_KINDS], struct orl_photon_forecast *f)
+static void fill_forecast(const struct orl_photon_pilot *pilot,
+                          const uint64_t photons[ORL_SHOT_KINDS], struct orl_photon_forecast *f)
 {
     f->photons_s = 0;
     f->known = true;
@@ -193,6 +193,6 @@ void orl_plan_budget(const struct orl_job *job, const struct orl_photon_pilot *p
         plan->photons_caustic = requested ? bound_request(job, pilot, plan, enough) : enough;
     }
     const uint64_t photons[ORL_SHOT_KINDS] = {plan->photons_global, plan->photons_caustic};
-    fill_foresight(pilot, photons, f);
+    fill_forecast(pilot, photons, f);
     describe_choice(pilot, plan, job->photons_caustic, f);
 }

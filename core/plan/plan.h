@@ -2,10 +2,10 @@
  * The planner: chooses the technique of a job, and the effects of light to simulate.
  *
  * The plan is a function of the job and the scene; only its seconds are estimates. Its inputs are
- * the content of the scene, rays aimed at features that matter and are easily missed, and a pilot
- * of about 1 % of the photons. Parts that are left out (suns, domes, emitters, ports) are missing
- * from the world that is built from scene and lights, or are listed in that world's omissions.
- * Higher layers read the omissions.
+ * the content of the scene, rays towards features that matter and are easily missed, and a pilot of
+ * about 1 % of the photons. Parts that are left out (suns, domes, emitters, ports) are missing from
+ * the lit scene that is built from scene and lights, or are listed in its omissions. Higher layers
+ * read the omissions.
  */
 #ifndef ORL_PLAN_PLAN_H
 #define ORL_PLAN_PLAN_H
@@ -25,8 +25,8 @@ struct orl_plan_request {
 };
 
 /*
- * Makes the plan, and the world to be simulated; scene and lights stay unchanged. Returns 0 and a
- * world that the caller owns, or ORL_ERR_NOMEM.
+ * Makes the plan, and the lit scene to be simulated; scene and lights stay unchanged. Returns 0 and
+ * a lit scene that the caller owns, or ORL_ERR_NOMEM.
  */
 int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lights,
                   struct orl_plan *ret_plan, struct orl_lit_scene **ret_lit_scene,
@@ -34,7 +34,7 @@ int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lig
 
 /*
  * Chooses the number of caustic photons if the job does not give it, from the statistics of a pilot
- * (photon/shooting/photon_pilot.h), and estimates the cost of a plan's photons.
+ * (photon/shooting/shoot.h), and estimates the cost of a plan's photons.
  *
  * The weight of caustics is their share of the light times their contrast where they land. From 5 %
  * on they get as many photons as the global map. Below that they get fewer, in proportion, since
@@ -47,14 +47,14 @@ int orl_plan_make(const struct orl_plan_request *request, struct orl_lights *lig
  * request, unless the job asks for an exact number.
  */
 
-/* Requests up to this number are not worth a pilot. */
+/* Requests up to this number do not justify the cost of a pilot. */
 enum { ORL_FEW_PHOTONS = 5000 };
 
 /* Returns true if the job asks for a number of caustic photons that a pilot may reduce. */
 bool orl_plan_bounds_caustics(const struct orl_job *job);
 
-/* Fills the plan's foresight. Sets its caustic photons if the job leaves them open, or asks for
- * more than pay off. */
+/* Fills the plan's forecast. Sets its caustic photons if the job leaves them open, or asks for more
+ * than pay off. */
 void orl_plan_budget(const struct orl_job *job, const struct orl_photon_pilot *pilot,
                      struct orl_plan *plan);
 

@@ -6,6 +6,16 @@
 #include "scene/geometry/instances.h"
 #include "scene/material/scatter.h"
 
+/* ---- Objects outside ------------------------------------------------------------------------- */
+
+/*
+ * Tests for objects outside a window: facets that reach beyond the plane of the port's pane.
+ * Without them, only domes and suns are visible through the pane. The tests are geometric and check
+ * every facet; they do not depend on random rays.
+ *
+ * pool: polled for cancellation; after it the results are meaningless.
+ */
+
 /* Limit of facets times port planes; beyond it the test would take longer than it may save. */
 static const double most_tests = 2e7;
 /* Tolerance relative to the scene's size: a smaller distance counts as within the plane. Rays are
@@ -119,7 +129,9 @@ static bool same_outside(const struct orl_lit_scene *lit_scene, size_t port, siz
     return false;
 }
 
-bool orl_outdoors_find_clear(const struct orl_lit_scene *lit_scene,
+/* Fills ret_clear, one entry per port: true if no facet reaches beyond it. Returns false, with all
+ * entries false, if there are too many facets to check. */
+static bool find_clear_ports(const struct orl_lit_scene *lit_scene,
                              const struct orl_thread_pool *pool, bool *ret_clear)
 {
     const double facets = (double)count_tests(lit_scene->geometry), most = most_tests;
@@ -166,8 +178,9 @@ static double reflected_share_placed(const struct orl_lit_scene *lit_scene,
     return most;
 }
 
-double orl_outdoors_reflectance(const struct orl_lit_scene *lit_scene,
-                                const struct orl_thread_pool *pool)
+/* Returns the largest share of light that a facet beyond any port reflects. */
+static double outdoor_reflectance(const struct orl_lit_scene *lit_scene,
+                                  const struct orl_thread_pool *pool)
 {
     const struct orl_geometry *g = lit_scene->geometry;
     double most = 0, tests = 0;
@@ -189,7 +202,8 @@ double orl_outdoors_reflectance(const struct orl_lit_scene *lit_scene,
     return most;
 }
 
-double orl_panes_reflectance(const struct orl_lit_scene *lit_scene)
+/* Returns the largest share of light that a port reflects. */
+static double pane_reflectance(const struct orl_lit_scene *lit_scene)
 {
     double most = 0;
     for (size_t p = 0; p < lit_scene->n_ports; p++)
@@ -248,10 +262,10 @@ static void decide_exterior(struct orl_plan_survey *survey, struct orl_plan *pla
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_EXTERIOR];
     const bool looks = decision->override != ORL_OVERRIDE_FORCE && lit_scene->n_ports > 0;
     double rho = looks && survey->n_clear < lit_scene->n_ports
-                     ? orl_outdoors_reflectance(lit_scene, survey->request->pool)
+                     ? outdoor_reflectance(lit_scene, survey->request->pool)
                      : 0;
     if (looks && !(rho > 0) && orl_plan_survey_is_outdoor(survey))
-        rho = orl_panes_reflectance(lit_scene);
+        rho = pane_reflectance(lit_scene);
     const double direct = survey->sun_lx + survey->sky_lx + survey->lamp_lx;
     struct orl_finding finding = {
         .needed = lit_scene->n_ports > 0 && rho > 0,
@@ -414,7 +428,7 @@ void orl_decide_windows(struct orl_plan_survey *survey, struct orl_plan *plan)
     struct orl_lit_scene *lit_scene = survey->lit_scene;
     bool *clear = calloc(lit_scene->n_ports + 1, sizeof *clear);
     if (clear && plan->effects[ORL_EFFECT_EXTERIOR].override != ORL_OVERRIDE_FORCE)
-        orl_outdoors_find_clear(lit_scene, survey->request->pool, clear);
+        find_clear_ports(lit_scene, survey->request->pool, clear);
     for (size_t i = 0; clear && i < lit_scene->n_ports; i++) {
         lit_scene->ports[i].clear = clear[i];
         survey->n_clear += clear[i];

@@ -14,7 +14,8 @@ static const double sky_margin = 1.1;  /* the peak of a sky lies between its sam
 static const double shading_share = 1; /* shading time, relative to a ray's time */
 enum { RAYS_A_SAMPLE = 3 };
 
-double orl_plan_survey_dome_peak(const struct orl_dome *dome)
+/* Returns the largest radiance of a dome, W/sr/m2 of luma. */
+static double dome_peak(const struct orl_dome *dome)
 {
     double most = 0;
     if (dome->views_only)
@@ -60,7 +61,7 @@ void orl_plan_survey_measure(struct orl_plan_survey *survey)
     for (size_t i = 0; i < lit_scene->n_suns; i++)
         sun += orl_luma(lit_scene->suns[i].irradiance);
     for (size_t i = 0; i < lit_scene->n_domes && !survey->sky_measured; i++)
-        sky += ORL_PI * orl_plan_survey_dome_peak(&lit_scene->domes[i]);
+        sky += ORL_PI * dome_peak(&lit_scene->domes[i]);
     for (size_t i = 0; i < lit_scene->n_emitters; i++)
         lamp = fmax(lamp, ORL_PI * orl_luma(lit_scene->emitters[i].most));
     survey->sun_lx = ORL_EFFICACY_LM_PER_W * sun;

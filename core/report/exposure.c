@@ -1,3 +1,5 @@
+/* Exposure to sunlight: minutes per day in which the sun is visible from points at windows. The
+ * loading of the unshaded scene comes first. */
 #include <stdlib.h>
 
 #include <oriel/annual/sun_exposure.h>
@@ -41,8 +43,6 @@ int orl_unshaded_scene_load(const struct orl_annual_request *request,
     return code;
 }
 
-/* Exposure to sunlight: minutes per day in which the sun is visible from points at windows. */
-
 enum { MOST_PANES = 64, MOST_DAYS = 53, MINUTES = 24 * 60 };
 
 void orl_exposure_request_done(struct orl_exposure_request *exposure_request)
@@ -76,7 +76,7 @@ static size_t list_days(double latitude_deg, struct date ret_days[MOST_DAYS])
     return n;
 }
 
-/* ---- A point --------------------------------------------------------------------------------- */
+/* ---- One point ------------------------------------------------------------------------------- */
 
 struct exposure_finder {
     const struct orl_exposure_request *exposure_request;
@@ -165,7 +165,7 @@ static struct orl_exposure exposure_of(const struct exposure_finder *f, size_t p
                                  .level = level_of(minutes[best])};
 }
 
-/* ---- All of them ----------------------------------------------------------------------------- */
+/* ---- All points ------------------------------------------------------------------------------ */
 
 static int find_all(struct exposure_finder *f, const struct orl_run_env *env,
                     struct orl_exposure *ret_exposures, struct orl_error *err)

@@ -1,4 +1,5 @@
-/* Computes a grid's value in every step of the year. */
+/* Figures of grids on pages: values of each step, titles of metrics, maps on the plan of the
+ * scene. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +10,8 @@
 #include "base/statistics/numeric.h"
 #include "render/heat_map/heat_map.h"
 #include "report/report_internal.h"
+
+/* ---- Values of each step --------------------------------------------------------------------- */
 
 /* Adds a sensor to the sum of each column. Rows of the result are read sequentially. */
 static void add_sensor(const struct orl_annual_rows *rows, enum orl_annual_series series,
@@ -45,7 +48,7 @@ int orl_annual_series_of(const struct orl_annual_report *report,
     return code;
 }
 
-/* Titles of metrics on pages, and their names in file names. */
+/* ---- Titles of metrics on pages, and their names in file names ------------------------------- */
 
 static const char *when_of(enum orl_annual_when when)
 {
@@ -111,16 +114,15 @@ void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_te
         snprintf(ret_text, size, "%s%g%s", names[metric->kind], low, when);
 }
 
-/* Draws metrics of grids as maps on the plan of the scene. */
+/* ---- Planes of grids ------------------------------------------------------------------------- */
 
+/* Planes of grids, for maps on the plan of the scene. */
 struct orl_annual_plans {
     struct orl_scene *scene; /* a reference is held */
     struct orl_sensor_plane *planes;
     bool *found;
     size_t n_grids;
 };
-
-/* ---- Making ---------------------------------------------------------------------------------- */
 
 static int find_planes(struct orl_annual_plans *plans, const struct orl_annual_request *request,
                        const struct orl_annual_report *report)

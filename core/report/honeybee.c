@@ -8,8 +8,6 @@
 #include <sys/stat.h>
 
 #include "base/io/out_file.h"
-
-#include "base/io/out_file.h"
 #include "metrics/annual/annual_figures.h"
 
 #define LIGHT_PATH "__static_apertures__"

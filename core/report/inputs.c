@@ -1,4 +1,5 @@
-/* Requests of reports: defaults, freeing, and checks for matrices. */
+/* Inputs of a year: requests of reports, sensors of grids, and a record of every file that was
+ * read. */
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +15,8 @@
 #include "light/daylight/weather.h"
 #include "report/report_internal.h"
 #include "run/request/job_inputs.h"
+
+/* ---- Requests: defaults and freeing ---------------------------------------------------------- */
 
 static const struct orl_annual_metric usual_metrics[] = {
     {ORL_METRIC_DA, ORL_WHEN_OCCUPIED, 300, 0},
@@ -58,7 +61,7 @@ void orl_report_request_done(struct orl_report_request *report_request)
     *report_request = (struct orl_report_request){.n_metrics = 0};
 }
 
-/* ---- By matrices ----------------------------------------------------------------------------- */
+/* ---- Checks for matrices --------------------------------------------------------------------- */
 
 static bool needs_factors(const struct orl_annual_rule *rule)
 {
@@ -89,8 +92,6 @@ int orl_report_check_matrices(const struct orl_report_request *report_request,
                              "matrices do not tell their errors: no accuracy can be asked of them");
     return 0;
 }
-
-/* Inputs of a year: sensors of grids, and a record of every file that was read. */
 
 /* ---- Grids ----------------------------------------------------------------------------------- */
 

@@ -170,7 +170,7 @@ static const float *optional_at(const float *values, size_t i)
 
 struct evaluation {
     const struct orl_report_builder *m;
-    float *factors; /* scratch for a row, per crew member */
+    float *factors; /* scratch for a row, per thread of the pool */
     atomic_size_t n_unlit;
     atomic_bool cancelled;
 };

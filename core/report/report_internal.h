@@ -1,5 +1,5 @@
-/* Internals of oriel/annual/annual_report.h: the builder of a report. Functions return the
- * errors given there. */
+/* Internals of oriel/annual/annual_report.h: the builder of a report, the scene with open shades,
+ * and the openings for view out. Functions return the errors given there. */
 #ifndef ORL_REPORT_REPORT_INTERNAL_H
 #define ORL_REPORT_REPORT_INTERNAL_H
 
@@ -59,10 +59,9 @@ int orl_report_make_verdicts(const struct orl_report_builder *builder);
 int orl_report_viewpoints(const struct orl_annual_result *result, struct orl_annual_report *report,
                           struct orl_error *err);
 
-/* Loads a year's scene like a job without a sky, with its shades in their first state. */
-
-/* Reads the scene, or takes it from the memory cache. The caller releases *ret_scene. Returns 0 or
- * the error of loading. */
+/* Loads a year's scene as for a job without a sky, with its shades in their first state. Reads the
+ * scene, or takes it from the memory cache. The caller releases *ret_scene. Returns 0 or the error
+ * of loading. */
 int orl_unshaded_scene_load(const struct orl_annual_request *request, const struct orl_run_env *env,
                             struct orl_scene **ret_scene, struct orl_error *err);
 

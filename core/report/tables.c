@@ -1,4 +1,4 @@
-/* Writes arrays of floats as Radiance matrix files. */
+/* Tables of a year, with one line per sensor or per hour, and Radiance matrix files. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,6 +8,8 @@
 #include "base/io/out_file.h"
 #include "base/statistics/numeric.h"
 #include "metrics/annual/annual_figures.h"
+
+/* ---- Radiance matrix files ------------------------------------------------------------------- */
 
 /* Writes each value as three equal components, block by block. */
 static void write_grey(const struct orl_out_file *file, const float *values, size_t n)
@@ -67,7 +69,7 @@ int orl_matrix_write(const char *path, const float *values, size_t rows, size_t 
     return orl_out_close(&file, 0, err);
 }
 
-/* Tables of a year, with one line per sensor or per hour. */
+/* ---- Fields of tables ------------------------------------------------------------------------ */
 
 void orl_annual_file_name(const char *grid, char *ret_name, size_t size)
 {

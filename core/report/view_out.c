@@ -254,7 +254,7 @@ struct view_out_finder {
     const struct orl_view_out_request *view_out_request;
     const struct orl_sensor *sensors;
     struct orl_openings openings;
-    struct scratch *scratch; /* by crew member */
+    struct scratch *scratch; /* by thread of the pool */
     struct orl_view_out *views;
 };
 

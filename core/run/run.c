@@ -50,7 +50,7 @@ static int check_goal_supported(const struct orl_run_state *state, struct orl_er
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Refuses mist with techniques that do not support it. */
+/* Refuses participating media with techniques that do not support it. */
 static int check_volume_supported(const struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_scene *const scene = state->lit_scene->scene;

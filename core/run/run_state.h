@@ -17,7 +17,7 @@ struct orl_sensor_round {
     double *batches; /* out, [sensor][ORL_MAP_BATCHES]: mean of each batch, lux */
 };
 
-/* Last reported share and its time; the current phase (remaining_time.h) and its start. */
+/* Last reported share and its time; the current phase (progress.h) and its start. */
 struct orl_progress {
     double share, at_s;
     double phase_from, phase_to, phase_s;
@@ -34,11 +34,10 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* the job's, or read from its file; owned if sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
-    /* True in the sensors' own run of a job with views (sensor_run.h). */
+    /* True in the sensors' own run of a job with views (run_stages.h). */
     bool only_sensors;
-    bool only_plan; /* true if only a plan is requested, without rendering */
-    struct orl_pilot
-        *pilot; /* set if the accuracy curve is requested (accuracy_curve.h); else NULL */
+    bool only_plan;          /* true if only a plan is requested, without rendering */
+    struct orl_pilot *pilot; /* set if the accuracy curve is requested (round_cost.h); else NULL */
     const struct orl_material_overrides
         *material_overrides; /* changed materials of the scene; NULL: none */
     /* Reference-counted, released at the end of the run, like lights. */
@@ -51,13 +50,12 @@ struct orl_run_state {
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool pinned[ORL_MAP_KINDS]; /* true if a pin of the store must be released */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
-    struct orl_search *searches; /* one per crew member */
-    double map_share_read;       /* share of the global map that earlier jobs have read */
-    double
-        cost_s[ORL_STAGE_COUNT]; /* estimate for the run or the current round (remaining_time.h) */
-    double after_s;              /* estimate for the rounds after it */
-    struct orl_progress *progress; /* progress of the whole run */
-    /* Plans and renders a job's sensors in a run of their own (sensor_run.h). */
+    struct orl_search *searches;    /* one per thread */
+    double map_share_read;          /* share of the global map that earlier jobs have read */
+    double cost_s[ORL_STAGE_COUNT]; /* estimate for the run or the current round (progress.h) */
+    double after_s;                 /* estimate for the rounds after it */
+    struct orl_progress *progress;  /* progress of the whole run */
+    /* Plans and renders a job's sensors in a run of their own (run_stages.h). */
     int (*run_sensors)(const struct orl_job *job, const struct orl_run_env *env,
                        struct orl_scene *scene, struct orl_result *ret_result,
                        struct orl_error *err);
@@ -65,8 +63,8 @@ struct orl_run_state {
     double stage_started;
     double started_s;     /* start of the run */
     double deadline_at_s; /* deadline, until the last round of a job with one; else 0 */
-    double shift[2];      /* offset of view rays in this round, pixels (paint.h) */
-    /* Factor of view rays over the usual number by maps, in this round (paint.h); 0: 1. */
+    double shift[2];      /* offset of view rays in this round, pixels (image.h) */
+    /* Factor of view rays over the usual number by maps, in this round (image.h); 0: 1. */
     double view_rays;
     const double *bandwidths; /* by kind of map, in this round (gather.h); NULL: the usual ones */
     const struct orl_sensor_round *sensor_round; /* NULL: samples are the job's */

@@ -39,7 +39,7 @@ static int add_black(struct orl_parsed_scene *d, uint32_t *ret_index)
 
 /* ---- Surfaces -------------------------------------------------------------------------------- */
 
-/* A name in a override; met: some surface has it. */
+/* A name in an override; met: some surface has it. */
 struct wanted {
     const char *name;
     bool met;
@@ -166,7 +166,7 @@ int orl_material_add_group_copy(struct orl_parsed_scene *d, uint32_t material,
     return 0;
 }
 
-/* own: for each material, its copy in this part, or UINT32_MAX. */
+/* own: for each material, its copy in this window group, or UINT32_MAX. */
 static int assign_group_copy(struct orl_parsed_scene *d, size_t surface, uint32_t window_group,
                              uint32_t *copy_of_material)
 {
@@ -221,7 +221,7 @@ static bool is_named(const struct orl_material_override *override, const struct 
     return false;
 }
 
-/* Returns true if a override concerns the surfaces of an instance. */
+/* Returns true if an override concerns the surfaces of an instance. */
 static bool concerns_placement(const struct orl_material_override *override,
                                const struct orl_parsed_scene *d,
                                const struct orl_placement *placement)
@@ -236,8 +236,8 @@ static bool concerns_placement(const struct orl_material_override *override,
     return false;
 }
 
-/* Expands all instances if a override concerns one of them, so that it does not change the others.
- */
+/* Expands all instances if an override concerns one of them, so that it does not change the others.
+ * */
 static int expand_affected(const struct orl_material_overrides *material_overrides,
                            struct orl_parsed_scene *d, struct orl_error *err)
 {
@@ -251,9 +251,9 @@ static int expand_affected(const struct orl_material_overrides *material_overrid
 int orl_material_overrides_apply(const struct orl_material_overrides *material_overrides,
                                  size_t n_names, struct orl_parsed_scene *d, struct orl_error *err)
 {
-    const int by_window_group = expand_affected(material_overrides, d, err);
-    if (by_window_group < 0)
-        return by_window_group;
+    const int expanded = expand_affected(material_overrides, d, err);
+    if (expanded < 0)
+        return expanded;
     struct overriding s = {.parsed_scene = d,
                            .material_overrides = material_overrides,
                            .modifier = malloc((d->n_surfaces + 1) * sizeof *s.modifier),

@@ -17,7 +17,7 @@ static bool has_corners_of_its_own(const struct orl_surface *surfaces, size_t n)
     return false;
 }
 
-/* Frees the surfaces and the opposed pairs. Returns true if the surfaces are kept because some have
+/* Frees the surfaces and the opposed pairs. Returns true if the surfaces stay because some have
  * mesh normals or (u, v) coordinates at their corners. */
 static bool free_surfaces(struct orl_surface **surfaces, size_t n,
                           struct orl_opposed_pair **opposed)
@@ -97,9 +97,6 @@ void orl_parsed_scene_done(struct orl_parsed_scene *parsed_scene)
     orl_checked_file_close(&parsed_scene->file);
     memset(parsed_scene, 0, sizeof *parsed_scene);
 }
-
-/* Warnings of a description. A file apart from parsed_scene.c because patterns add warnings, and a
- * description frees patterns. */
 
 void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *text)
 {

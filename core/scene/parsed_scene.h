@@ -1,12 +1,13 @@
 /*
- * Contents of a set of Radiance scene files, after aliases, modifiers and commands are resolved.
- * The numbers are doubles in the files' own units and coordinates. The parser (parse.h) fills the
- * description; the geometry adapter, the lights and the materials read it.
+ * Parsed scene: the contents of a set of Radiance scene files, after aliases, modifiers and
+ * commands are resolved. The numbers are doubles in the files' own units and coordinates. The
+ * parser (parse.h) fills it; geometry, lights and materials read it.
  *
  * Invariants: every number is finite; every material index is valid; polygons have at least three
  * vertices and a non-zero normal (degenerate ones are counted in n_degenerate and dropped);
  * directions are unit vectors; radii are positive, except that one end of a cone and the inner
  * radius of a ring may be 0.
+ *
  * Ownership: an orl_parsed_scene owns everything in it. Its strings lie in `arena`; vertices and
  * names of surfaces lie in `outlines`. orl_parsed_scene_free_surfaces frees the latter once
  * geometry is built: millions of surfaces take more memory than ray tracing needs.
@@ -31,7 +32,7 @@ struct orl_surface_labels;
 struct orl_pattern;
 
 enum orl_material_kind {
-    ORL_MATERIAL_VOID,    /* stands for void or a refused modifier while files are read */
+    ORL_MATERIAL_VOID,    /* placeholder for void or a refused modifier while files are read */
     ORL_MATERIAL_PLASTIC, /* color, specular, roughness, anisotropy axis (plastic2) */
     ORL_MATERIAL_METAL,   /* color, specular, roughness, anisotropy axis (metal2) */
     /* color, specular, roughness, anisotropy axis (trans2), transmitted, transmitted_specular */
@@ -40,17 +41,16 @@ enum orl_material_kind {
     ORL_MATERIAL_GLASS,          /* transmissivity, ior */
     ORL_MATERIAL_GLAZING,        /* angles, front/back/through, transmitted (BRTDfunc) */
     ORL_MATERIAL_DIELECTRIC,     /* media: a dielectric has air in front, an interface any medium */
-    ORL_MATERIAL_FUNCTION_LOBES, /* the fields of trans, and tinted, lobes (plasfunc and the like)
-                                  */
-    ORL_MATERIAL_PRISM,          /* ways (prism1, prism2) */
+    ORL_MATERIAL_FUNCTION_LOBES, /* the fields of trans, tints_lobes, lobes (plasfunc) */
+    ORL_MATERIAL_PRISM,          /* prism_rays (prism1, prism2) */
     ORL_MATERIAL_MIRROR,         /* color on the front; the back is black */
     ORL_MATERIAL_BSDF,      /* bsdf, up, thickness, peak, front/back/through diffuse additions */
     ORL_MATERIAL_LIGHT,     /* radiance; sampled directly */
     ORL_MATERIAL_GLOW,      /* radiance, max_radius; sampled directly if max_radius is above 0 */
-    ORL_MATERIAL_SPOTLIGHT, /* a light that shines within a cone: aim, cos_cone, focus */
+    ORL_MATERIAL_SPOTLIGHT, /* a light within a cone: beam_axis, cos_cone, focus */
     ORL_MATERIAL_MIXTURE,   /* mixed, mix: two materials of different kinds (material/scatter.h) */
     ORL_MATERIAL_ILLUM,     /* a light that view rays see as another material: seen_as */
-    /* extinction, scattered, forward of the volume inside (scene/built/volume.h) */
+    /* participating medium inside: extinction, scattering, asymmetry (built/scene.h) */
     ORL_MATERIAL_MIST,
     ORL_MATERIAL_ANTIMATTER, /* removes surfaces inside it: cut, lining
                                 (geometry/antimatter/antimatter.h) */
@@ -76,10 +76,10 @@ struct orl_material {
     struct orl_pattern
         *roughness_pattern; /* reflectors: factors of both roughnesses over the surface; or NULL */
     enum orl_diffuse_side
-        diffuse_side;                /* plastic as a part of a sum: sides that reflect diffusely */
+        diffuse_side;                /* plastic as a term of a sum: sides that reflect diffusely */
     struct orl_vec3 anisotropy_axis; /* plastic2 and the like: as written, not projected */
-    bool tints_lobes;     /* lobed: reflection by the lobes has the material's colour (metfunc) */
-    bool is_whole_bsdf;   /* lobed: the function is the whole BRDF and BTDF (BRTDfunc) */
+    bool tints_lobes;     /* function lobes: reflection has the material's colour (metfunc) */
+    bool is_whole_bsdf;   /* function lobes: the function is the whole BRDF and BTDF (BRTDfunc) */
     struct orl_rgb gloss; /* ashik2: specular reflectance at the normal */
     double power[2];      /* ashik2: exponents of the lobe, along the anisotropy axis and across */
     /* glazing: upper bound of the direct transmittance; trans: fraction of the light not reflected
@@ -91,8 +91,8 @@ struct orl_material {
     double ior;                    /* glass: 1.52 unless written */
     struct orl_medium media[2];    /* dielectric, interface: behind the normal, in front of it */
     double max_radius;             /* glow: fourth argument */
-    struct orl_bsdf *bsdf;         /* BSDF: one reference, held */
-    uint32_t bsdf_file;            /* BSDF: index into the description's files */
+    struct orl_bsdf *bsdf;         /* BSDF: one reference, owned */
+    uint32_t bsdf_file;            /* BSDF: index into the parsed scene's files */
     double thickness;              /* BSDF: as written, signed */
     struct orl_vec3 up;            /* BSDF: as written, not projected */
     bool peak;                     /* aBSDF: nearly direct transmission is taken as direct */
@@ -102,8 +102,8 @@ struct orl_material {
     double cos_cone;           /* spotlight: cosine of the half angle */
     /* spotlight: distance of the beam's apex behind the lamp */
     double focus;
-    struct orl_rgb extinction, scattered; /* mist: 1/m */
-    double asymmetry; /* mist: asymmetry of its phase function (scene/built/volume.h) */
+    struct orl_rgb extinction, scattering; /* mist: coefficients, 1/m */
+    double asymmetry; /* mist: asymmetry of its phase function (built/scene.h) */
     /* illum: index of the material that view rays see, or ORL_SEEN_AS_* */
     int32_t seen_as;
     /* factor of color, for glass of its transmissivity (material/patterns/pattern.h); or NULL */
@@ -113,8 +113,8 @@ struct orl_material {
         *angles; /* glazing: six functions of the angle (material/function_brdf/glazing.c) */
     struct orl_pattern *prism_rays; /* prism: directions of the outgoing rays
                                        (material/function_brdf/function_brdf.h) */
-    struct orl_pattern
-        *lobes; /* lobed: BRDF values by direction (material/function_brdf/function_brdf.h) */
+    struct orl_pattern *lobes;      /* function lobes: BRDF values by direction
+                                       (material/function_brdf/function_brdf.h) */
     /* mixture: the first material's share (a factor of 1, see pattern.h); NULL: the sum of both */
     struct orl_pattern *mix;
     /* mixture: two materials, in the arena; none of them has a BSDF */
@@ -123,10 +123,11 @@ struct orl_material {
     const uint32_t *cut;
     size_t n_cut;
     int32_t lining; /* antimatter: material of the inner face where it cuts a surface, or -1 */
-    /* index + 1 of the material that this one copies, except for texture or part; 0: none */
+    /* index + 1 of the material that this one copies, except for texture or window group; 0: none
+     */
     uint32_t copy_of;
     int32_t sky;           /* light, glow: index into skies that scales color, or -1 */
-    uint32_t window_group; /* window group (material_override.h), from 1; 0: none */
+    uint32_t window_group; /* window group (surfaces.h), from 1; 0: none */
 };
 
 /* Returns the index of the material that this one is a copy of, or its own index. */
@@ -213,7 +214,7 @@ struct orl_opposed_pair {
     uint32_t surfaces[2];
 };
 
-/* Surfaces that are instanced, stored once as they stand in the first of their places
+/* Surfaces that are instanced, stored once as they are in the first of their places
  * (parse/instance/instanced_files.h says which surfaces may be instanced). */
 struct orl_prototype {
     struct orl_surface *surfaces; /* surfaces and labels have the meaning of orl_parsed_scene's */
@@ -225,13 +226,13 @@ struct orl_prototype {
     bool has_patterns;   /* has patterns or textures, which are evaluated in the first place */
 };
 
-/* One instance of a prototype (placements.h). */
+/* One instance of a prototype (surfaces.h). */
 struct orl_placement {
     uint32_t prototype;
     struct orl_xform xform; /* from the prototype's surfaces to this place */
     const char *name;       /* name of all its surfaces (a mesh); NULL: they have their own */
     const char *prefix;     /* prefix of their names, with its full stop; both in the arena */
-    size_t before;          /* number of description surfaces that come before it in the files */
+    size_t before;          /* number of surfaces that come before it in the files */
     size_t main_file;       /* index among the files that the caller named */
 };
 
@@ -278,7 +279,7 @@ struct orl_parsed_scene {
     size_t *first_surfaces;
     size_t n_first_surfaces;
     bool coincidences_resolved; /* coincident surfaces have been resolved (scene/built/scene.h) */
-    uint64_t n_read;            /* if settled: number of surfaces in the files */
+    uint64_t n_read;            /* if they have been resolved: number of surfaces in the files */
     uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
     unsigned char digest[32]; /* SHA-256 over length and content of all files read, in order */
     char **warnings;
@@ -286,7 +287,7 @@ struct orl_parsed_scene {
     struct orl_arena *arena; /* holds the strings above, except surface names */
     /* holds surface names, vertices and orl_quadric; NULL after orl_parsed_scene_free_surfaces */
     struct orl_arena *outlines;
-    struct orl_checked_file file; /* mapped cache file that replaces outlines (keep/keep.h) */
+    struct orl_checked_file file; /* mapped cache file that replaces outlines (cache/) */
     const atomic_bool *cancel;    /* cancel flag, polled while geometry is built; may be NULL */
 };
 
@@ -294,7 +295,7 @@ struct orl_parsed_scene {
 void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *text);
 
 /*
- * Frees the surfaces, but makes their labels first; n_surfaces stays. Keeps the surfaces if some
+ * Frees the surfaces, but makes their labels first; n_surfaces stays. The surfaces stay if some
  * belong to a mesh with normals or (u, v) coordinates, which patterns read. Returns 0 or
  * ORL_ERR_NOMEM.
  */
@@ -305,7 +306,7 @@ int orl_parsed_scene_free_surfaces(struct orl_parsed_scene *parsed_scene);
 bool orl_bsdf_up_is_undefined(const struct orl_material *material,
                               const struct orl_surface *surface);
 
-/* Frees everything the description owns; accepts NULL and half-filled ones. */
+/* Frees everything that the parsed scene owns; accepts NULL and half-filled ones. */
 void orl_parsed_scene_done(struct orl_parsed_scene *parsed_scene);
 
 #endif

@@ -17,7 +17,7 @@ uint64_t orl_parsed_scene_count_surfaces(const struct orl_parsed_scene *parsed_s
     return n;
 }
 
-/* Returns the part of a surface's name behind the prototype's prefix. */
+/* Returns a surface's name behind the prototype's prefix. */
 static const char *own_name(const struct orl_parsed_scene *d, const struct orl_placement *placement,
                             const char *name)
 {
@@ -25,14 +25,14 @@ static const char *own_name(const struct orl_parsed_scene *d, const struct orl_p
 }
 
 bool orl_placement_has_name(const struct orl_parsed_scene *parsed_scene,
-                            const struct orl_placement *placement, const char *kept,
+                            const struct orl_placement *placement, const char *stored,
                             const char *name)
 {
     const size_t front = strlen(placement->prefix);
     if (placement->name)
         return strcmp(placement->name, name) == 0;
     return strncmp(placement->prefix, name, front) == 0 &&
-           strcmp(own_name(parsed_scene, placement, kept), name + front) == 0;
+           strcmp(own_name(parsed_scene, placement, stored), name + front) == 0;
 }
 
 /* ---- One surface ----------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /*
- * Surfaces that a description stores once and instances in several places (orl_prototype): their
- * count, and their expansion to one surface per place, as the files would have them.
+ * Surfaces of a parsed scene before geometry is built: expansion of instances, overrides of
+ * materials, labels for messages.
  */
 #ifndef ORL_SCENE_SURFACES_H
 #define ORL_SCENE_SURFACES_H
@@ -10,13 +10,18 @@
 
 #include "scene/parsed_scene.h"
 
+/*
+ * Surfaces that a parsed scene stores once and instances in several places (orl_prototype): their
+ * count, and their expansion to one surface per place, as the files would have them.
+ */
+
 /* Returns the number of surfaces with every instance counted. */
 uint64_t orl_parsed_scene_count_surfaces(const struct orl_parsed_scene *parsed_scene);
 
-/* Returns true if a prototype's surface, stored under the name `kept`, is called `name` in that
+/* Returns true if a prototype's surface, stored under the name `stored`, is called `name` in that
  * placement. */
 bool orl_placement_has_name(const struct orl_parsed_scene *parsed_scene,
-                            const struct orl_placement *placement, const char *kept,
+                            const struct orl_placement *placement, const char *stored,
                             const char *name);
 
 /* Returns the inverse transform. orl_xform_direction by it keeps unit directions unit. */
@@ -35,8 +40,8 @@ enum orl_surface_kind orl_xform_kind(const struct orl_xform *xform, enum orl_sur
 bool orl_parsed_scene_must_split(const struct orl_parsed_scene *parsed_scene);
 
 /*
- * Expands the prototypes that have fewer placements than fewer_than and do not vary
- * (orl_prototype.varied): each place gets surfaces of its own, in the order of the files.
+ * Expands the prototypes that have fewer placements than fewer_than and have no patterns
+ * (orl_prototype.has_patterns): each place gets surfaces of its own, in the order of the files.
  * ORL_ALL_PLACEMENTS expands every prototype. Returns 0, ORL_ERR_LIMIT (more surfaces than are
  * allowed) or ORL_ERR_NOMEM.
  */
@@ -64,7 +69,7 @@ struct orl_material_override {
     size_t first_file, n_files;
 };
 
-/* orl_material.part of windows in no override. */
+/* Value of orl_material.window_group for windows in no override. */
 #define ORL_WINDOW_GROUP_NONE UINT32_MAX
 
 /* All pointers are borrowed. */
@@ -72,9 +77,9 @@ struct orl_material_overrides {
     const struct orl_material_override *at;
     size_t count;
     /*
-     * Gives the surfaces of a override and of its files copies of their materials, whose `part` is
-     * the override's number, from 1. Once ports are found, windows in no override have
-     * ORL_WINDOW_GROUP_NONE. This separates the light by window group.
+     * Gives the surfaces of an override and of its files copies of their materials, whose
+     * window_group is the override's number, from 1. Once ports are found, windows in no override
+     * have ORL_WINDOW_GROUP_NONE. This separates the light by window group.
      */
     bool by_window_group;
 };
@@ -87,17 +92,17 @@ int orl_material_overrides_apply(const struct orl_material_overrides *material_o
                                  size_t n_names, struct orl_parsed_scene *parsed_scene,
                                  struct orl_error *err);
 
-/* Appends a copy of a material with that part. Returns 0 or ORL_ERR_NOMEM. */
+/* Appends a copy of a material with that window group. Returns 0 or ORL_ERR_NOMEM. */
 int orl_material_add_group_copy(struct orl_parsed_scene *parsed_scene, uint32_t material,
                                 uint32_t window_group, uint32_t *ret_index);
 
-/* Hashes the overrides: equal ones make equal descriptions equal. Hashes nothing if there are none.
- */
+/* Hashes the overrides: equal ones make equal parsed scenes equal. Hashes nothing if there are
+ * none. */
 void orl_material_overrides_digest(const struct orl_material_overrides *material_overrides,
                                    struct orl_sha256 *hash);
 
 /*
- * Names, files and lines of surfaces, kept for messages after geometry is built. They are packed,
+ * Names, files and lines of surfaces, for messages after geometry is built. They are packed,
  * because there may be millions: a query reads the labels of a few surfaces before it.
  */
 

@@ -1,8 +1,4 @@
-/*
- * Non-negative least squares for a few columns, by the active-set method of Lawson and Hanson
- * (1974, chapter 23). Columns enter one by one, the steepest descent first. They leave when the
- * unconstrained solution would make them negative.
- */
+/* Error model of a technique, fitted by non-negative least squares; the Pareto front. */
 #include "study/study_errors.h"
 
 #include <float.h>
@@ -13,6 +9,13 @@
 
 #include "base/sampling/sampling.h"
 
+/* ---- Least squares --------------------------------------------------------------------------- */
+
+/*
+ * Non-negative least squares for a few columns, by the active-set method of Lawson and Hanson
+ * (1974, chapter 23). Columns enter one by one, the steepest descent first. They leave when the
+ * unconstrained solution would make them negative.
+ */
 struct nnls {
     size_t n;
     double gram[ORL_NNLS_COLUMNS][ORL_NNLS_COLUMNS]; /* A^T A */
@@ -129,6 +132,8 @@ void orl_nnls(const double *a, const double *b, size_t rows, size_t columns, dou
         while (!advance_to_bound(&s, ret_x, z));
     }
 }
+
+/* ---- The model ------------------------------------------------------------------------------- */
 
 enum { REFITS = 400, PASSES = 8 };
 static const double least_uncertainty = 0.1;

@@ -1,3 +1,4 @@
+/* One run of a study, with maps that no other run uses. */
 #include "study/study_runs.h"
 
 #include <dirent.h>

@@ -1,3 +1,4 @@
+/* Runs of one setting, seed after seed. */
 #include "study/study_runs.h"
 
 #include <stdlib.h>

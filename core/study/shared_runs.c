@@ -1,3 +1,4 @@
+/* Runs as tasks of a distributed study: stored runs, and their distribution. */
 #include "study/study_runs.h"
 
 #include <math.h>
@@ -119,7 +120,7 @@ static int unpack_run(const struct run_header *run_header, const char *from,
     return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a run's values");
 }
 
-/* ---- Tasks ---------------------------------------------------------------------------------- */
+/* ---- Tasks ----------------------------------------------------------------------------------- */
 
 /* A run to be made: a setting and a seed. */
 struct planned_run {

@@ -1,6 +1,6 @@
 /*
  * Runs a study from its request to its results: the reference first, then each setting, finally the
- * fits and the Pareto front.
+ * fits and the Pareto front. Also writes the points as a table.
  */
 #include <errno.h>
 #include <math.h>
@@ -253,7 +253,7 @@ int orl_study_run(const struct orl_study_request *request, const struct orl_stud
     return code;
 }
 
-/* Writes a study's points as comma-separated values. */
+/* ---- Points as comma-separated values -------------------------------------------------------- */
 
 static void write_names(FILE *stream)
 {

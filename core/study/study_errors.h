@@ -1,13 +1,15 @@
+/* Errors of a study: measures against the reference, and the error model fitted to them. */
+#ifndef ORL_STUDY_STUDY_ERRORS_H
+#define ORL_STUDY_STUDY_ERRORS_H
+
+#include <oriel/job/study.h>
+
 /*
  * Errors of runs against a reference: the measures that oriel/job/study.h defines.
  *
  * Values are arrays of equal length, one value per sensor (lux) or pixel (luminance). A reference
  * is made from one run with known standard errors, or from several whose spread gives them.
  */
-#ifndef ORL_STUDY_STUDY_ERRORS_H
-#define ORL_STUDY_STUDY_ERRORS_H
-
-#include <oriel/job/study.h>
 
 struct orl_reference {
     size_t count;

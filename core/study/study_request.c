@@ -1,4 +1,5 @@
-/* Requests of studies: defaults, validation and freeing. */
+/* Requests of studies: defaults, validation, freeing, the list of settings, and estimates of
+ * cost. */
 #include "study/study_runs.h"
 
 #include <stdarg.h>

@@ -1,10 +1,14 @@
-/* Settings and reference of a study, derived from its request. */
+/* Runs of a study: settings from its request, their cost, one run, one setting's runs, and the
+ * runs of a distributed study. */
 #ifndef ORL_STUDY_STUDY_RUNS_H
 #define ORL_STUDY_STUDY_RUNS_H
 
 #include <oriel/job/study.h>
 
+/* Returns true if the study measures views, not sensors. */
 bool orl_study_of_views(const struct orl_study_request *request);
+/* Lists the settings, each technique with its numbers of photons and samples. *ret_settings is
+ * owned by the caller. Returns 0 or ORL_ERR_NOMEM. */
 int orl_study_list_settings(const struct orl_study_request *request,
                             struct orl_study_setting **ret_settings, size_t *ret_count,
                             struct orl_error *err);
@@ -14,9 +18,8 @@ struct orl_study_setting orl_study_reference_setting(const struct orl_study_requ
 uint64_t orl_study_reference_seed(const struct orl_study_request *request);
 void orl_study_free_external(struct orl_study_external *external, size_t count);
 
-/* Cost estimates of a study's runs before any was made, for progress and limits. */
-
-/* Estimates a run's time for that many sensors, in seconds of one core. */
+/* Estimates a run's time for that many sensors, in seconds of one core, before any was made. The
+ * estimates serve progress and limits. */
 double orl_study_run_core_s(const struct orl_job *job, const struct orl_study_setting *setting,
                             double sensors);
 
@@ -63,12 +66,8 @@ struct orl_runs_env {
 int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *setting,
                      uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err);
 
-/*
- * Runs of one setting: values of every sensor or pixel, and the cost. In a distributed study other
- * processes have made them (shared_runs.h).
- */
-
-/* Runs of one setting with seeds first_seed, first_seed + 1, ... */
+/* Runs of one setting with seeds first_seed, first_seed + 1, ...: values of every sensor or pixel,
+ * and the cost. In a distributed study other processes have made them. */
 struct orl_series {
     size_t n_runs, count; /* count: values per run */
     double **values;      /* owned: n_runs arrays of count values, lux or cd/m2 */
@@ -86,11 +85,12 @@ int orl_series_run(struct orl_runs_env *env, const struct orl_study_setting *set
                    struct orl_error *err);
 
 /*
- * Runs of a study as pieces of a distributed job (oriel/job/job_tasks.h). Each setting with each
- * seed is a piece, including the reference's seeds; the measured speed is another. A piece records
- * its run's time by the clock of the process that made it. All pieces are independent.
+ * Runs of a study as tasks of a distributed job (oriel/job/job_tasks.h). Each setting with each
+ * seed is a task, including the reference's seeds; the measured speed is another. A task records
+ * its run's time by the clock of the process that made it. All tasks are independent.
  */
 
+/* Returns true if other processes compute runs of the study. */
 bool orl_study_is_shared(const struct orl_study_env *env);
 
 /* Divides the runs of a distributed study among processes until all are made, and measures the

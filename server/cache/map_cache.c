@@ -2,23 +2,58 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "cache/map_entries.h"
 #include "process/times.h"
 #include "store/files/removal.h"
 
-void orl_map_path(const struct orl_map_cache *cache, const char *kind, const char *key,
-                  char ret_path[ORL_PATH_MAX])
+/* Workers call the store's functions, and the loop thread calls all others. Callers of the static
+ * functions hold the mutex unless a comment says otherwise. */
+
+/* BEING_REMOVED: no longer ready, though its row and file may still exist. */
+enum orl_map_state {
+    ORL_MAP_IS_ABSENT,
+    ORL_MAP_IS_BUILDING,
+    ORL_MAP_IS_READY,
+    ORL_MAP_IS_BEING_REMOVED
+};
+
+struct orl_map_entry {
+    struct orl_stored_map map;
+    enum orl_map_state state;
+    unsigned pins;
+    bool dirty; /* true if the database row differs from this entry */
+    char building[ORL_PATH_MAX];
+    struct orl_map_entry *next;
+};
+
+struct orl_map_cache {
+    uv_loop_t *loop;
+    const struct orl_folders *folders;
+    struct orl_db *db;
+    orl_map_cache_wake wake;
+    void *wake_ctx;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed; /* signalled when an entry leaves BUILDING */
+    struct orl_map_entry *entries;
+    uint64_t hits, misses;
+};
+
+/* Writes the path of the map's file. Needs no mutex. */
+static void map_path(const struct orl_map_cache *cache, const char *kind, const char *key,
+                     char ret_path[ORL_PATH_MAX])
 {
     orl_folders_path(cache->folders, ret_path, "maps/%s-%s.opm", kind, key);
 }
 
-struct orl_map_entry *orl_map_find(struct orl_map_cache *cache, const char *kind, const char *key)
+/* Returns NULL if there is no entry. */
+static struct orl_map_entry *find_entry(struct orl_map_cache *cache, const char *kind,
+                                        const char *key)
 {
     struct orl_map_entry *entry = cache->entries;
     while (entry &&
@@ -27,9 +62,11 @@ struct orl_map_entry *orl_map_find(struct orl_map_cache *cache, const char *kind
     return entry;
 }
 
-struct orl_map_entry *orl_map_add(struct orl_map_cache *cache, const char *kind, const char *key)
+/* Returns the entry, which is added if it is missing. NULL when out of memory. */
+static struct orl_map_entry *add_entry(struct orl_map_cache *cache, const char *kind,
+                                       const char *key)
 {
-    struct orl_map_entry *entry = orl_map_find(cache, kind, key);
+    struct orl_map_entry *entry = find_entry(cache, kind, key);
     if (entry)
         return entry;
     entry = calloc(1, sizeof *entry);
@@ -74,7 +111,7 @@ static void record_hit(struct orl_map_cache *cache, struct orl_map_entry *entry)
 static bool is_ready(const struct orl_map_cache *cache, const struct orl_map_entry *entry)
 {
     char path[ORL_PATH_MAX];
-    orl_map_path(cache, entry->map.info.kind, entry->map.info.key, path);
+    map_path(cache, entry->map.info.kind, entry->map.info.key, path);
     return entry->state == ORL_MAP_IS_READY && access(path, R_OK) == 0;
 }
 
@@ -86,7 +123,7 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
     int rc = 0;
     bool hit = false;
     pthread_mutex_lock(&cache->mutex);
-    struct orl_map_entry *entry = orl_map_add(cache, kind, key);
+    struct orl_map_entry *entry = add_entry(cache, kind, key);
     if (!entry)
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     while (rc == 0 &&
@@ -96,7 +133,7 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
             break;
         }
         wait_for_change(cache);
-        entry = orl_map_add(cache, kind, key);
+        entry = add_entry(cache, kind, key);
         if (!entry)
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
@@ -105,7 +142,7 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
         record_hit(cache, entry);
         *ret_info = entry->map.info;
         ret_info->cached = true;
-        orl_map_path(cache, kind, key, ret_path);
+        map_path(cache, kind, key, ret_path);
     } else if (rc == 0) {
         entry->state = ORL_MAP_IS_BUILDING;
         cache->misses++;
@@ -125,14 +162,14 @@ static void cache_abandon(void *ctx, const char *kind, const char *key)
     struct orl_map_cache *cache = ctx;
     char path[ORL_PATH_MAX];
     pthread_mutex_lock(&cache->mutex);
-    struct orl_map_entry *entry = orl_map_find(cache, kind, key);
+    struct orl_map_entry *entry = find_entry(cache, kind, key);
     if (entry && entry->state == ORL_MAP_IS_BUILDING) {
         unlink(entry->building);
         entry->state = ORL_MAP_IS_ABSENT;
     } else if (entry && entry->state == ORL_MAP_IS_READY) {
         /* The file is damaged. Jobs that have it mapped keep their pages; new jobs do not get it.
          */
-        orl_map_path(cache, kind, key, path);
+        map_path(cache, kind, key, path);
         unlink(path);
         entry->state = ORL_MAP_IS_ABSENT;
         entry->dirty = true;
@@ -148,7 +185,7 @@ static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_e
     struct orl_map_cache *cache = ctx;
     char path[ORL_PATH_MAX], building[ORL_PATH_MAX];
     pthread_mutex_lock(&cache->mutex);
-    struct orl_map_entry *entry = orl_map_find(cache, info->kind, info->key);
+    struct orl_map_entry *entry = find_entry(cache, info->kind, info->key);
     const bool ours = entry && entry->state == ORL_MAP_IS_BUILDING;
     if (ours)
         memcpy(building, entry->building, sizeof building);
@@ -156,7 +193,7 @@ static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_e
     if (!ours)
         return orl_error_set(err, ORL_ERR_INTERNAL, "a map was committed that nobody built");
     /* Only the builder may touch a building entry, so the slow disk work needs no lock. */
-    orl_map_path(cache, info->kind, info->key, path);
+    map_path(cache, info->kind, info->key, path);
     int rc = orl_sync_path(building, err);
     if (rc == 0)
         rc = orl_rename_synced(building, path, err);
@@ -182,7 +219,7 @@ static void cache_release(void *ctx, const char *kind, const char *key)
 {
     struct orl_map_cache *cache = ctx;
     pthread_mutex_lock(&cache->mutex);
-    struct orl_map_entry *entry = orl_map_find(cache, kind, key);
+    struct orl_map_entry *entry = find_entry(cache, kind, key);
     if (entry && entry->pins > 0) {
         entry->pins--;
         entry->map.last_used_ms = orl_time_now_ms();
@@ -210,7 +247,7 @@ static int cache_find_smaller(void *ctx, const char *kind, const char *family, u
     if (best) {
         record_hit(cache, best);
         *ret_info = best->map.info;
-        orl_map_path(cache, kind, ret_info->key, ret_path);
+        map_path(cache, kind, ret_info->key, ret_path);
     }
     pthread_mutex_unlock(&cache->mutex);
     *ret_found = best != NULL;
@@ -338,7 +375,7 @@ static enum orl_map_removal begin_removal(struct orl_map_cache *cache, const cha
 {
     enum orl_map_removal found = ORL_MAP_ABSENT;
     pthread_mutex_lock(&cache->mutex);
-    struct orl_map_entry *entry = orl_map_find(cache, kind, key);
+    struct orl_map_entry *entry = find_entry(cache, kind, key);
     if (entry && (entry->state == ORL_MAP_IS_BUILDING || entry->pins > 0)) {
         found = ORL_MAP_IN_USE;
     } else if (entry && entry->state == ORL_MAP_IS_READY) {
@@ -353,7 +390,7 @@ static void end_removal(struct orl_map_cache *cache, const char *kind, const cha
                         enum orl_map_state state)
 {
     pthread_mutex_lock(&cache->mutex);
-    struct orl_map_entry *entry = orl_map_find(cache, kind, key);
+    struct orl_map_entry *entry = find_entry(cache, kind, key);
     entry->state = state;
     entry->dirty = entry->dirty && state == ORL_MAP_IS_READY;
     drop_spent(cache);
@@ -372,7 +409,7 @@ void orl_map_cache_end_removal(struct orl_map_cache *cache, const char *kind, co
                                bool gone)
 {
     char path[ORL_PATH_MAX];
-    orl_map_path(cache, kind, key, path);
+    map_path(cache, kind, key, path);
     if (gone)
         orl_remove_async(cache->loop, cache->folders, path);
     end_removal(cache, kind, key, gone ? ORL_MAP_IS_ABSENT : ORL_MAP_IS_READY);
@@ -393,10 +430,10 @@ static int load_row(void *ctx, const struct orl_stored_map *map)
 {
     struct orl_map_cache *cache = ctx;
     char path[ORL_PATH_MAX];
-    struct orl_map_entry *entry = orl_map_add(cache, map->info.kind, map->info.key);
+    struct orl_map_entry *entry = add_entry(cache, map->info.kind, map->info.key);
     if (!entry)
         return ORL_ERR_NOMEM;
-    orl_map_path(cache, map->info.kind, map->info.key, path);
+    map_path(cache, map->info.kind, map->info.key, path);
     const bool there = access(path, R_OK) == 0;
     entry->map = *map;
     entry->state = there ? ORL_MAP_IS_READY : ORL_MAP_IS_ABSENT;
@@ -419,7 +456,7 @@ static int set_orphans_aside(struct orl_map_cache *cache, struct orl_error *err)
             continue;
         const struct orl_map_entry *entry = NULL;
         if (sscanf(file->d_name, "%15[a-z]-%64[0-9a-f].opm", kind, key) == 2)
-            entry = orl_map_find(cache, kind, key);
+            entry = find_entry(cache, kind, key);
         if (!entry || entry->state != ORL_MAP_IS_READY) {
             snprintf(path, sizeof path, "maps/%s", file->d_name);
             orl_orphan_set_aside(cache->folders, path, NULL);

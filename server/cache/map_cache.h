@@ -13,7 +13,7 @@
  *
  * Durability: commit moves the synced file into maps/ first; the row follows on the loop thread
  * (flush). A crash in between leaves a file without a row, which the next start sets aside
- * (orphans.h). The next start also drops rows without files. A map that is removed loses its row
+ * (removal.h). The next start also drops rows without files. A map that is removed loses its row
  * first.
  *
  * Threads: one mutex; the store's functions from any worker, everything else on the loop thread.

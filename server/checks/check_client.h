@@ -1,9 +1,6 @@
 /*
- * The pool of check children on the daemon's side: fork servers (fork_server.h) and requests to
- * their children. There are as many fork servers as checks ran at once; each is kept for the next
- * check.
- *
- * Threads: orl_check_pool_run on any thread, the rest on the loop's.
+ * Requests to check children: the pool of children (check_pool.c), and one call for each check
+ * (check_client.c).
  */
 #ifndef ORL_SERVER_CHECKS_CHECK_CLIENT_H
 #define ORL_SERVER_CHECKS_CHECK_CLIENT_H
@@ -17,6 +14,13 @@
 
 #include "checks/job_manifest.h"
 #include "store/files/scene_bundle.h"
+
+/*
+ * The pool on the daemon's side: fork servers (child_checks.h) and requests to their children.
+ * There are as many fork servers as checks ran at once; each is kept for the next check.
+ *
+ * Threads: orl_check_pool_run on any thread, the rest on the loop's.
+ */
 
 struct orl_check_pool;
 
@@ -72,7 +76,7 @@ int orl_check_client_scene(struct orl_check_call *call, const struct orl_bundle 
 int orl_check_client_bsdf(struct orl_check_call *call, const char *path, const char *name,
                           char **ret_summary, struct orl_error *err);
 /* Returns a scene's floor plan at that height as JSON text, which the caller owns
- * (child_previews.h). NAN: half-way up. */
+ * (child_checks.h). NAN: half-way up. */
 int orl_check_client_outline(struct orl_check_call *call, const struct orl_bundle *scene,
                              double height, char **ret_outline, struct orl_error *err);
 /* Returns the directions into which a BSDF file scatters light that arrives from `from`
@@ -86,7 +90,7 @@ int orl_check_client_polar(struct orl_check_call *call, const char *path,
                            struct orl_error *err);
 int orl_check_client_job(struct orl_check_call *call, const char *path,
                          struct orl_job_manifest *ret_manifest, struct orl_error *err);
-/* Returns the plans (child_plan.h) of a render job in that scene as JSON text, which the caller
+/* Returns the plans (child_checks.h) of a render job in that scene as JSON text, which the caller
  * owns. path: the job's document. */
 int orl_check_client_plan(struct orl_check_call *call, const struct orl_bundle *scene,
                           const char *path, char **ret_plans, struct orl_error *err);
@@ -95,8 +99,8 @@ int orl_check_client_inputs(struct orl_check_call *call, const struct orl_job_in
                             const char *document, struct orl_job_inputs_found *ret_found,
                             struct orl_error *err);
 
-/* Unpacks a zip as orl_unzip does (unzip.h). choice: the parts wanted of a project; NULL: all files
- * are resources. */
+/* Unpacks a zip as orl_unzip does (uploads.h). choice: the parts wanted of a project; NULL: all
+ * files are resources. */
 int orl_check_client_unzip(struct orl_check_call *call, const char *path,
                            const struct orl_folders *folders, const json_t *choice,
                            struct orl_bundle *bundle, struct orl_error *err);

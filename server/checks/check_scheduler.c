@@ -135,11 +135,43 @@ static void start_cancelled(struct orl_checks *checks)
     }
 }
 
+/* ---- Yielding -------------------------------------------------------------------------------- */
+
+/* Returns true if a check waits only because all slots are taken. */
+static bool has_blocked_check(const struct orl_checks *checks)
+{
+    for (const struct orl_check *check = checks->waiting; check; check = check->next)
+        if (is_preemptible(check) && !has_full_share(checks, check))
+            return true;
+    return false;
+}
+
+/* Cancels one running check so that it yields, if a waiting check needs its slot. The list of
+ * running checks starts with the last one started. */
+static void preempt_check(struct orl_checks *checks)
+{
+    struct orl_check *last = NULL;
+    if (checks->count < ORL_SERVER_CHECKS || !has_blocked_check(checks))
+        return;
+    for (struct orl_check *check = checks->running; check; check = check->next) {
+        if (!is_long(check) || is_cancelled(check))
+            return; /* its slot will soon be free */
+        if (!last && is_preemptible(check))
+            last = check;
+    }
+    if (!last)
+        return;
+    last->preempted = true;
+    atomic_store(&last->cancel, true);
+}
+
+/* ---- Starting checks ------------------------------------------------------------------------- */
+
 static void on_timer(uv_timer_t *timer)
 {
     struct orl_checks *checks = timer->data;
     orl_checks_start(checks);
-    orl_checks_preempt(checks);
+    preempt_check(checks);
 }
 
 void orl_checks_start(struct orl_checks *checks)
@@ -175,33 +207,4 @@ void orl_check_remove_running(struct orl_checks *checks, struct orl_check *check
     checks->count--;
     checks->memory->checks -= check->call.memory;
     orl_crash_record_update(checks->memory, checks->count);
-}
-
-/* ---- Yielding -------------------------------------------------------------------------------- */
-
-/* Returns true if a check waits only because all slots are taken. */
-static bool has_blocked_check(const struct orl_checks *checks)
-{
-    for (const struct orl_check *check = checks->waiting; check; check = check->next)
-        if (is_preemptible(check) && !has_full_share(checks, check))
-            return true;
-    return false;
-}
-
-/* Picks among the running checks; the list starts with the last one started. */
-void orl_checks_preempt(struct orl_checks *checks)
-{
-    struct orl_check *last = NULL;
-    if (checks->count < ORL_SERVER_CHECKS || !has_blocked_check(checks))
-        return;
-    for (struct orl_check *check = checks->running; check; check = check->next) {
-        if (!is_long(check) || is_cancelled(check))
-            return; /* its slot will soon be free */
-        if (!last && is_preemptible(check))
-            last = check;
-    }
-    if (!last)
-        return;
-    last->preempted = true;
-    atomic_store(&last->cancel, true);
 }

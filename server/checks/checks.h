@@ -1,13 +1,4 @@
-/*
- * Checks of untrusted uploads before they are accepted. Children (fork_server.h) do the checks; a
- * pool thread waits for each. At most ORL_SERVER_CHECKS run at once, which leaves a pool thread for
- * other work, and no more than memory allows (memory.h). The others wait for their turn
- * (check_scheduler.h), at most for --check-timeout, and are then refused with 503 and Retry-After.
- * A check that runs longer than --check-timeout is cancelled and its upload refused with 413. All
- * checks are cancelled when the daemon stops.
- *
- * Threads: the loop thread, except where the pool is named.
- */
+/* Checks of uploads (checks.c), and their scheduler (check_scheduler.c). */
 #ifndef ORL_SERVER_CHECKS_CHECKS_H
 #define ORL_SERVER_CHECKS_CHECKS_H
 
@@ -20,6 +11,17 @@
 #include "health/machine_memory.h"
 #include "http/request/request.h"
 #include "process/config.h"
+
+/*
+ * Checks of untrusted uploads before they are accepted. Children (child_checks.h) do the checks; a
+ * pool thread waits for each. At most ORL_SERVER_CHECKS run at once, which leaves a pool thread for
+ * other work, and no more than memory allows (machine_memory.h). The others wait for their turn, at
+ * most for --check-timeout, and are then refused with 503 and Retry-After. A check that runs longer
+ * than --check-timeout is cancelled and its upload refused with 413. All checks are cancelled when
+ * the daemon stops.
+ *
+ * Threads: the loop thread, except where the pool is named.
+ */
 
 /* One check; part of the request's state. All zero at first. */
 struct orl_check {
@@ -91,9 +93,6 @@ void orl_checks_sweep(struct orl_checks *checks);
  * Threads: the loop thread.
  */
 
-struct orl_check;
-struct orl_checks;
-
 /* Returns the largest memory grant of one check, bytes. */
 uint64_t orl_check_memory_limit(const struct orl_checks *checks);
 
@@ -104,7 +103,5 @@ void orl_check_enqueue(struct orl_checks *checks, struct orl_check *check);
 void orl_checks_start(struct orl_checks *checks);
 /* Removes the check from the running ones; does not start the next one. */
 void orl_check_remove_running(struct orl_checks *checks, struct orl_check *check);
-/* Cancels one running check so that it yields, if a waiting check needs its slot. */
-void orl_checks_preempt(struct orl_checks *checks);
 
 #endif

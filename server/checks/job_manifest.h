@@ -1,6 +1,6 @@
 /*
- * The parts of a job document that the daemon needs to accept it. A large document is read in a
- * child (child_checks.h), others in the daemon.
+ * A job's document before the job is accepted: the parts that the daemon needs (job_manifest.c),
+ * and the files that it names (job_inputs.c).
  */
 #ifndef ORL_SERVER_CHECKS_JOB_MANIFEST_H
 #define ORL_SERVER_CHECKS_JOB_MANIFEST_H
@@ -14,6 +14,11 @@
 #include "store/files/folders.h"
 #include "store/files/scene_bundle.h"
 
+/*
+ * The parts of the document that the daemon needs. A large document is read in a child
+ * (child_checks.h), others in the daemon.
+ */
+
 /* A file that the document names (job_request_json.h). Owns its strings. */
 struct orl_named_file {
     enum orl_file_role role;
@@ -25,12 +30,12 @@ struct orl_job_manifest {
     enum orl_job_request_kind kind;
     int priority;
     struct orl_labels labels;
-    char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_dedup.h */
+    char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_results.h */
     uint64_t result_bytes;                          /* estimate, without the following two */
     uint64_t sensor_bytes,
         hour_bytes;               /* result bytes for each sensor of a file, each daylight hour */
     struct orl_job_memory needs;  /* estimated from the document alone */
-    bool whole_scene;             /* checked with all of the scene's files (child_document.h) */
+    bool whole_scene;             /* checked with all of the scene's files (child_checks.h) */
     struct orl_named_file *files; /* owned */
     size_t n_files, capacity;
 };

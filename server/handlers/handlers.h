@@ -37,7 +37,8 @@ void orl_handle_bsdf_delete(struct orl_request *request);
 void orl_handle_scene_outline(struct orl_request *request);
 void orl_handle_bsdf_polar(struct orl_request *request);
 
-/* handle_jobs.c: submitting, status, cancelling, removing; handle_results.c: results */
+/* handle_jobs.c: submitting, status, cancelling, removing; handle_job_list.c: the list;
+ * handle_results.c: results and the job's document */
 void orl_handle_job_post(struct orl_request *request);
 void orl_handle_job_list(struct orl_request *request);
 void orl_handle_job_get(struct orl_request *request);
@@ -45,11 +46,9 @@ void orl_handle_job_cancel(struct orl_request *request);
 void orl_handle_job_delete(struct orl_request *request);
 void orl_handle_job_result(struct orl_request *request);
 void orl_handle_job_file(struct orl_request *request);
-
-/* handle_job_document.c: the job's document */
 void orl_handle_job_document(struct orl_request *request);
 
-/* handle_plans.c */
+/* handle_plans.c: the plan of a render job */
 void orl_handle_plan_post(struct orl_request *request);
 
 /* handle_session.c, handle_links.c: for browsers, which do not send tokens */
@@ -62,12 +61,11 @@ void orl_handle_job_links(struct orl_request *request);
 void orl_handle_job_events(struct orl_request *request);
 void orl_handle_all_events(struct orl_request *request);
 
-/* handle_maps.c */
+/* handle_stored_lists.c: photon maps and loaded BSDFs */
 void orl_handle_map_list(struct orl_request *request);
 void orl_handle_map_delete(struct orl_request *request);
 
-/* The daemon's resources: the table of all routes with their handlers. */
-
+/* routes.c: the table of all routes with their handlers */
 extern const struct orl_routes orl_routes;
 
 /*

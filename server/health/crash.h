@@ -1,5 +1,7 @@
-/* Facts about the machine from the kernel: the id of the current boot, and how often memory ran
- * out. */
+/*
+ * How the daemon ends, and what is recorded of it: the log lines of a crash (crash_report.c), the
+ * record for the next start (crash_record.c), and the time limit on stopping (shutdown_timeout.c).
+ */
 #ifndef ORL_SERVER_HEALTH_CRASH_H
 #define ORL_SERVER_HEALTH_CRASH_H
 
@@ -9,28 +11,6 @@
 
 #include "health/machine_memory.h"
 #include "store/rows/stored_jobs.h"
-
-enum { ORL_BOOT_ID = 40 };
-
-/* Writes the id of this boot; "" if the kernel does not report it. */
-void orl_kernel_boot_id(char ret_id[ORL_BOOT_ID]);
-/* Returns the number of processes that the kernel has killed for memory since the boot, including
- * those killed by limits of control groups. UINT64_MAX if the kernel does not report it. */
-uint64_t orl_kernel_oom_kills(void);
-
-/*
- * Finds the program or library that contains a code address, for fault handlers, which may call
- * almost no functions.
- *
- * Threads: list once, before any handler may run; look up from any.
- */
-
-/* Lists the modules loaded now. Modules loaded later are not known. */
-void orl_modules_list(void);
-
-/* Returns the module's name (borrowed); *ret_offset is the address as an offset into it, as
- * addr2line takes it. NULL: the address is in no module. */
-const char *orl_module_of(uintptr_t address, uintptr_t *ret_offset);
 
 /*
  * The log lines of a daemon that crashes, written by the handler of a fatal signal:
@@ -81,13 +61,15 @@ void orl_crash_request_end(void);
  * Threads: begin and end on any; the rest on the loop's. One daemon per process.
  */
 
+enum { ORL_BOOT_ID = 40 };
+
 /* The end of the previous daemon. */
 struct orl_previous_exit {
     int32_t signum;       /* 0: no signal was recorded; ORL_EXIT_STOPPED: no job is to blame */
     uint32_t checks;      /* checks of uploads that were running */
     char job[ORL_JOB_ID]; /* job of the faulting thread; "": no job */
     uint64_t resident, capacity;
-    char boot[ORL_BOOT_ID]; /* kernel_facts.h; "": unknown */
+    char boot[ORL_BOOT_ID]; /* id of the kernel's boot; "": unknown */
     uint64_t oom_kills;     /* the machine's count when last recorded */
     bool rebooted, not_oom; /* since then: a reboot; no process killed for memory */
 };

@@ -14,7 +14,10 @@
 #include "process/limits.h"
 #include "process/signals.h"
 
-void orl_kernel_boot_id(char ret_id[ORL_BOOT_ID])
+/* ---- Facts from the kernel ------------------------------------------------------------------- */
+
+/* Writes the id of this boot; "" if the kernel does not report it. */
+static void read_boot_id(char ret_id[ORL_BOOT_ID])
 {
     ret_id[0] = '\0';
     FILE *file = orl_fopen_regular("/proc/sys/kernel/random/boot_id", 'r');
@@ -24,7 +27,9 @@ void orl_kernel_boot_id(char ret_id[ORL_BOOT_ID])
         fclose(file);
 }
 
-uint64_t orl_kernel_oom_kills(void)
+/* Returns the number of processes that the kernel has killed for memory since the boot, including
+ * those killed by limits of control groups. UINT64_MAX if the kernel does not report it. */
+static uint64_t count_oom_kills(void)
 {
     static const char name[] = "oom_kill ";
     uint64_t kills = UINT64_MAX;
@@ -112,8 +117,8 @@ void orl_crash_record_open(const char *root, bool log_json, struct orl_previous_
     ret_exit->job[sizeof ret_exit->job - 1] = '\0';
     ret_exit->boot[sizeof ret_exit->boot - 1] = '\0';
     memset(page, 0, sizeof *page);
-    orl_kernel_boot_id(page->boot);
-    page->oom_kills = orl_kernel_oom_kills();
+    read_boot_id(page->boot);
+    page->oom_kills = count_oom_kills();
     const bool known = ret_exit->boot[0] && page->boot[0];
     ret_exit->rebooted = known && strcmp(ret_exit->boot, page->boot) != 0;
     ret_exit->not_oom = known && !ret_exit->rebooted && page->oom_kills != UINT64_MAX &&
@@ -134,7 +139,7 @@ void orl_crash_record_update(const struct orl_memory *memory, uint32_t checks)
     page->resident = orl_memory_resident();
     page->capacity = memory->capacity;
     page->checks = checks;
-    page->oom_kills = orl_kernel_oom_kills();
+    page->oom_kills = count_oom_kills();
 }
 
 void orl_crash_record_begin_job(const char *job)

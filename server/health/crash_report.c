@@ -8,6 +8,13 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+/* ---- Modules --------------------------------------------------------------------------------- */
+
+/*
+ * The modules are the program and its libraries. Fault handlers look code addresses up in them, and
+ * may call almost no functions. Threads: list once, before any handler may run; look up from any.
+ */
+
 enum { MOST = 128 };
 
 static struct module {
@@ -35,13 +42,16 @@ static int add_module(struct dl_phdr_info *info, size_t size, void *unused)
     return 0;
 }
 
-void orl_modules_list(void)
+/* Lists the modules loaded now. Modules loaded later are not known. */
+static void list_modules(void)
 {
     n_modules = 0;
     dl_iterate_phdr(add_module, NULL);
 }
 
-const char *orl_module_of(uintptr_t address, uintptr_t *ret_offset)
+/* Returns the module's name (borrowed); *ret_offset is the address as an offset into it, as
+ * addr2line takes it. NULL: the address is in no module. */
+static const char *module_of(uintptr_t address, uintptr_t *ret_offset)
 {
     for (int i = 0; i < n_modules; i++) {
         if (address < modules[i].begin || address >= modules[i].end)
@@ -51,6 +61,8 @@ const char *orl_module_of(uintptr_t address, uintptr_t *ret_offset)
     }
     return NULL;
 }
+
+/* ---- The report ------------------------------------------------------------------------------ */
 
 enum { MOST_FRAMES = 24, LINE_MAX_BYTES = 1024 };
 
@@ -121,7 +133,7 @@ static void add_hex(struct line *line, uint64_t value)
 static void add_code(struct line *line, uintptr_t address)
 {
     uintptr_t offset = address;
-    const char *module = orl_module_of(address, &offset);
+    const char *module = module_of(address, &offset);
     add_text(line, module ? module : "?");
     add_char(line, '+');
     add_hex(line, offset);
@@ -232,7 +244,7 @@ static bool read_word(uintptr_t address, uintptr_t *ret_word)
 static uintptr_t find_return_address(const struct registers *registers)
 {
     uintptr_t offset, word = 0;
-    if (!registers->known || orl_module_of(registers->pc, &offset))
+    if (!registers->known || module_of(registers->pc, &offset))
         return 0;
     if (registers->link)
         return registers->link;
@@ -308,5 +320,5 @@ void orl_crash_report_open(bool json)
     if (probe[0] < 0 && pipe2(probe, O_CLOEXEC | O_NONBLOCK) != 0)
         probe[0] = probe[1] = -1;
     backtrace(&frame, 1); /* loads the unwinder now, since a handler must not */
-    orl_modules_list();
+    list_modules();
 }

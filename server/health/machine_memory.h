@@ -5,7 +5,7 @@
  * The capacity is --memory. The default is the smaller of two amounts: nine tenths of the control
  * group's limit (version 2 and 1, including the groups above), and the memory available at the
  * start. Memory in use is the grants of checks plus the larger of two amounts. One is the daemon's
- * own resident memory. The other is the estimates of running jobs (job_memory.h) plus what was
+ * own resident memory. The other is the estimates of running jobs (job_estimate.h) plus what was
  * resident when none ran. Work that does not fit now waits; work that can never fit is refused.
  *
  * Estimates of jobs are no bounds: a job that takes more is not ended. Grants of checks are bounds.

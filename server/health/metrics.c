@@ -17,11 +17,6 @@ static void add_observation(struct orl_histogram *histogram,
     histogram->sum += seconds;
 }
 
-void orl_metrics_observe(struct orl_histogram *histogram, double seconds)
-{
-    add_observation(histogram, orl_metrics_http_s, seconds);
-}
-
 void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned status, double seconds)
 {
     const size_t hundreds = status / 100;
@@ -49,6 +44,8 @@ void orl_metrics_parts(struct orl_parts_count *sum, const struct orl_parts_count
     sum->rounds += parts->rounds;
 }
 
+/* ---- The watchdog ---------------------------------------------------------------------------- */
+
 void orl_loop_watchdog_open(struct orl_loop_watchdog *watchdog, uv_loop_t *loop)
 {
     watchdog->loop = loop;
@@ -62,7 +59,7 @@ void orl_loop_watchdog_end_turn(struct orl_loop_watchdog *watchdog)
     const uint64_t all_ns = now_ns - watchdog->turn_ns, waited_ns = idle_ns - watchdog->idle_ns;
     const double busy_s = all_ns > waited_ns ? 1e-9 * (double)(all_ns - waited_ns) : 0;
     if (watchdog->turn_ns > 0) {
-        orl_metrics_observe(&watchdog->turns, busy_s);
+        add_observation(&watchdog->turns, orl_metrics_http_s, busy_s);
         watchdog->longest_s = busy_s > watchdog->longest_s ? busy_s : watchdog->longest_s;
     }
     watchdog->turn_ns = now_ns;

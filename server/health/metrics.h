@@ -1,10 +1,6 @@
 /*
- * Counters of the daemon since its start, for Prometheus (text format 0.0.4, written by
- * handle_metrics.c). Current values (queue, connections, cache) are read from their owners when
- * metrics are requested.
- *
- * Histograms become cumulative only in the output: an observation adds to one bucket.
- * Threads: the loop thread only.
+ * Counters for Prometheus, and the watchdog that measures the latency of the event loop and the
+ * pool.
  */
 #ifndef ORL_SERVER_HEALTH_METRICS_H
 #define ORL_SERVER_HEALTH_METRICS_H
@@ -18,6 +14,15 @@
 
 #include "distributed/distributed_job.h"
 #include "store/rows/stored_jobs.h"
+
+/*
+ * Counters of the daemon since its start, for Prometheus (text format 0.0.4, written by
+ * handle_metrics.c). Current values (queue, connections, cache) are read from their owners when
+ * metrics are requested.
+ *
+ * Histograms become cumulative only in the output: an observation adds to one bucket.
+ * Threads: the loop thread only.
+ */
 
 enum { ORL_METRICS_BUCKETS = 14, ORL_METRICS_ROUTES = 48, ORL_METRICS_CLASSES = 6 };
 
@@ -48,8 +53,7 @@ struct orl_metrics {
 extern const double orl_metrics_http_s[ORL_METRICS_BUCKETS];
 extern const double orl_metrics_stage_s[ORL_METRICS_BUCKETS];
 
-/* Adds a request's duration to its bucket. */
-void orl_metrics_observe(struct orl_histogram *histogram, double seconds);
+/* Adds a request's duration to the bucket of its route and status. */
 void orl_metrics_request(struct orl_metrics *metrics, size_t route, unsigned status,
                          double seconds);
 /* Counts a finished run and the job's state. An all-zero tally adds nothing. */

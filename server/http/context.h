@@ -1,6 +1,6 @@
 /*
- * The interface between the HTTP layer and the daemon. Handlers know more: each request carries the
- * daemon for them, which this folder does not access.
+ * The interface between the HTTP layer and the daemon, and the table of routes (router.c). Handlers
+ * know more: each request carries the daemon for them, which this folder does not access.
  *
  * Threads: the loop thread.
  */
@@ -27,8 +27,8 @@ struct orl_server;
 
 /* Callbacks into the daemon. */
 struct orl_http_calls {
-    /* Return true if so many more bytes fit: receive: of a body in flight; admit: to store for good
-     * (maintenance/storage.h). */
+    /* Return true if so many more bytes fit. reserve_body: bytes of a body in flight.
+     * reserve_storage: bytes to store for good (maintenance/storage.h). */
     bool (*reserve_body)(struct orl_server *server, struct orl_reservation *reservation,
                          uint64_t bytes);
     bool (*reserve_storage)(struct orl_server *server, const struct orl_reservation *reservation,
@@ -61,12 +61,12 @@ struct orl_http_context {
     uint64_t requests;                /* number of requests so far; the last one's id */
     unsigned working;    /* requests whose work is on the pool, or whose answer waits */
     unsigned unanswered; /* requests whose handler was called, but not all of its answer sent */
-    bool disk_full;      /* no new data is stored (disk_reserve.h) */
+    bool disk_full;      /* no new data is stored (storage.h) */
     bool stopping;       /* new requests are refused */
 };
 
 /*
- * The router: finds a request's route in a table of methods, paths and handlers (routes.h has the
+ * The router: finds a request's route in a table of methods, paths and handlers (handlers.h has the
  * daemon's table).
  */
 
@@ -78,7 +78,7 @@ struct orl_route {
     orl_request_step handler;
     uint64_t max_body;        /* 0: no body is read */
     const char *const *types; /* accepted media types of the body, ended by NULL; NULL: any */
-    bool by_link;             /* true if a signed link may replace a token (signed_links.h) */
+    bool by_link;             /* true if a signed link may replace a token (access.h) */
 };
 
 struct orl_routes {

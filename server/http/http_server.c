@@ -132,7 +132,7 @@ static int start_daemon(struct orl_http_server *http, struct orl_error *err)
 #if MHD_VERSION >= 0x01000000
     const struct MHD_OptionItem strict = {MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1, NULL};
 #else
-    /* framing.c is strict instead. */
+    /* parse_request.c is strict instead. */
     const struct MHD_OptionItem strict = {MHD_OPTION_STRICT_FOR_CLIENT, 0, NULL};
 #endif
     const struct MHD_OptionItem options[] = {

@@ -1,13 +1,6 @@
 /*
- * libmicrohttpd on the libuv loop.
- *
- * MHD runs without a thread of its own, on an epoll descriptor that the loop polls. MHD's sockets
- * in it are edge-triggered, so MHD is run until it has nothing more to do; a timer honours the
- * duration that MHD_get_timeout returns. After a connection is resumed the loop must kick it.
- * A client that disconnects in the middle of its body may go unnoticed until the idle timeout. When
- * the last bytes and the end arrive together, MHD 0.9.75 takes the edge for the bytes alone.
- *
- * Threads: the loop thread only.
+ * The HTTP server: libmicrohttpd on the libuv loop (http_server.c), and the serving of requests
+ * (serve.c).
  */
 #ifndef ORL_SERVER_HTTP_HTTP_SERVER_H
 #define ORL_SERVER_HTTP_HTTP_SERVER_H
@@ -19,11 +12,23 @@
 
 #include "http/request/request.h"
 
+/*
+ * libmicrohttpd on the libuv loop.
+ *
+ * MHD runs without a thread of its own, on an epoll descriptor that the loop polls. MHD's sockets
+ * in it are edge-triggered, so MHD is run until it has nothing more to do; a timer honours the
+ * duration that MHD_get_timeout returns. After a connection is resumed the loop must kick it.
+ * A client that disconnects in the middle of its body may go unnoticed until the idle timeout. When
+ * the last bytes and the end arrive together, MHD 0.9.75 takes the edge for the bytes alone.
+ *
+ * Threads: the loop thread only.
+ */
+
 struct orl_connections;
 struct orl_http_server;
 struct orl_http_context;
 
-/* Listens on address (port 0: a free one). Borrows context, for the callbacks of serve.h. Uses TLS
+/* Listens on address (port 0: a free one). Borrows context, for the callbacks below. Uses TLS
  * if the settings name a certificate. */
 int orl_http_start(struct orl_http_context *context, const struct sockaddr *address,
                    struct orl_http_server **ret_http, struct orl_error *err);
@@ -46,7 +51,7 @@ void orl_http_free(struct orl_http_server *http);
  * Serving of requests: headers, route, token, body, handler, and the answer up to its last byte.
  * These are libmicrohttpd's callbacks; the closure is the struct orl_http_context.
  *
- * Threads: loop.
+ * Threads: the loop thread only.
  */
 
 void *orl_serve_begin(void *context, const char *uri, struct MHD_Connection *connection);

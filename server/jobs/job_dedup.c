@@ -51,6 +51,8 @@ void orl_dedup_leave(struct orl_jobs_job *job)
     job->next_follower = NULL;
 }
 
+/* ---- Copies of the results ------------------------------------------------------------------- */
+
 static int link_below(const char *from, const char *to, struct orl_error *err);
 
 /* Links a file, or a folder with all its contents. */
@@ -85,8 +87,9 @@ static int link_below(const char *from, const char *to, struct orl_error *err)
     return rc;
 }
 
-int orl_dedup_link_results(const struct orl_folders *folders, const char *from, const char *to,
-                           struct orl_error *err)
+/* Gives a job the results of another: links to the same files, in a folder of its own. */
+static int link_job_results(const struct orl_folders *folders, const char *from, const char *to,
+                            struct orl_error *err)
 {
     char source[ORL_PATH_MAX], target[ORL_PATH_MAX], temporary[ORL_PATH_MAX];
     orl_folders_path(folders, source, "results/%s", from);
@@ -128,7 +131,7 @@ static void link_results(uv_work_t *work)
     const struct orl_folders *folders = fanout->leader->jobs->env.folders;
     for (size_t i = 0; i < fanout->count; i++) {
         struct copy *copy = &fanout->copies[i];
-        copy->code = orl_dedup_link_results(folders, fanout->leader->row.id, copy->id, &copy->err);
+        copy->code = link_job_results(folders, fanout->leader->row.id, copy->id, &copy->err);
     }
 }
 
@@ -177,5 +180,5 @@ int orl_result_fanout_find(const struct orl_result_fanout *fanout,
             *ret_err = fanout->copies[i].err;
             return fanout->copies[i].code;
         }
-    return orl_dedup_link_results(job->jobs->env.folders, leader->row.id, job->row.id, ret_err);
+    return link_job_results(job->jobs->env.folders, leader->row.id, job->row.id, ret_err);
 }

@@ -1,4 +1,13 @@
 /*
+ * The results of jobs: stored and evicted (job_results.c), and shared by identical jobs
+ * (job_dedup.c).
+ */
+#ifndef ORL_SERVER_JOBS_JOB_RESULTS_H
+#define ORL_SERVER_JOBS_JOB_RESULTS_H
+
+#include "jobs/jobs.h"
+
+/*
  * The stored results of jobs: their size, their last use, and their removal.
  *
  * Results may be evicted to free disk space (storage.h). The job's row records the time before the
@@ -6,10 +15,6 @@
  *
  * Threads: the loop thread.
  */
-#ifndef ORL_SERVER_JOBS_JOB_RESULTS_H
-#define ORL_SERVER_JOBS_JOB_RESULTS_H
-
-#include "jobs/jobs.h"
 
 /* Returns true if the job has results. */
 bool orl_job_results_exist(const struct orl_jobs_job *job);
@@ -36,8 +41,8 @@ void orl_job_results_flush(struct orl_jobs *jobs);
 /* Returns when the results were last used, milliseconds since 1970. */
 int64_t orl_job_results_used_ms(const struct orl_jobs_job *job);
 
-/* leave: writes to the row that the results are evicted. gone: removes them, once that row is safe
- * on disk. */
+/* mark_evicted: writes to the row that the results are evicted. delete_files: removes them, once
+ * that row is safe on disk. */
 int orl_job_results_mark_evicted(struct orl_jobs *jobs, const char *id, struct orl_error *err);
 void orl_job_results_delete_files(struct orl_jobs *jobs, const char *id);
 /* Removes only the files, of a job whose row is deleted. */
@@ -68,10 +73,6 @@ void orl_dedup_identity(const char *text, size_t size, char ret_identity[ORL_SHA
 /* follow: makes job a follower of leader. leave: takes it out again. */
 void orl_dedup_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job);
 void orl_dedup_leave(struct orl_jobs_job *job);
-
-/* Gives a job the results of another: links to the same files, in a folder of its own. */
-int orl_dedup_link_results(const struct orl_folders *folders, const char *from, const char *to,
-                           struct orl_error *err);
 
 /*
  * Copies a computation's results to the jobs that follow its leader. This runs on the pool, as

@@ -12,11 +12,21 @@
 #include "runner/checkpoints.h"
 #include "store/rows/scenes.h"
 
+/* ---- BSDFs that jobs make -------------------------------------------------------------------- */
+
+/*
+ * A BSDF is stored so that scenes can name it by its id. It is stored before the job becomes
+ * succeeded, so clients that see that state find it. Meanwhile the job is `finishing`, as in
+ * job_results.h. A job whose BSDF cannot be stored fails. The file's blob is made on the pool.
+ */
+
+typedef void bsdf_done(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome);
+
 struct bsdf_storing {
     uv_work_t work;
     struct orl_jobs_job *job;
     struct orl_worker_outcome outcome;
-    orl_job_bsdf_done *done;
+    bsdf_done *done;
 };
 
 /* Makes the blob as a hard link to the results' file; neither is ever written to again. */
@@ -58,7 +68,7 @@ static void insert_bsdf(uv_work_t *work, int status)
 
 /* Fails the job for want of memory, as if its BSDF could not be stored. */
 static void fail_job(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                     orl_job_bsdf_done *done)
+                     bsdf_done *done)
 {
     struct orl_worker_outcome own = *outcome;
     own.code = orl_error_set(&own.err, ORL_ERR_NOMEM, "out of memory for the job's BSDF");
@@ -67,8 +77,11 @@ static void fail_job(struct orl_jobs_job *job, const struct orl_worker_outcome *
     done(job, &own);
 }
 
-bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                        orl_job_bsdf_done *done)
+/* Starts to store the BSDF. done is called in a later turn of the loop, with a copy of outcome. The
+ * copy has no bsdf, and its code and err report a failure. Returns false if the outcome has no
+ * BSDF; done is not called then. */
+static bool start_bsdf_storing(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
+                               bsdf_done *done)
 {
     const struct orl_jobs_env *env = &job->jobs->env;
     struct bsdf_storing *k = outcome->bsdf ? calloc(1, sizeof *k) : NULL;
@@ -347,7 +360,7 @@ static void job_done(void *ctx, const struct orl_worker_outcome *outcome)
     orl_runs_log_parts(job);
     job->worker = NULL;
     end_parts(job, &outcome->tally.parts);
-    if (outcome->code == 0 && orl_job_bsdf_start(job, outcome, end_worker))
+    if (outcome->code == 0 && start_bsdf_storing(job, outcome, end_worker))
         return;
     orl_made_bsdf_free(outcome->bsdf);
     end_worker(job, outcome);

@@ -1,6 +1,6 @@
 /*
- * Computations: the job that leads each, the jobs that follow it, its start, and the end of all of
- * them. Internal to jobs.h; its rules apply.
+ * Computations and the list of jobs: leaders and followers, rows, limits in time, and the BSDFs
+ * that jobs make. Internal to jobs.h; its rules apply.
  */
 #ifndef ORL_SERVER_JOBS_JOB_RUNS_H
 #define ORL_SERVER_JOBS_JOB_RUNS_H
@@ -25,15 +25,20 @@ struct orl_jobs {
     bool batch;              /* true while rows are gathered for one transaction */
     struct orl_wal_sync_wait sync_wait; /* wait for ended jobs' rows, if sync_pending is true */
     bool sync_pending;
-    bool stopping, paused; /* stopping or held: no job starts */
+    bool stopping, paused; /* stopping or paused: no job starts */
 };
 
 /* ---- jobs.c --------------------------------------------------------------------------------- */
 
 /* Like orl_jobs_find, for functions that change the job. */
 struct orl_jobs_job *orl_jobs_lookup(const struct orl_jobs *jobs, const char *id);
-/* Removes ended jobs, with their rows in one transaction. */
-void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count);
+/*
+ * Enforces the limits in time: how long a job may run, and how long and how many ended jobs are
+ * kept. Called about every second. Logs news of jobs' parts, and stops jobs that run too long.
+ * Removes the oldest ended jobs that are too many or too old, a few at a time. Results that were
+ * not fetched yet are spared, as from eviction (storage.h).
+ */
+void orl_jobs_enforce_limits(struct orl_jobs *jobs);
 
 /* ---- job_rows.c ----------------------------------------------------------------------------- */
 
@@ -67,9 +72,11 @@ void orl_runs_end_memory_wait(const struct orl_jobs_job *job);
 /* Starts as many jobs as may run. */
 void orl_runs_start_next(struct orl_jobs *jobs);
 
+/* ---- job_list.c ------------------------------------------------------------------------------ */
+
 /*
- * The list of jobs: by age, by id, and counts by state. Also the functions of jobs.h that only read
- * jobs. Threads: the loop thread only.
+ * The list of jobs: by age, by id, and counts by state. The file also has the functions of jobs.h
+ * that only read jobs.
  */
 
 /* Adds a job as the newest one. */
@@ -81,33 +88,5 @@ int orl_job_set_labels(struct orl_jobs_job *job, const char *name, const char *t
 
 /* Frees a job that is not in the list; NULL is allowed. */
 void orl_job_free(struct orl_jobs_job *job);
-
-/*
- * Bounds on jobs in time: how long a job may run, and how long and how many ended jobs are kept.
- * Internal to jobs.h; its rules apply.
- */
-
-/* Enforces the bounds; called about every second. Logs news of jobs' parts, and stops jobs that run
- * too long. Removes the oldest ended jobs that are too many or too old, a few at a time. Results
- * that were not fetched yet are spared, as from eviction (storage.h). */
-void orl_jobs_enforce_limits(struct orl_jobs *jobs);
-
-/*
- * Stores the BSDF that a job has made, so that scenes can name it by its id. It is stored before
- * the job becomes succeeded, so clients that see that state find it. Internal to jobs.h; its rules
- * apply.
- *
- * Meanwhile the job is `finishing`, as in result_fanout.h. A job whose BSDF cannot be stored fails.
- *
- * Threads: the loop thread only; the file's blob is made on the pool.
- */
-
-typedef void orl_job_bsdf_done(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome);
-
-/* Starts to store the BSDF. done is called in a later turn of the loop, with a copy of outcome. The
- * copy has no bsdf, and its code and err report a failure. Returns false if the outcome has no
- * BSDF; done is not called then. */
-bool orl_job_bsdf_start(struct orl_jobs_job *job, const struct orl_worker_outcome *outcome,
-                        orl_job_bsdf_done *done);
 
 #endif

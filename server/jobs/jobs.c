@@ -208,7 +208,8 @@ int orl_jobs_remove(struct orl_jobs *jobs, const char *id, struct orl_error *err
     return rc;
 }
 
-void orl_jobs_remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count)
+/* Removes ended jobs, with their rows in one transaction. */
+static void remove_ended(struct orl_jobs *jobs, struct orl_jobs_job *const *ended, size_t count)
 {
     struct orl_error err;
     int rc = orl_db_begin(jobs->env.db, &err);
@@ -248,6 +249,8 @@ void orl_jobs_stop(struct orl_jobs *jobs)
         jobs->env.idle(jobs->env.ctx);
 }
 
+/* ---- Limits in time -------------------------------------------------------------------------- */
+
 static void stop_timed_out(struct orl_jobs *jobs)
 {
     const double now_s = orl_time_steady_s();
@@ -286,7 +289,7 @@ static void remove_old(struct orl_jobs *jobs)
         too_many -= too_many > 0;
     }
     if (count > 0)
-        orl_jobs_remove_ended(jobs, going, count);
+        remove_ended(jobs, going, count);
 }
 
 void orl_jobs_enforce_limits(struct orl_jobs *jobs)

@@ -5,12 +5,12 @@
  *     queued -> cancelled
  *     running -> queued      when the daemon stops or was killed
  *
- * Identical jobs share a computation (job_dedup.h).
+ * Identical jobs share a computation (job_results.h).
  *
  * A row is written before a client can see the state. To make it safe from a power cut too, the
- * code that answers the client must ask wal_sync.h. Jobs run in the order of job_queue.h, at most
- * as many at once as configured. A job that was running when the daemon was killed is queued again,
- * and from then on runs alone. It fails when the daemon has ended because of it (crash_record.h)
+ * code that answers the client must ask wal.h. Jobs run in the order of job_queue.h, at most as
+ * many at once as configured. A job that was running when the daemon was killed is queued again,
+ * and from then on runs alone. It fails when the daemon has ended because of it (crash.h)
  * ORL_SERVER_ATTEMPTS times. An orderly stop does not count as an attempt.
  *
  * Memory: one struct orl_jobs_job for every job that has not been removed (about a kilobyte), and
@@ -53,9 +53,9 @@ struct orl_jobs_job {
     bool timed_out;            /* stopped by the time limit */
     bool finishing;            /* a leader whose results are being copied to its followers */
     bool unsaved;              /* the row in the database is out of date */
-    uint64_t commit;           /* commit with the row, or a later one: wal_sync.h */
+    uint64_t commit;           /* commit with the row, or a later one: wal.h */
     bool fetched;              /* the last fetch time is not yet saved to the row */
-    /* job_dedup.h. leader is NULL in a leader. */
+    /* job_results.h. leader is NULL in a leader. */
     struct orl_jobs_job *leader, *followers, *next_follower, *next_leader;
     struct orl_jobs_job *older, *newer, *same_bucket;
 };
@@ -72,7 +72,7 @@ struct orl_jobs_env {
     const struct orl_previous_exit
         *previous_exit;        /* end of the previous daemon; for orl_jobs_open */
     struct orl_memory *memory; /* account of the memory of running jobs */
-    char program[ORL_SHA_HEX]; /* program.h */
+    char program[ORL_SHA_HEX]; /* checkpoints.h */
     const struct orl_log *log;
     struct orl_metrics *metrics;
     uint32_t threads; /* total over all jobs */
@@ -117,11 +117,11 @@ struct orl_job_submission {
     enum orl_job_request_kind kind;
     int priority;
     const char *scene, *document; /* the document is a blob */
-    const char *identity;         /* job_dedup.h */
+    const char *identity;         /* job_results.h */
     struct orl_labels labels;     /* copied */
     uint64_t result_bytes;        /* expected */
-    uint64_t memory_bytes;        /* job_memory.h */
-    const char *client;           /* client_name.h */
+    uint64_t memory_bytes;        /* job_estimate.h */
+    const char *client;           /* handle_jobs.c */
     const char *owner;            /* id of its token; "": tokens are not required */
     const char *request_key;      /* the client's Idempotency-Key, or NULL */
 };

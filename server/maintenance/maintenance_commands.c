@@ -1,3 +1,4 @@
+/* The commands beside a daemon: orield scrub, orield backup and orield token. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,8 @@ static const char store_usage[] =
     "          signed links. What is damaged is left out and printed, and the status is 1.\n"
     "          To restore: copy TO to where the data folder is to be, and start the daemon\n\n"
     "  --data DIR  the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
+
+/* ---- orield scrub, orield backup ------------------------------------------------------------- */
 
 static int report_failure(const char *verb, const struct orl_error *err)
 {
@@ -113,10 +116,9 @@ int orl_store_command(int argc, char **argv)
     return is_backup ? run_backup(data, to) : run_scrub(data);
 }
 
-/* `orield token`: creates and removes tokens on the daemon's machine, never over HTTP. */
+/* ---- orield token ---------------------------------------------------------------------------- */
 
-enum { TOKEN_FAILED = 1, TOKEN_USAGE = 2 };
-
+/* Creates and removes tokens on the daemon's machine, never over HTTP. */
 static const char token_usage[] =
     "Usage: orield token add NAME [--scope read|submit|admin] [--data DIR]\n"
     "       orield token list [--data DIR]\n"
@@ -217,7 +219,7 @@ static int run_verb(const char *verb, const char *name, enum orl_token_scope sco
         return 0;
     orl_error_format(&err, text, sizeof text);
     fprintf(stderr, "orield token: %s\n", text);
-    return TOKEN_FAILED;
+    return STATUS_FAILED;
 }
 
 int orl_token_command(int argc, char **argv)
@@ -232,13 +234,13 @@ int orl_token_command(int argc, char **argv)
         parse_options(argc, argv, &name, &scope_name, &data) != 0 || is_list != !name ||
         (scope_name && !is_add)) {
         fputs(token_usage, stderr);
-        return TOKEN_USAGE;
+        return STATUS_USAGE;
     }
     const enum orl_token_scope scope =
         scope_name ? orl_scope_from_name(scope_name) : ORL_SCOPE_SUBMIT;
     if (scope == ORL_SCOPE_COUNT) {
         fprintf(stderr, "orield token: there is no scope '%s'\n", scope_name);
-        return TOKEN_USAGE;
+        return STATUS_USAGE;
     }
     return run_verb(verb, name, scope, data);
 }

@@ -52,6 +52,8 @@ void orl_retention_close(struct orl_retention *retention)
         orl_retention_clock_save(&retention->clock);
 }
 
+/* ---- Shared folders of jobs in parts --------------------------------------------------------- */
+
 enum { ID = 32 };
 
 static double now_s(void *ctx)

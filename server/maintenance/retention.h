@@ -1,7 +1,6 @@
 /*
- * Aging of a data folder: the retention clock, and the removal of old orphans.
- *
- * Threads: the loop thread.
+ * Removal of what is old or unused: orphans by the retention clock, and shared folders of jobs in
+ * parts.
  */
 #ifndef ORL_SERVER_MAINTENANCE_RETENTION_H
 #define ORL_SERVER_MAINTENANCE_RETENTION_H
@@ -14,6 +13,12 @@
 #include "runner/runner.h"
 #include "store/files/folders.h"
 #include "store/files/removal.h"
+
+/*
+ * Retention in a data folder: the retention clock, and the removal of old orphans.
+ *
+ * Threads: the loop thread.
+ */
 
 struct orl_retention {
     struct orl_retention_clock clock;
@@ -35,10 +40,10 @@ void orl_retention_tick(struct orl_retention *retention, uv_loop_t *loop);
 void orl_retention_close(struct orl_retention *retention); /* a zeroed struct is allowed */
 
 /*
- * Removes folders of jobs in parts (runner/slurm_config.h) whose jobs neither wait nor run, and
- * cancels their Slurm tasks. They are left by a killed daemon, or by cancelling a job that waited
- * to continue with its parts. Folders of jobs that the database does not know at the start stay,
- * and are logged: the database may have been lost.
+ * Removes folders of jobs in parts (runner/runner.h) whose jobs neither wait nor run, and cancels
+ * their Slurm tasks. They are left by a killed daemon, or by cancelling a job that waited to
+ * continue with its parts. Folders of jobs that the database does not know at the start stay, and
+ * are logged: the database may have been lost.
  *
  * Threads: the loop thread; the work itself is on the pool.
  */

@@ -19,6 +19,8 @@
 #include "process/times.h"
 #include "store/files/stored_files.h"
 
+/* ---- Missing files --------------------------------------------------------------------------- */
+
 enum { NAMED = 8 };
 
 void orl_missing_files_log(struct orl_db *db, const struct orl_folders *folders,

@@ -1,11 +1,6 @@
 /*
- * Scrubbing: reads every stored file and checks it against its digest or checksum, to find damage
- * early. `orield scrub` does so at once. The daemon does so slowly and repeatedly, in a thread with
- * the lowest priority and its own database handle.
- *
- * A damaged map is removed, and made again when it is needed. A damaged blob stays: an equal upload
- * repairs it. Damaged results are lost; submitting the document again reproduces them. The log
- * names each.
+ * Checks and copies of stored data: scrubbing (scrub.c), backups (backup.c), missing files, and the
+ * commands that run beside a daemon (maintenance_commands.c).
  */
 #ifndef ORL_SERVER_MAINTENANCE_SCRUB_H
 #define ORL_SERVER_MAINTENANCE_SCRUB_H
@@ -18,12 +13,23 @@
 #include "store/files/folders.h"
 #include "store/files/stored_files.h"
 
+/*
+ * Scrubbing: reads every stored file and checks it against its digest or checksum, to find damage
+ * early. `orield scrub` does so at once. The daemon does so slowly and repeatedly, in a thread with
+ * the lowest priority and its own database handle.
+ *
+ * A damaged map is removed, and made again when it is needed. A damaged blob stays: an equal upload
+ * repairs it. Damaged results are lost; submitting the document again reproduces them. The log
+ * names each.
+ */
+
 struct orl_scrub_totals {
     uint64_t files, bytes, damaged; /* damaged: including missing files */
 };
 
 struct orl_scrubber {
-    /* found: called for each damaged file. go_on: called after each file; false ends the scrub. */
+    /* found: called for each damaged file. should_continue: called after each file; false ends the
+     * scrub. */
     void (*found)(void *ctx, const struct orl_stored_file *file, const struct orl_error *why);
     bool (*should_continue)(void *ctx, uint64_t bytes);
     void *ctx;
@@ -77,9 +83,11 @@ int orl_backup(const char *data, const char *to,
 void orl_missing_files_log(struct orl_db *db, const struct orl_folders *folders,
                            const struct orl_log *log);
 
-/* `orield scrub` and `orield backup`: check or copy the stored data. */
+/* ---- Commands -------------------------------------------------------------------------------- */
 
-/* Runs the command; argv[0] is the verb. Returns the process's status. */
+/* Runs `orield scrub` or `orield backup`; argv[0] is the verb. Returns the process's status. */
 int orl_store_command(int argc, char **argv);
+/* Runs `orield token ...`; argv[0] is "token". Prints; returns the process's status. */
+int orl_token_command(int argc, char **argv);
 
 #endif

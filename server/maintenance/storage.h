@@ -1,3 +1,18 @@
+/* The storage budget (storage.c), and the disk space reserved for the database (disk_reserve.c). */
+#ifndef ORL_SERVER_MAINTENANCE_STORAGE_H
+#define ORL_SERVER_MAINTENANCE_STORAGE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <uv.h>
+
+#include "cache/map_cache.h"
+#include "http/quota/quota.h"
+#include "jobs/jobs.h"
+#include "process/log.h"
+#include "store/files/blobs.h"
+#include "store/files/folders.h"
+
 /*
  * The storage budget: the bytes that photon maps, loaded BSDFs, results and uploads may take
  * together.
@@ -16,19 +31,6 @@
  * Not counted: maps being built, work folders of running jobs, the database, and folders.
  * Threads: the loop thread; any thread may reserve bytes in the quota.
  */
-#ifndef ORL_SERVER_MAINTENANCE_STORAGE_H
-#define ORL_SERVER_MAINTENANCE_STORAGE_H
-
-#include <stdbool.h>
-#include <stdint.h>
-#include <uv.h>
-
-#include "cache/map_cache.h"
-#include "http/quota/quota.h"
-#include "jobs/jobs.h"
-#include "process/log.h"
-#include "store/files/blobs.h"
-#include "store/files/folders.h"
 
 struct orl_request;
 
@@ -59,12 +61,12 @@ uint64_t orl_storage_total(const struct orl_storage *storage);
 /* Evicts data until the budget is met. */
 void orl_storage_evict(struct orl_storage *storage);
 
-/* Makes space for so many more bytes, of which hold has reserved some. Returns false if that is
+/* Makes space for so many more bytes, of which reservation has some. Returns false if that is
  * impossible. */
 bool orl_storage_admit(struct orl_storage *storage, const struct orl_reservation *reservation,
                        uint64_t bytes);
 
-/* Reserves space in hold for a body of so many bytes before it arrives. Returns false if it does
+/* Reserves space for a body of so many bytes before it arrives. Returns false if it does
  * not fit. */
 bool orl_storage_reserve_body(struct orl_storage *storage, struct orl_reservation *reservation,
                               uint64_t bytes);

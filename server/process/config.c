@@ -11,13 +11,15 @@
 
 #include "process/limits.h"
 
+/* ---- Options for large jobs ------------------------------------------------------------------ */
+
 enum { MOST_PARTS = 1000, MOST_THREADS = 1024, MOST_SECONDS = 1000000 };
 enum { USUAL_PARTS = 64, USUAL_LEAST_S = 60 };
 
 const char *const orl_runner_named[ORL_RUNNER_NAMED] = {"partition", "account", "qos",
                                                         "constraint"};
 
-void orl_runner_options_init(struct orl_runner_options *options)
+static void runner_options_init(struct orl_runner_options *options)
 {
     *options = (struct orl_runner_options){
         .parts = USUAL_PARTS, .part_threads = 1, .least_s = USUAL_LEAST_S};
@@ -71,8 +73,9 @@ static bool parse_named(struct orl_runner_options *options, const char *name, co
     return false;
 }
 
-int orl_runner_options_apply(struct orl_runner_options *options, const char *name,
-                             const char *value, bool *ret_known, struct orl_error *err)
+/* Applies an argument. *ret_known: true if it is one of these options. */
+static int runner_options_apply(struct orl_runner_options *options, const char *name,
+                                const char *value, bool *ret_known, struct orl_error *err)
 {
     int rc = 0;
     *ret_known = true;
@@ -94,7 +97,8 @@ int orl_runner_options_apply(struct orl_runner_options *options, const char *nam
     return rc;
 }
 
-int orl_runner_options_check(const struct orl_runner_options *options, struct orl_error *err)
+/* Checks the options against each other. */
+static int runner_options_check(const struct orl_runner_options *options, struct orl_error *err)
 {
     if (options->any && !options->slurm)
         return orl_error_set(err, ORL_ERR_INVALID,
@@ -106,6 +110,8 @@ int orl_runner_options_check(const struct orl_runner_options *options, struct or
     orl_error_hint(err, "DIR is a folder of this user's that all nodes see by the same path");
     return ORL_ERR_INVALID;
 }
+
+/* ---- All settings ---------------------------------------------------------------------------- */
 
 enum { DEFAULT_PORT = 8423 };
 
@@ -319,7 +325,7 @@ static int apply_option(struct orl_config *config, const char *name, const char 
 {
     unsigned long number = 0;
     bool of_runner;
-    int rc = orl_runner_options_apply(&config->runner, name, value, &of_runner, err);
+    int rc = runner_options_apply(&config->runner, name, value, &of_runner, err);
     if (of_runner)
         return rc;
     if (strcmp(name, "--listen") == 0)
@@ -386,7 +392,7 @@ static void set_defaults(struct orl_config *config)
                       : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
                                                               : (uint32_t)processors;
     config->jobs = 1;
-    orl_runner_options_init(&config->runner);
+    runner_options_init(&config->runner);
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->check_memory = ORL_SERVER_CHECK_BYTES;
@@ -406,7 +412,7 @@ static int complete_settings(struct orl_config *config, struct orl_error *err)
         config->threads = config->jobs; /* each job needs one thread as its lead */
     if (!config->tls_cert != !config->tls_key)
         return orl_error_set(err, ORL_ERR_INVALID, "--tls-cert and --tls-key go together");
-    if (orl_runner_options_check(&config->runner, err))
+    if (runner_options_check(&config->runner, err))
         return ORL_ERR_INVALID;
     if (config->address_connections == 0)
         config->address_connections =

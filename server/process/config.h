@@ -1,8 +1,6 @@
 /*
- * Web origins as browsers write them in the Origin header (RFC 6454, 6.2): "https://tool.example",
- * "http://localhost:3000". Scheme and host are in lower case, the port is given only if it is not
- * the scheme's default, and nothing follows. Origins that differ in a byte are different; a dot at
- * the end of the name makes another. Threads: any.
+ * The daemon's settings: allowed web origins (origin.c), options for large jobs, and all others
+ * (config.c). They come from its arguments and the environment (ORIEL_DATA).
  */
 #ifndef ORL_SERVER_PROCESS_CONFIG_H
 #define ORL_SERVER_PROCESS_CONFIG_H
@@ -17,6 +15,13 @@
 
 #include "process/limits.h"
 #include "process/log.h"
+
+/*
+ * Web origins as browsers write them in the Origin header (RFC 6454, 6.2): "https://tool.example",
+ * "http://localhost:3000". Scheme and host are in lower case, the port is given only if it is not
+ * the scheme's default, and nothing follows. Origins that differ in a byte are different; a dot at
+ * the end of the name makes another. Threads: any.
+ */
 
 enum { ORL_ORIGIN_MAX = 300 }; /* bytes: the longest name that DNS has, and a port */
 
@@ -47,14 +52,7 @@ struct orl_runner_options {
 /* Names of the sbatch options in `named`: "partition", ... */
 extern const char *const orl_runner_named[ORL_RUNNER_NAMED];
 
-void orl_runner_options_init(struct orl_runner_options *options);
-/* Applies an argument. *ret_known: true if it is one of these options. */
-int orl_runner_options_apply(struct orl_runner_options *options, const char *name,
-                             const char *value, bool *ret_known, struct orl_error *err);
-/* Checks the options against each other. */
-int orl_runner_options_check(const struct orl_runner_options *options, struct orl_error *err);
-
-/* The daemon's settings, from its arguments and the environment (ORIEL_DATA). */
+/* All settings. */
 
 #define ORL_DEFAULT_DATA "oriel-data"
 
@@ -67,7 +65,7 @@ struct orl_config {
     const char *data;               /* borrowed from argv or the environment */
     const char *tls_cert, *tls_key; /* PEM files, borrowed; NULL: plain HTTP */
     bool needs_token;               /* tokens are required on all routes that are not open */
-    const char *origins[ORL_SERVER_ORIGINS]; /* allowed web origins: origin.h; borrowed from argv */
+    const char *origins[ORL_SERVER_ORIGINS]; /* allowed web origins; borrowed from argv */
     size_t n_origins;
     uint32_t threads;              /* render threads, over all jobs */
     uint32_t jobs;                 /* maximum number of running jobs */
@@ -82,7 +80,7 @@ struct orl_config {
     uint32_t job_timeout_s;        /* time limit of a job */
     uint32_t keep_jobs, keep_days; /* limits for ended jobs; 0 days: forever */
     uint32_t keep_orphans_days;    /* days that orphans are kept */
-    bool set_orphans_aside;        /* if the database is lost or another folder's: store_open.h */
+    bool set_orphans_aside;        /* if the database is lost or another folder's: db.h */
     uint32_t drain_s;              /* seconds that running jobs have to finish at a stop */
     struct orl_runner_options runner;
     enum orl_log_level log_level;

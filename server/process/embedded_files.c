@@ -25,8 +25,6 @@ const char *orl_embedded_file_find(const char *name)
     return NULL;
 }
 
-/* The literals are long: gcc and clang accept literals of any length. */
-#pragma GCC diagnostic ignored "-Woverlength-strings"
 #include "dashboard.h"
 
 const char *orl_dashboard_version(void)

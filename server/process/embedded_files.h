@@ -1,11 +1,13 @@
 /*
- * Files embedded in the daemon: the migrations and the API contract, by their path in the source
- * tree. Constant data; any thread.
+ * Files embedded in the daemon: the migrations and the API contract, and the files of the
+ * dashboard. Constant data; any thread.
  */
 #ifndef ORL_SERVER_PROCESS_EMBEDDED_FILES_H
 #define ORL_SERVER_PROCESS_EMBEDDED_FILES_H
 
 #include <stddef.h>
+
+/* The migrations and the API contract, by their path in the source tree. */
 
 struct orl_embedded_file {
     const char *name, *text;
@@ -17,8 +19,7 @@ struct orl_embedded_file orl_embedded_file_at(size_t index);
 const char *orl_embedded_file_find(const char *name);
 
 /*
- * Files of the dashboard (client/dashboard) that are embedded in the daemon, plain and
- * gzip-compressed. Constant data; any thread.
+ * Files of the dashboard (client/dashboard), plain and gzip-compressed.
  */
 
 struct orl_dashboard_file {

@@ -1,6 +1,6 @@
 /*
  * Limits on the resources of HTTP clients; oriel/base/limits.h has those of scenes and jobs. GET
- * /v1/limits reports both.
+ * /v1/limits reports both. ORL_SANITIZED, below, is true in builds with a sanitizer.
  */
 #ifndef ORL_SERVER_PROCESS_LIMITS_H
 #define ORL_SERVER_PROCESS_LIMITS_H

@@ -11,6 +11,8 @@
 
 #include "process/limits.h"
 
+/* ---- The stack for handlers of fatal signals ------------------------------------------------- */
+
 /* Space for a signal frame with all vector registers (up to 11 kB) and for unwinding. */
 static _Thread_local _Alignas(16) char stack[32 << 10];
 static _Thread_local bool installed;
@@ -21,6 +23,8 @@ void orl_signal_stack_install(void)
     if (!ORL_SANITIZED && !installed)
         installed = sigaltstack(&other, NULL) == 0;
 }
+
+/* ---- The pool's threads ---------------------------------------------------------------------- */
 
 struct preparing {
     pthread_barrier_t all; /* keeps a thread from taking two of the works */
@@ -61,6 +65,8 @@ void orl_uv_pool_prepare(uv_loop_t *loop, unsigned n_threads)
 }
 
 enum { SIGNALS = 3 };
+
+/* ---- Signals on the loop --------------------------------------------------------------------- */
 
 /* The handled signals. The table is global since a handler's only argument is the signal number. */
 static struct handled {

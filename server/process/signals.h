@@ -1,4 +1,13 @@
 /*
+ * Signals: callbacks on the event loop, a stack for the handlers of fatal signals, and the
+ * preparation of the pool's threads.
+ */
+#ifndef ORL_SERVER_PROCESS_SIGNALS_H
+#define ORL_SERVER_PROCESS_SIGNALS_H
+
+#include <uv.h>
+
+/*
  * Signals as callbacks on the event loop: SIGTERM, SIGINT, SIGHUP. Unlike libuv's signal handles,
  * these never restore a signal's default effect: once a signal has been handled, it is ignored
  * until the process exits. Otherwise a signal during the cleanup would end the process before the
@@ -6,10 +15,6 @@
  *
  * Threads: the loop's. One loop per process.
  */
-#ifndef ORL_SERVER_PROCESS_SIGNALS_H
-#define ORL_SERVER_PROCESS_SIGNALS_H
-
-#include <uv.h>
 
 typedef void (*orl_signal_cb)(int signum, void *ctx);
 

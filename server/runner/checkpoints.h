@@ -8,7 +8,7 @@
  * or is cancelled, and stays with one that is queued again.
  *
  * A folder is valid if its "+key" is the job's. The key is a digest of the request, of the scene,
- * and of the program with all of its libraries (build_id.h), since another program might render
+ * and of the program with all of its libraries (build_id.c), since another program might render
  * other pictures. So one job may continue with another's folder. A part is valid if its files match
  * its note.
  *
@@ -41,8 +41,9 @@ void orl_checkpoint_remove_internal(const char *folder);
  * folder. */
 bool orl_checkpoint_transfer(const struct orl_folders *folders, const char *from_id,
                              const char *to_id);
-/* Sweeps the work folders. heir returns the job that continues one, maybe that job itself. A folder
- * without an heir is removed, or set aside (orphans.h) if the job of that id is not known. */
+/* Sweeps the work folders. successor returns the job that continues one, maybe that job itself. A
+ * folder without a successor is removed, or set aside (removal.h) if the job of that id is not
+ * known. */
 void orl_checkpoint_sweep(const struct orl_folders *folders,
                           const char *(*successor)(void *ctx, const char *job_id, bool *ret_known),
                           void *ctx);
@@ -69,6 +70,8 @@ bool orl_checkpoint_view_from_json(const json_t *json, struct orl_view_result *r
 int orl_checkpoint_sensors_write(const char *folder, const char *name,
                                  const struct orl_result *result, struct orl_error *err);
 bool orl_checkpoint_sensors_read(const char *folder, const char *name, struct orl_result *result);
+
+/* ---- The program ----------------------------------------------------------------------------- */
 
 /*
  * Identity of the running program: a digest of the build IDs of itself and its libraries. A build

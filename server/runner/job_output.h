@@ -37,7 +37,7 @@ int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const ch
 int orl_job_output_list_grids(const struct orl_result *result, const char *folder, json_t *list,
                               struct orl_error *err);
 
-/* Does so for the files of a job's sequences (sequence_json.h), if it has any. */
+/* Does so for the files of a job's sequences (view_json.h), if it has any. */
 int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,
                                  struct orl_error *err);
 
@@ -58,7 +58,7 @@ int orl_job_output_write(const struct orl_result *result, const char *state, con
 int orl_sky_output_write(const json_t *result, const char *sky, const char *folder, json_t *files,
                          struct orl_error *err);
 /* Writes result.json, with that state, of a job of `count` skies. results: the finished skies
- * (skies_result_json.h). Appends the file to the list. The summary is {"threads", "timings_s",
+ * (result_json.h). Appends the file to the list. The summary is {"threads", "timings_s",
  * "skies": {"count", "done"}, "warnings", "files"}. */
 int orl_skies_output_write(json_t *results, const char *state, size_t count, const char *folder,
                            json_t *files, char **ret_summary, struct orl_error *err);

@@ -85,6 +85,8 @@ int orl_slurm_config_open(const struct orl_runner_options *options,
     return rc ? rc : list_words(options, ret_slurm, err);
 }
 
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
 json_t *orl_parts_to_json(const struct orl_parts_count *count)
 {
     return json_pack("{s:I, s:I, s:I, s:I, s:o, s:i, s:I}", "waiting", (json_int_t)count->waiting,

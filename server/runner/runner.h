@@ -1,11 +1,4 @@
-/*
- * The shared folder of jobs in parts (distributed/distributed_job.h), and the command that submits
- * their tasks to Slurm. These are the daemon's options (process/runner_options.h), checked once at
- * its start.
- *
- * A job's folder is below the shared one, by its id. Only the daemon's user has access to the
- * shared folder, since it holds uploads of other users.
- */
+/* Where jobs run: the configuration of Slurm, and the JSON that reports where a job runs. */
 #ifndef ORL_SERVER_RUNNER_RUNNER_H
 #define ORL_SERVER_RUNNER_RUNNER_H
 
@@ -15,6 +8,15 @@
 #include "distributed/distributed_job.h"
 #include "process/config.h"
 #include "store/files/folders.h"
+
+/*
+ * The shared folder of jobs in parts (distributed/distributed_job.h), and the command that submits
+ * their tasks to Slurm. These are the daemon's options (process/config.h), checked once at its
+ * start.
+ *
+ * A job's folder is below the shared one, by its id. Only the daemon's user has access to the
+ * shared folder, since it holds uploads of other users.
+ */
 
 enum { ORL_SLURM_ARG_BYTES = 256 };
 

@@ -1,6 +1,7 @@
 #include "uploads/uploads.h"
 
 #include <errno.h>
+#include <microhttpd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,17 +1,22 @@
 /*
- * A file being received: written to tmp/ and hashed as data arrives, bounded by
- * ORL_LIMIT_FILE_BYTES, entered into a bundle as a temporary file.
- * Threads: one at a time. Errors: ORL_ERR_IO, ORL_ERR_LIMIT, and those of orl_bundle_add.
+ * Files of an upload: received into tmp/ (incoming.c), split from a multipart body (multipart.c),
+ * and unpacked from a zip (unzip.c).
  */
 #ifndef ORL_SERVER_UPLOADS_UPLOADS_H
 #define ORL_SERVER_UPLOADS_UPLOADS_H
-
-#include <microhttpd.h>
 
 #include <oriel/base/sha256.h>
 
 #include "http/quota/quota.h"
 #include "store/files/scene_bundle.h"
+
+struct MHD_Connection;
+
+/*
+ * A file being received: written to tmp/ and hashed as data arrives, bounded by
+ * ORL_LIMIT_FILE_BYTES, entered into a bundle as a temporary file.
+ * Threads: one at a time. Errors: ORL_ERR_IO, ORL_ERR_LIMIT, and those of orl_bundle_add.
+ */
 
 /* Callbacks that receive the files in place of tmp/. */
 struct orl_incoming_sink {

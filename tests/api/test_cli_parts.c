@@ -105,7 +105,7 @@ static void test_bsdfs(void **state)
     assert_int_equal(access(path, F_OK), -1);
 }
 
-/* After a kill the finished pieces are reused. */
+/* After a kill the finished tasks are reused. */
 static void test_pieces_serve_again(void **state)
 {
     struct cli_desk *f = *state;
@@ -142,7 +142,7 @@ static void find_done(const char *folder, char ret_stem[128])
         closedir(entries);
 }
 
-/* A part that was ended between its last piece and its end mark finds all pieces. */
+/* A part that was ended between its last task and its end mark finds all tasks. */
 static void test_a_part_is_done_twice(void **state)
 {
     struct cli_desk *f = *state;

@@ -23,10 +23,10 @@ double bench_cpu_s(void *ctx);
  * single-threaded work: its time on an idle machine, disk waits included. */
 double bench_own_s(void *ctx);
 /*
- * Processor time that a crew's work takes on an idle machine: the lead's time outside the crew's
- * loops, plus an even share per member of all work in these loops. Excludes waits at the end of a
- * loop and for disks. The program must be linked with orl_parallel_for and orl_parallel_try wrapped
- * (crew_clock.c).
+ * Processor time that a thread pool's work takes on an idle machine: the lead thread's time outside
+ * parallel loops, plus an even share per thread of all work in these loops. Excludes waits at the
+ * end of a loop and for disks. The program must be linked with orl_parallel_for and
+ * orl_parallel_try wrapped (pool_clock.c).
  */
 double bench_pool_s(void *ctx);
 void bench_set_pool(uint32_t members);
@@ -94,7 +94,8 @@ void bench_run(const struct bench_env *env, const struct orl_job *job,
                struct orl_result *ret_result);
 
 /* Returns single incoherent rays per second that Embree alone traces, distributed like light, on
- * all crew members at once. The sum over members of each one's median of runs, by bench_own_s. */
+ * all threads of the pool at once: the sum over threads of each one's median of runs, by
+ * bench_own_s. */
 double bench_embree_rate(const struct orl_geometry *geometry, struct orl_thread_pool *pool,
                          int runs);
 

@@ -13,7 +13,7 @@ struct measurement {
     double rates[BENCH_MOST_THREADS];
 };
 
-/* Measures one member; the members wait for each other, so that all run at once. */
+/* Measures one thread; the threads wait for each other, so that all run at once. */
 static void measure_member(void *arg, size_t index, uint32_t member)
 {
     const struct timespec pause = {0, 20000};

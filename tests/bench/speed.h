@@ -93,7 +93,7 @@ struct speed {
     struct speed_trial trials[SPEED_TRIALS];
     int n_trials;
     struct orl_thread_pool *pools[SPEED_MOST_THREADS],
-        *pool;                             /* crew: the one of the current number of threads */
+        *pool;                             /* pool: the one of the current number of threads */
     struct orl_memory_cache *memory_cache; /* shared by successive jobs; or NULL */
     double (*now_s)(void *ctx);
 };

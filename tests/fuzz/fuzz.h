@@ -58,7 +58,7 @@ bool fuzz_token(const uint8_t *data, size_t size);
 #define FUZZ_PROMISE(holds) fuzz_promise((holds), #holds, __FILE__, __LINE__)
 void fuzz_promise(bool holds, const char *what, const char *file, int line);
 
-/* Checks a project that names a scene's files against rif.h and frads.h. */
+/* Checks a project that names a scene's files against api/project/project.h. */
 void fuzz_check_project(const json_t *project);
 /*
  * Checks what every failure promises: a code of the enum that the error repeats, a message,

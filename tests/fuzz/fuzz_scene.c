@@ -158,8 +158,8 @@ static void check_geometry(const struct orl_geometry *g)
         FUZZ_PROMISE(hit.facet < g->n_facets);
 }
 
-/* Builds a world from the description, as an upload does, and consumes it. The build may refuse
- * some descriptions. */
+/* Builds a lit scene from the parsed scene, as an upload does, and consumes it. The build may
+ * refuse some scenes. */
 static bool check_lit_scene(struct orl_parsed_scene *d)
 {
     static const struct orl_vec3 directions[] = {

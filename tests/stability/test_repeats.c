@@ -31,7 +31,7 @@ static void test_threads(void **state)
                     "sensors, health, maps and image: same bytes", same);
 }
 
-/* Without the pane, light comes from the open sky, and emission is guided. */
+/* Without the pane, light comes from the open sky, and emission uses an importance map. */
 static void test_open_room(void **state)
 {
     static const uint32_t threads[4] = {1, 2, 7, 2};

@@ -108,7 +108,7 @@ static void test_energy(void **state)
     }
 }
 
-/* rt/normal.c: trans transmits A6 of the light that is not mirrored, and A7 of that without
+/* In Radiance, trans transmits A6 of the light that is not mirrored, and A7 of that without
  * scattering. */
 static void test_shares(void **state)
 {
@@ -225,8 +225,8 @@ static void test_standing_grain(void **state)
 
 /*
  * Values of Radiance 6.1a's rtrace (-ab 0 -ds 0 -st 0 -ss 0) for a horizontal surface in the sun,
- * green channel, seen along -eye. rtrace adds the sun's width to the roughness: 0.3 %. The shape
- * of transmitted lobes differs (ward.h): by 1 % at half a lobe's width off the axis.
+ * green channel, seen along -eye. rtrace adds the sun's width to the roughness: 0.3 %. The shape of
+ * transmitted lobes differs (kinds.h): by 1 % at half a lobe's width off the axis.
  */
 static void test_as_radiance_has_it(void **state)
 {

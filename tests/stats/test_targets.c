@@ -1,6 +1,6 @@
 /*
- * Small mirrors and lenses as targets of rays (render/gather/targets.h): which surfaces are
- * targets, how they are grouped, and that directions are drawn with the density that is stated.
+ * Small mirrors and lenses as targets of rays (render/gather/direction_sampling.h): which surfaces
+ * are targets, how they are grouped, and that directions are drawn with the density that is stated.
  */
 #include <math.h>
 #include <setjmp.h>

@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 enum doubled_kind {
-    DOUBLED_SCENE, /* scene text, parsed to a description */
+    DOUBLED_SCENE, /* scene text, read to a parsed scene */
     DOUBLED_WORLD, /* scene text, checked like an upload: triangles, coincident polygons, Embree */
     DOUBLED_BSDF,
     DOUBLED_SENSORS,

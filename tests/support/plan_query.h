@@ -20,7 +20,7 @@ struct plan_query {
     const char *text;
     const char *bsdf; /* text of pane.xml */
     enum orl_technique technique;
-    enum orl_effect effect; /* effect with the override `wish` */
+    enum orl_effect effect; /* effect to which `override` applies */
     enum orl_effect_override override;
     bool view;
     uint32_t threads;
@@ -28,7 +28,7 @@ struct plan_query {
     const struct orl_sensor *sensor; /* NULL: one indoors, if there is no view */
 };
 
-/* State of the world after planning. */
+/* State of the lit scene after planning. */
 struct plan_left {
     size_t suns, domes, emitters;
     struct orl_omissions omit;

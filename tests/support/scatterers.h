@@ -3,7 +3,7 @@
  * some thousands of directions, dense around peaks, with noise and gaps, in pab-opto's text format.
  *
  * Directions are in the hemisphere above the surface, on either side
- * (core/bsdf/fit/measurements/rows.h).
+ * (core/bsdf/fit/measurements/measurements.h).
  */
 #ifndef ORL_TESTS_SUPPORT_SCATTERERS_H
 #define ORL_TESTS_SUPPORT_SCATTERERS_H

@@ -71,7 +71,7 @@ struct orl_parsed_scene scene_parse_text(const char *text, const char *resource_
  * detected; drops the result. Returns 0, or the error's code with the output left empty. */
 int scene_parse_bytes(const char *text, size_t size, struct orl_error *ret_err);
 
-/* Builds a world of everything in the text; release with orl_lit_scene_free. The crew finds the
+/* Builds a lit scene of everything in the text; release with orl_lit_scene_free. The pool finds the
  * ports; NULL: no ports. */
 struct orl_lit_scene *build_lit_scene(const char *text, const char *resource_name,
                                       const char *resource_text, struct orl_thread_pool *pool);

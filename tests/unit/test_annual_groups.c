@@ -1,7 +1,7 @@
 /*
- * Light of window groups in many combinations of states (annual/shades/window_group_ports.h). The
- * work for four rooms with one group each is that of one run per state, not per group, and the sum
- * over groups equals the light of each room alone.
+ * Light of window groups in many combinations of states (annual/year/annual_scene.h). The work for
+ * four rooms with one group each is that of one run per state, not per group, and the sum over
+ * groups equals the light of each room alone.
  */
 #include <setjmp.h>
 #include <stdarg.h>

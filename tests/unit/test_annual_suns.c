@@ -1,7 +1,7 @@
 /*
- * Searches for annual sunlight (annual/sun/direction_tree.h, annual/panes/pane_bvh.h). They find
- * the same as a loop over everything and sample without bias. Their work, counted in tree nodes,
- * grows with the logarithm of the number of suns, windows and mirrors.
+ * Searches for annual sunlight (annual/sun/direction_tree.h, annual/panes/bounding_rects.h). They
+ * find the same as a loop over everything and sample without bias. Their work, counted in tree
+ * nodes, grows with the logarithm of the number of suns, windows and mirrors.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -85,7 +85,7 @@ static void a_peak_of_rank_three_is_found(void **state)
  * elsewhere. */
 static struct text clear_matrix(double straight, double spread)
 {
-    /* Klems Quarter by its definition, as in core/bsdf/matrix/basis.c. */
+    /* Klems Quarter by its definition, as in core/bsdf/matrix/matrix.c. */
     static const double edges[] = {0, 9, 27, 45, 63, 90};
     static const int cells[] = {1, 8, 12, 12, 8};
     double omega[41];

@@ -166,7 +166,7 @@ static void test_wall(void **state)
     orl_icache_done(&cache);
 }
 
-/* The crew's size changes no bit. */
+/* The number of threads changes no bit. */
 static void test_thread_pool(void **state)
 {
     struct orl_icache one, three;

@@ -1,4 +1,4 @@
-/* The shelf, a memory cache between jobs: returned entries, and evictions. */
+/* The memory cache between jobs: returned entries, and evictions. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -151,7 +151,7 @@ static void test_job_dedup(void **state)
     assert_int_equal(holders[0], 3);
     assert_int_equal(orl_memory_cache_totals(memory_cache).shared, 0);
     assert_int_equal(orl_memory_cache_totals(memory_cache).things, 1);
-    /* An entry too large for the shelf stays with its maker only. */
+    /* An entry too large for the cache stays with its maker only. */
     assert_ptr_equal(orl_memory_cache_put_shared(memory_cache, "c", &holders[2], 101, &sharing),
                      &holders[2]);
     assert_int_equal(holders[2], 1);

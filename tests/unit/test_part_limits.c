@@ -53,7 +53,7 @@ static void test_parts_that_have_ended_count(void **state)
     assert_limits((struct orl_part_needs){7200, 0}, fast, 244, 1536);
 }
 
-/* Without a known memory use of the job, the limit covers this process and the piece. */
+/* Without a known memory use of the job, the limit covers this process and the task. */
 static void test_memory_by_this_process(void **state)
 {
     struct orl_part_limits_input unknown = usual;

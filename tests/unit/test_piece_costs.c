@@ -1,6 +1,6 @@
 /*
- * Predicted costs of pieces, from which Slurm's time limits are made: within a factor of several
- * of the real costs, also if the errors of an accuracy job are not yet known.
+ * Predicted costs of tasks, from which Slurm's time limits are made: within a factor of several of
+ * the real costs, also if the errors of an accuracy job are not yet known.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,13 +19,13 @@
 #include "support/room.h"
 #include "support/year.h"
 
-/* The margin of the limits (part_limits.c), and the greatest allowed overestimate. */
+/* The margin of the limits (slurm_limits.c), and the greatest allowed overestimate. */
 static const double least = 1.0 / 8, most = 60;
 
 struct fixture {
     char folder[64], kept[64];
     const char *kind;
-    size_t n;                /* requested pieces of that kind */
+    size_t n;                /* requested tasks of that kind */
     double core_s, first_s;  /* CPU seconds of all of them, and of the first */
     double began_s, until_s; /* annual runs: start, and the time until its sensors are requested */
 };

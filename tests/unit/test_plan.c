@@ -1,6 +1,7 @@
 /*
  * Plans for lights and windows: a scene that does not need an effect, and one that does but is
- * easily missed; effect overrides; and equal plans for any crew. Every reason contains a number.
+ * easily missed; effect overrides; and equal plans for any number of threads. Every reason contains
+ * a number.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -260,7 +261,7 @@ static void test_skips_are_done(void **state)
     assert_false(left.clear);
 }
 
-/* The plan is equal for any crew, except for the seconds. */
+/* The plan is equal for any number of threads, except for the seconds. */
 static void test_threads(void **state)
 {
     struct orl_plan one = plan_of(&(struct plan_query){.text = all_of_it, .threads = 1}, NULL);

@@ -1,6 +1,7 @@
 /*
  * Reachability of places by light: through a hole of any size, from a lamp of any size, through
- * glass; not into closed rooms and solids, and not without a light. Equal for any crew.
+ * glass; not into closed rooms and solids, and not without a light. Equal for any number of
+ * threads.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -230,8 +230,8 @@ static void test_bsdfs(void **state)
     }
 }
 
-/* Other threads read blocks beside the lead, so the order of polls varies: cancels until no poll
- * is left. */
+/* Other threads read blocks beside the lead thread, so the order of polls varies: cancels until no
+ * poll is left. */
 static void test_blocks_side_by_side(void **state)
 {
     struct text tree = pad_with_blanks(make_tree_file(3));

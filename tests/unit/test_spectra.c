@@ -85,7 +85,7 @@ static void check_color(struct orl_rgb a, struct orl_rgb b, double tolerance)
         fail_msg("%.9g %.9g %.9g, not %.9g %.9g %.9g", a.r, a.g, a.b, b.r, b.g, b.b);
 }
 
-/* Checks the chromaticity, by the primaries that README and bsdf/color.h name. */
+/* Checks the chromaticity, by the primaries that README and bsdf/document.h name. */
 static void check_chromaticity(struct orl_rgb c, double x, double y, double tolerance)
 {
     static const double primaries[3][2] = {{.64, .33}, {.29, .6}, {.15, .06}};

@@ -1,6 +1,6 @@
 /*
- * Studies in pieces: runs of other processes, in any order, give the numbers of a study in one
- * piece, with the times measured by those processes.
+ * Distributed studies: runs of other processes, in any order, give the numbers of a study in one
+ * process, with the times measured by those processes.
  */
 #include <dirent.h>
 #include <math.h>
@@ -27,14 +27,14 @@ static char *scene_files[] = {scene_file};
 enum { OTHERS = 3, REFERENCE = 3, REPEATS = 2, SETTINGS = 3 };
 enum { RUNS = REFERENCE + SETTINGS * REPEATS };
 
-/* A folder of pieces, and the role of this process. */
+/* A folder of tasks, and the role of this process. */
 struct fixture {
     char tasks[64], work[64];
     atomic_bool cancel;
     double haste; /* speed factor of the clock */
-    int mine;     /* the pieces that this process makes; OTHERS: it is the lead, and makes none */
-    bool begun;   /* true if it has made its own pieces */
-    size_t asked; /* number of pieces that the lead requested */
+    int mine; /* the tasks that this process computes; OTHERS: it coordinates, and computes none */
+    bool begun;   /* true if it has computed its own tasks */
+    size_t asked; /* number of tasks that the coordinating process requested */
     size_t spent, points, in_parts;
     struct orl_error err;
 };
@@ -69,8 +69,8 @@ static void on_progress(void *ctx, const struct orl_study_step *step)
     f->in_parts += strcmp(orl_study_step_name(step), "parts") == 0;
 }
 
-/* Claims pieces. A worker gets its share at the first call, and ORL_ERR_CANCELLED after that. The
- * lead gets none: the call reports progress and counts the requested pieces. */
+/* Claims tasks. A worker gets its share at the first call, and ORL_ERR_CANCELLED after that. The
+ * coordinating process gets none: the call reports progress and counts the requested tasks. */
 static int claim_pieces(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
                         const struct orl_job_tasks_watch *watch, struct orl_error *err)
 {
@@ -119,7 +119,7 @@ static struct orl_study_request make_request(void)
     return request;
 }
 
-/* pieces is NULL for a study in one piece. */
+/* tasks is NULL for a study in one process. */
 static int run_study(struct fixture *f, const struct orl_job_tasks *tasks,
                      struct orl_study *ret_study)
 {
@@ -159,7 +159,7 @@ static int run_as(struct fixture *f, int who, double haste, struct orl_study *re
     return run_study(f, &tasks, ret_study);
 }
 
-/* Runs all other processes in sequence; the last one finds all pieces made. */
+/* Runs all other processes in sequence; the last one finds all tasks computed. */
 static void run_others(struct fixture *f, double haste)
 {
     static const int order[OTHERS] = {2, 0, 1};
@@ -191,7 +191,7 @@ static void assert_same(const struct orl_study *a, const struct orl_study *b)
         assert_string_equal(a->warnings[i], b->warnings[i]);
 }
 
-/* Damages the first run's piece in the folder. */
+/* Damages the first run's task file in the folder. */
 static void damage_one(const struct fixture *f)
 {
     DIR *entries = opendir(f->tasks);
@@ -224,7 +224,7 @@ static void test_runs_are_made_by_others(void **state)
     orl_study_done(&whole);
 }
 
-/* A damaged piece is requested once more, alone; pieces of another job are all requested. */
+/* A damaged task is requested once more, alone; tasks of another job are all requested. */
 static void test_a_damaged_run_is_made_again(void **state)
 {
     struct fixture *f = *state;

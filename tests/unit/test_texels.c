@@ -1,6 +1,7 @@
 /*
  * Irradiance by texels: a surface of any outline holds exactly the light that lands on it; the
- * other side stays dark; coincident surfaces count once; results are equal for any crew.
+ * other side stays dark; coincident surfaces count once; results are equal for any number of
+ * threads.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /*
- * Crews (thread teams): every index is done once, for any number of servers, late or absent. Meant
+ * Thread pools: every index is done once, for any number of worker threads, late or absent. Meant
  * to be run under ThreadSanitizer as well.
  */
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 
 enum { MOST = 8 };
 
-/* Results of a loop. Members that only one thread writes are not atomic. */
+/* Results of a loop. Fields that only one thread writes are not atomic. */
 struct loop {
     uint32_t *done; /* one per index */
     uint32_t per_member[MOST];
@@ -36,7 +36,7 @@ static void count_index(void *arg, size_t index, uint32_t member)
         atomic_fetch_add(&loop->bad_member, 1);
 }
 
-/* Runs a loop and checks that the lead sees all writes of the members when it returns. */
+/* Runs a loop and checks that the lead thread sees all writes of the others when it returns. */
 static void check_loop(struct orl_thread_pool *pool, size_t n)
 {
     struct loop loop = {.done = calloc(n + 1, sizeof *loop.done),
@@ -80,7 +80,7 @@ static void test_many_short_loops(void **state)
     orl_thread_pool_stop(pool);
 }
 
-/* A crew of seven without any server: the lead does all the work. */
+/* A pool of seven without any worker thread: the lead thread does all the work. */
 static void test_absent_servers(void **state)
 {
     struct orl_thread_pool *pool = orl_thread_pool_new(7);
@@ -104,7 +104,8 @@ static void *serve(void *arg)
     return NULL;
 }
 
-/* Servers that arrive between loops, and one after the crew's dismissal, which returns at once. */
+/* Worker threads that arrive between loops, and one after the pool's dismissal, which returns at
+ * once. */
 static void test_late_servers(void **state)
 {
     struct orl_thread_pool *pool = orl_thread_pool_new(4);
@@ -171,7 +172,7 @@ static void test_cancelled_loops(void **state)
     orl_thread_pool_stop(pool);
 }
 
-/* A crew of size 0 counts as 1. */
+/* A pool of size 0 counts as 1. */
 static void test_size_zero(void **state)
 {
     struct orl_thread_pool *pool = orl_thread_pool_start(0);

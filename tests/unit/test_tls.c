@@ -42,7 +42,7 @@ static int tear_down(void **state)
 
 #if ORL_SANITIZED
 /* Returns the bytes in use by the sanitizer's allocator. It is declared here because gcc's packages
- * lack its header, sanitizer/allocator_interface.h. */
+ * lack its header, <sanitizer/allocator_interface.h>. */
 extern size_t __sanitizer_get_current_allocated_bytes(void);
 #endif
 

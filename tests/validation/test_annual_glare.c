@@ -88,7 +88,7 @@ static void test_against_pictures(void **state)
     orl_annual_done(&year);
 }
 
-/* Only the requested columns are rated, with equal results for any crew. */
+/* Only the requested columns are rated, with equal results for any number of threads. */
 static void test_wanted(void **state)
 {
     static const char weather[] = HEAD("38.42") "1 21 10.5 700 90\n1 21 11.5 700 90\n";

@@ -79,7 +79,7 @@ static void test_bsdf_surface(void **state)
     free(panel);
 }
 
-/* Photons keyed by their index are the same for any crew. */
+/* Photons keyed by their index are the same for any number of threads. */
 static void test_threads(void **state)
 {
     struct orl_annual_result years[2];

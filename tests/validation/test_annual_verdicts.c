@@ -234,9 +234,9 @@ static double three_errors(double share, double tries)
  * scattered from seed to seed by 0.5 to 1.1 of the binomial variance, so sensors of one seed are
  * not correlated.) The reference, of 32 times as many paths, adds 1.5 % to the spread, and lowers
  * the share that holds by half a per cent. A mean sums hours of all bands of illuminance, whose
- * errors cancel more than a sensor's one factor predicts (annual/coefficients/coherence.h): of 2304
- * trials 97.7 % held, and for 576 three standard errors are 1.9 %. If all errors of hours counted
- * as one common factor, 99 % and more would hold the reference.
+ * errors cancel more than a sensor's one factor predicts (annual/coefficients/apply_weather.h): of
+ * 2304 trials 97.7 % held, and for 576 three standard errors are 1.9 %. If all errors of hours
+ * counted as one common factor, 99 % and more would hold the reference.
  */
 static void test_sensors(void **state)
 {

@@ -48,11 +48,11 @@ static double truth(const struct orl_sensor *sensor)
 }
 
 /*
- * About 60 to 200 of 256 guided rays hit the patch, and its rim is a third of it. The error is
- * therefore 4 to 8 % per sensor, and 1 % for the mean of 24. The patch's leaves add 1 to 2 %,
- * because they extend as far as their photons. With uniform rays alone the root mean square is 0.9.
- * The truth lies in 95 % of 24 intervals, with a binomial scatter of 1.1; 19 is almost four times
- * that below.
+ * About 60 to 200 of 256 rays guided by photons hit the patch, and its rim is a third of it. The
+ * error is therefore 4 to 8 % per sensor, and 1 % for the mean of 24. The patch's leaves add 1 to 2
+ * %, because they extend as far as their photons. With uniform rays alone the root mean square is
+ * 0.9. The truth lies in 95 % of 24 intervals, with a binomial scatter of 1.1; 19 is almost four
+ * times that below.
  */
 static void test_patch(void **state)
 {

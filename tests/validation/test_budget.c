@@ -193,7 +193,7 @@ static void test_askers_are_bounded(void **state)
     orl_result_done(&few);
 }
 
-/* A job with an exact number gets that number; no number depends on the crew. */
+/* A job with an exact number gets that number; no number depends on the number of threads. */
 static void test_numbers(void **state)
 {
     (void)state;

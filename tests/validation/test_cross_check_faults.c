@@ -95,7 +95,7 @@ static double now_s(void *ctx)
     return 0;
 }
 
-/* Cross-checks a result, computed before by other means, against paths in that world. */
+/* Cross-checks a result, computed before by other means, against paths in that lit scene. */
 static void check_against(struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
                           uint64_t seed, struct orl_result *result)
 {

@@ -89,7 +89,7 @@ static void test_sphere(void **state)
     }
 }
 
-/* The bytes of errors are equal for any crew. */
+/* The bytes of errors are equal for any number of threads. */
 static void test_threads(void **state)
 {
     (void)state;

@@ -166,8 +166,8 @@ static void test_trays(void **state)
 /* ---- Plates ---------------------------------------------------------------------------------- */
 
 /*
- * The rough lobe: with h the sum of both directions and a, b the roughness along x and y,
- * rho exp(-((hx / a)^2 + (hy / b)^2) / hz^2) h.h / (pi a b hz^4).
+ * The rough lobe: with h the sum of both directions and a, b the roughness along x and y, rho
+ * exp(-((hx / a)^2 + (hy / b)^2) / hz^2) (h . h) / (pi a b hz^4).
  */
 static double lobe(const struct stuff *s, struct orl_vec3 in, struct orl_vec3 out)
 {

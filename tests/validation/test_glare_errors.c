@@ -161,7 +161,7 @@ static void test_unknown_errors(void **state)
     orl_result_done(&result);
 }
 
-/* The bytes are equal for any crew. */
+/* The bytes are equal for any number of threads. */
 static void test_any_pool_size(void **state)
 {
     struct orl_glare_value found[2];

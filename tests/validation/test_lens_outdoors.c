@@ -1,7 +1,7 @@
 /*
  * A ball of glass in the sun in front of a hole, or of a window: the light that it focuses into the
  * room is most of the light of some sensors. Photons started at ports would miss it
- * (scene/built/focusing.h). Truths are from plain path tracing with 40 million paths per sensor
+ * (scene/built/ports.h). Truths are from plain path tracing with 40 million paths per sensor
  * (support/brute.h). Seeds are fixed.
  */
 #include <setjmp.h>

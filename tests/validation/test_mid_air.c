@@ -227,7 +227,7 @@ static void a_lamp_is_seen_in_a_mirror(void **state)
         const double d2 = orl_dot(way, way);
         form += way.x * way.z / (d2 * d2) * 0.1 / (SIDE * SIDE);
     }
-    /* The lamp itself is behind the sensor. The value is equal for any crew. */
+    /* The lamp itself is behind the sensor. The value is equal for any number of threads. */
     double lx[2];
     for (uint32_t i = 0; i < 2; i++) {
         struct orl_result result = scene_run(&(struct scene_run){.scene = scene,

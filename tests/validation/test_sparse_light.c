@@ -1,8 +1,8 @@
 /*
  * Light that one of some 3000 rays hits, half of the total: a small bright disc of glow, which is
  * not sampled as a light, in a uniform dome. Few of a sensor's rays find it, or none; a sensor
- * without such rays can only learn of it from the others (base/statistics/sparse_events.h). Seeds
- * are fixed.
+ * without such rays can only learn of it from the others (base/statistics/estimate.h). Seeds are
+ * fixed.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -65,10 +65,10 @@ static double off_smooth(double (*rgb)[3], int column)
 }
 
 /*
- * Along the seam pixels use small records of few rays each, fitted to their neighbours
- * (icache_fit.h). The deviation is 0.54 %, with discs of 24 pixels or more across of which some 40
- * lie along the lines, so that it is known to a ninth; the bound is three of these above. Without
- * the fit it was 4.9 %.
+ * Along the seam pixels use small records of few rays each, fitted to their neighbours (icache.h).
+ * The deviation is 0.54 %, with discs of 24 pixels or more across of which some 40 lie along the
+ * lines, so that it is known to a ninth; the bound is three of these above. Without the fit it was
+ * 4.9 %.
  */
 static void test_walls_meet(void **state)
 {

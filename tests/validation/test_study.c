@@ -176,7 +176,7 @@ static void test_sensors(void **state)
     orl_study_done(&study);
 }
 
-/* The numbers, except times, are equal for any crew; the seeds are the request's. */
+/* The numbers, except times, are equal for any number of threads; the seeds are the request's. */
 static void test_errors_do_not_depend_on_threads(void **state)
 {
     struct orl_study_request request = make_request();

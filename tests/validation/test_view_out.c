@@ -284,7 +284,7 @@ static void test_what_is_ground(void **state)
     assert_int_equal(view.layers & ORL_VIEW_LANDSCAPE, ORL_VIEW_LANDSCAPE);
 }
 
-/* The bytes are equal for any crew. */
+/* The bytes are equal for any number of threads. */
 static void test_pool_sizes(void **state)
 {
     static char name[] = "eye";

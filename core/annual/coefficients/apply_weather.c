@@ -1,3 +1,7 @@
+/*
+ * Coefficients of a sensor times the skies and suns of all hours, and times the CIE overcast
+ * sky.
+ */
 #include "annual/coefficients/apply_weather.h"
 
 #include <string.h>
@@ -208,7 +212,7 @@ struct tile_sums {
     double sun[TILE][BATCHES];                   /* indirect, lx */
     double straight[TILE];                       /* sun, direct and by mirrors, lx */
     double photon_batches[TILE][PHOTON_BATCHES]; /* each photon batch, less the mean, lx */
-    /* Parts of the squared standard error, lx2, by source: photons; interpolation; sampling of
+    /* Terms of the squared standard error, lx2, by source: photons; interpolation; sampling of
      * panes and of the sun's disc. */
     double photons[TILE], interpolation_error[TILE], sampling[TILE];
 };

@@ -1,9 +1,24 @@
 /*
- * Coherence: how far the errors of a sensor's hours add up. Each hour has its own standard error. A
- * metric counts many hours, and its error depends on how their errors are correlated. Under the sky
- * alone errors are almost fully correlated: the paths are the same, and skies of different hours
- * are similar. Hours with sun have it in different places, so they depend on different paths and
- * photons. Errors of interpolation have either sign.
+ * Coefficients of a sensor (trace_sensor.h) under skies and suns: its hours, the coherence of
+ * their errors, and the CIE overcast sky.
+ */
+#ifndef ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
+#define ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
+
+#include <math.h>
+
+#include <oriel/annual/annual.h>
+
+#include "annual/sky/hours.h"
+#include "annual/sun/sun_weights.h"
+#include "annual/sun_map/sun_beams.h"
+
+/*
+ * Coherence: the degree to which the errors of a sensor's hours add up. Each hour has its own
+ * standard error. A metric counts many hours, and its error depends on how their errors are
+ * correlated. Under the sky alone errors are almost fully correlated: the paths are the same, and
+ * skies of different hours are similar. Hours with sun have it in different places, so they depend
+ * on different paths and photons. Errors of interpolation have either sign.
  *
  * The coherence of a sensor is the standard error of the sum of its relative errors over hours with
  * sun. It is divided by the sum of their relative standard errors, the value for full correlation.
@@ -18,16 +33,6 @@
  *
  * Errors: 0 or ORL_ERR_NOMEM. Threads: any, if each handles other sensors or tiles.
  */
-#ifndef ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
-#define ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
-
-#include <math.h>
-
-#include <oriel/annual/annual.h>
-
-#include "annual/sky/hours.h"
-#include "annual/sun/sun_weights.h"
-#include "annual/sun_map/sun_beams.h"
 
 /* Bands of illuminance, each a factor of two wide except the first and the last. */
 enum { ORL_ERROR_BANDS = 8 };
@@ -63,11 +68,12 @@ float orl_coherence_of(const struct orl_error_sums *sums, size_t n_tiles, size_t
 
 /*
  * Converts a sensor's coefficients to its hours: sky by bins, the sun by nodes and beams, and
- * direct sunlight. Light of the window groups (window_group_ports.h) is added up, for each window
+ * direct sunlight. Light of the window groups (annual_scene.h) is added up, for each window
  * group in the columns that want it.
  */
 
-/* Path sums of each of a sensor's batches (path_sums.h), for one window group. NULL: all are 0. */
+/* Path sums of each of a sensor's batches (trace_sensor.h), for one window group. NULL: all are 0.
+ */
 struct orl_annual_coefficients {
     uint32_t samples;                        /* per batch */
     const float *bins[ORL_ANNUAL_BATCHES];   /* [ORL_BINS] */
@@ -86,7 +92,7 @@ struct orl_annual_beam_coefficients {
 };
 
 /* Coefficients of a window group, divided by the number of samples. Most window groups light a
- * sensor from a few bins only, so these are listed in order. Differences between batches are kept
+ * sensor from a few bins only, so these are listed in order. Differences between batches are stored
  * by coarse bins. */
 struct orl_sparse_coefficients {
     uint16_t n_bins, n_coarse;
@@ -124,8 +130,7 @@ void orl_sparse_coefficients_expand(const struct orl_sparse_coefficients *sparse
  * not. */
 struct orl_annual_columns {
     float *total, *direct, *se;
-    float *interpolation_error;  /* relative error of interpolation, in columns with sun
-                                    (coherence.h) */
+    float *interpolation_error;  /* relative error of interpolation, in columns with sun */
     struct orl_error_sums *sums; /* [band], for the tile; initially 0 */
 };
 
@@ -134,7 +139,7 @@ struct orl_window_group_light {
     uint32_t window_group;
     const struct orl_sparse_coefficients *sparse; /* NULL: none */
     const struct orl_annual_beams *beams;         /* beams of all window groups */
-    /* By sun (sensor_sunlight.h); NULL: no direct sunlight. */
+    /* By sun (sunlight.h); NULL: no direct sunlight. */
     const float *by_sun, *mirrored, *squares;
     /* By column: nonzero if the window group's light is added there; NULL: in all columns. */
     const unsigned char *wanted;

@@ -199,7 +199,7 @@ static int find_window_groups_of_beams(struct orl_year *y)
 
 static int make_sums(struct orl_year *y)
 {
-    const size_t n = y->chunk;
+    const size_t n = y->chunk_size;
     const size_t lights = n * y->n_window_groups;
     const bool sun_only = orl_year_is_sun_only(y);
     y->sums = (struct orl_chunk_sums){.n_sensors = n,
@@ -228,9 +228,9 @@ static int make_sums(struct orl_year *y)
 
 static int make_errors(struct orl_year *y)
 {
-    const size_t bands = y->chunk * y->hours.n_tiles * ORL_ERROR_BANDS;
+    const size_t bands = y->chunk_size * y->hours.n_tiles * ORL_ERROR_BANDS;
     y->interpolation_error =
-        malloc((y->chunk * y->hours.n_columns + 1) * sizeof *y->interpolation_error);
+        malloc((y->chunk_size * y->hours.n_columns + 1) * sizeof *y->interpolation_error);
     y->error_sums = malloc((bands + 1) * sizeof *y->error_sums);
     if (!y->interpolation_error || !y->error_sums)
         return ORL_ERR_NOMEM;
@@ -239,7 +239,7 @@ static int make_errors(struct orl_year *y)
 
 int orl_chunk_rows_init(struct orl_year *y)
 {
-    const size_t floats = y->chunk * ORL_YEAR_ROWS * y->hours.n_columns;
+    const size_t floats = y->chunk_size * ORL_YEAR_ROWS * y->hours.n_columns;
     y->rows = malloc((floats + 1) * sizeof *y->rows);
     if (!y->rows || make_sums(y) < 0)
         return ORL_ERR_NOMEM;

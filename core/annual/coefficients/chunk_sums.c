@@ -71,7 +71,7 @@ struct orl_sensor_sunlight orl_chunk_suns_of(const struct orl_chunk_sums *s, siz
 
 /* ---- Packing --------------------------------------------------------------------------------- */
 
-/* Layout of packed data: flags of the lit lights, padded; the values of lit lights, in order; and
+/* Layout of packed data: flags of the lit window groups, padded; the values of these, in order; and
  * arrays stored as a whole. */
 enum { MOST_ARRAYS = 2 };
 struct layout {
@@ -79,7 +79,7 @@ struct layout {
     size_t n_lights;
     struct array {
         void *at;
-        size_t bytes; /* per light in of_lit, in total in whole */
+        size_t bytes; /* per window group in of_lit, in total in whole */
     } of_lit[MOST_ARRAYS], whole[MOST_ARRAYS];
 };
 

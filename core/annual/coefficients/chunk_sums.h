@@ -1,7 +1,6 @@
 /*
- * Sums of a chunk of sensors: those of their paths by batch (path_sums.h), and direct sunlight
- * (sensor_sunlight.h). Both can be packed into bytes and unpacked; only lit window groups are
- * packed.
+ * Sums of a chunk of sensors: those of their paths by batch (trace_sensor.h), and direct sunlight
+ * (sunlight.h). Both can be packed into bytes and unpacked; only lit window groups are packed.
  *
  * Threads may write to different batches, or sensors, at the same time.
  */

@@ -1,3 +1,7 @@
+/*
+ * Chunks of a year's sensors, computed here or distributed among processes: paths, direct
+ * sunlight, and their products with all hours.
+ */
 #include "annual/coefficients/sensor_chunks.h"
 
 #include <stdlib.h>
@@ -8,7 +12,18 @@
 #include "annual/year/annual_year.h"
 #include "scene/geometry/geometry.h"
 
-size_t orl_year_chunk_of_tasks(size_t n_sensors, size_t most)
+/*
+ * Chunks of a year's sensors as tasks of a distributed run (oriel/job/job_tasks.h). The store
+ * holds the rows of each chunk. If rows cannot be shared, it holds their paths and the direct
+ * sunlight at their sensors.
+ */
+
+/* Computes the current chunk (first, count), and stores it. */
+typedef int orl_year_compute_chunk(struct orl_year *y, struct orl_error *err);
+
+/* Returns the number of sensors per chunk: small enough to give each of a thousand processes
+ * several chunks, at least 8 and at most `most`. Results do not depend on it. */
+static size_t orl_year_chunk_of_tasks(size_t n_sensors, size_t most)
 {
     enum { CHUNKS = 2000, LEAST = 8 };
     const size_t size = n_sensors / CHUNKS;
@@ -18,8 +33,8 @@ size_t orl_year_chunk_of_tasks(size_t n_sensors, size_t most)
 static void select_chunk(struct orl_year *y, size_t index)
 {
     const size_t n = y->request->n_sensors;
-    y->first = index * y->chunk;
-    y->count = n - y->first < y->chunk ? n - y->first : y->chunk;
+    y->first = index * y->chunk_size;
+    y->count = n - y->first < y->chunk_size ? n - y->first : y->chunk_size;
 }
 
 /* Time of a path with its sunlight, in a room of a dozen surfaces. */
@@ -90,7 +105,7 @@ static void report_share(void *ctx, double share)
     orl_year_report_progress(y, ORL_STAGE_RENDER, share * (double)y->request->n_sensors);
 }
 
-/* Divides chunks among processes until the store has all, or no more can be stored. */
+/* Distributes chunks among processes until the store has all, or no more can be stored. */
 static int divide_missing(struct orl_year *y, size_t n, const struct missing *w,
                           orl_year_compute_chunk *make, struct orl_error *err)
 {
@@ -114,10 +129,12 @@ static int divide_missing(struct orl_year *y, size_t n, const struct missing *w,
     return code;
 }
 
-int orl_year_run_chunk_tasks(struct orl_year *y, orl_year_compute_chunk *make,
-                             struct orl_error *err)
+/* Distributes chunks among processes until the store has all of them. Chunks that cannot be stored
+ * are computed later, chunk by chunk. */
+static int orl_year_run_chunk_tasks(struct orl_year *y, orl_year_compute_chunk *make,
+                                    struct orl_error *err)
 {
-    const size_t n = (y->request->n_sensors + y->chunk - 1) / y->chunk;
+    const size_t n = (y->request->n_sensors + y->chunk_size - 1) / y->chunk_size;
     const struct missing w = {.tasks = calloc(n + 1, sizeof *w.tasks),
                               .indices = calloc(n + 1, sizeof *w.indices),
                               .here = calloc(n + 1, sizeof *w.here)};
@@ -496,7 +513,7 @@ static void report_chunk_done(const struct orl_year *y)
     y->env->done(y->env->ctx, &chunk);
 }
 
-/* Computes the part of a chunk that distributed runs share: its rows, or its paths and sunlight. */
+/* Computes what distributed runs share of a chunk: its rows, or its paths and sunlight. */
 static int compute_chunk(struct orl_year *y, struct orl_error *err)
 {
     if (y->shares_rows)
@@ -520,7 +537,7 @@ int orl_year_run_chunks(struct orl_year *y, struct orl_error *err)
 {
     const size_t n = y->request->n_sensors, most = most_sensors_per_chunk(y);
     const bool shared = y->env->run->tasks && y->cache.store && !orl_year_is_sun_only(y);
-    y->chunk = shared ? orl_year_chunk_of_tasks(n, most) : most;
+    y->chunk_size = shared ? orl_year_chunk_of_tasks(n, most) : most;
     int code = allocate_result(y) < 0 ? orl_year_no_memory(err) : 0;
     if (code == 0 && y->env->begins)
         code = y->env->begins(y->env->ctx, y->result, err);
@@ -530,7 +547,7 @@ int orl_year_run_chunks(struct orl_year *y, struct orl_error *err)
     if (code == 0 && shared)
         code = orl_year_run_chunk_tasks(y, compute_chunk, err);
     for (y->first = 0; y->first < n && code == 0; y->first += y->count) {
-        y->count = n - y->first < y->chunk ? n - y->first : y->chunk;
+        y->count = n - y->first < y->chunk_size ? n - y->first : y->chunk_size;
         if (is_restored(y)) {
             y->restored += y->count;
             continue;

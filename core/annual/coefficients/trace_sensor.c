@@ -4,7 +4,7 @@
 #include "light/eye_path.h"
 
 /* Rays per strategy: at the sensor, at surfaces that a ray hits, and outside a sealed building.
- * Outside, no ray is aimed at the building's windows. */
+ * Outside, no ray is sampled towards the building's windows. */
 static const struct orl_strategy_counts at_sensors = {{1, 1, 0, 0.5}}, deeper = {{1, 0.5, 0, 0}},
                                         outside = {{1, 0, 0}};
 /* Thresholds of Russian roulette, as shares of one sample of the sensor. */

@@ -1,7 +1,4 @@
-/*
- * Sums over the paths of one batch of a sensor (trace_sensor.h): luma, by the window group
- * through which the light comes in (annual_scene.h).
- */
+/* Paths from a sensor, shared by all hours, and the sums that they fill. */
 #ifndef ORL_ANNUAL_COEFFICIENTS_TRACE_SENSOR_H
 #define ORL_ANNUAL_COEFFICIENTS_TRACE_SENSOR_H
 
@@ -13,6 +10,11 @@
 #include "annual/sky/bins.h"
 #include "annual/year/annual_scene.h"
 #include "bsdf/matrix/matrix.h"
+
+/*
+ * Sums over the paths of one batch of a sensor: luma, by the window group
+ * through which the light comes in (annual_scene.h).
+ */
 
 /* Accumulators for paths that end at the inner side of windows, instead of passing them: by window,
  * and by cell of directions about the window's inward axis. */
@@ -74,7 +76,7 @@ static inline void orl_path_sums_add_node(const struct orl_path_sums *sums, uint
  * because it includes later bounces. Elsewhere shadow rays find the light, straight, through panes
  * or by one flat mirror. Sunlight directly at the sensor is computed separately (sunlight.h). At
  * diffuse surfaces paths continue by cosine sampling and port sampling, as in the backward
- * technique (render/gather/direction_sampling.h), but without virtual lamps.
+ * technique (render/gather/direction_sampling.h), but without virtual lights.
  *
  * Light belongs to the window group by which its path, followed from the sensor, first
  * leaves the building.

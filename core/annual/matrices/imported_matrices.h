@@ -1,8 +1,6 @@
 /*
- * Radiance's matrix files, as rfluxmtx, rcontrib, gendaymtx, dctimestep and rmtxop write them. A
- * file starts with "#?RADIANCE". Its header has NROWS, NCOLS, NCOMP (3, or 1 for grey),
- * FORMAT=ascii, float or double, BigEndian and EXPOSURE. After an empty line follow the values row
- * by row. NROWS may be missing; it then follows from the size. Picture formats are not supported.
+ * A year by matrices that others made: Radiance's matrix files, the terms of a request, and the
+ * run.
  */
 #ifndef ORL_ANNUAL_MATRICES_IMPORTED_MATRICES_H
 #define ORL_ANNUAL_MATRICES_IMPORTED_MATRICES_H
@@ -11,6 +9,13 @@
 
 #include <oriel/annual/annual.h>
 #include <oriel/base/error.h>
+
+/*
+ * Radiance's matrix files, as rfluxmtx, rcontrib, gendaymtx, dctimestep and rmtxop write them. A
+ * file starts with "#?RADIANCE". Its header has NROWS, NCOLS, NCOMP (3, or 1 for grey),
+ * FORMAT=ascii, float or double, BigEndian and EXPOSURE. After an empty line follow the values row
+ * by row. NROWS may be missing; it then follows from the size. Picture formats are not supported.
+ */
 
 struct orl_rgb_matrix {
     size_t rows, columns;
@@ -27,17 +32,14 @@ int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
 void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix); /* zeros are allowed */
 
 struct orl_thread_pool;
-/* Computes a times b, by channel, on the crew. Sizes must match. Returns 0, ORL_ERR_NOMEM or
+/* Computes a times b, by channel, on the thread pool. Sizes must match. Returns 0, ORL_ERR_NOMEM or
  * _CANCELLED. */
 int orl_rgb_matrix_multiply(const struct orl_rgb_matrix *a, const struct orl_rgb_matrix *b,
                             struct orl_thread_pool *pool, struct orl_rgb_matrix *ret_product,
                             struct orl_error *err);
 
-/* Matrix terms of a request (oriel/annual/annual_matrices.h), checked before their files are read.
+/* Matrix terms of a request (struct orl_matrix_term), checked before their files are read.
  */
-
-/* Checks that the request can be computed by matrices. Returns 0, ORL_ERR_INVALID or _LIMIT. */
-int orl_matrix_terms_validate(const struct orl_annual_request *request, struct orl_error *err);
 
 /* Returns the term's grid. If the term names no grid, fills room with all sensors and returns it.
  * Returns NULL if the named grid does not exist. */
@@ -46,8 +48,8 @@ const struct orl_annual_grid *orl_matrix_term_grid(const struct orl_annual_reque
                                                    struct orl_annual_grid *room);
 
 /*
- * A year by imported matrices: light is the sum of products that the request names
- * (oriel/annual/annual_matrices.h); direct sunlight alone is computed by Oriel.
+ * A year by imported matrices: light is the sum of products that the request names; direct sunlight
+ * alone is computed by Oriel.
  */
 
 /* Does what orl_annual_run does, for a request that names matrices. Rows are not delivered one by

@@ -237,7 +237,7 @@ int orl_rgb_matrix_read(const char *name, const char *text, size_t size,
 struct product {
     const struct orl_rgb_matrix *a, *b;
     struct orl_rgb_matrix *product;
-    double *sums; /* one row per crew member */
+    double *sums; /* one row per thread */
 };
 
 static void multiply_row(void *arg, size_t row, uint32_t member)

@@ -1,3 +1,7 @@
+/*
+ * Matrices of the three- and five-phase methods, computed by a year's scene and paths. First
+ * come the windows with their transmission and daylight, then the views.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,13 +10,26 @@
 #include <oriel/base/vec.h>
 #include <oriel/bsdf/bsdf.h>
 
-#include "annual/matrices/phase_windows.h"
+#include "annual/coefficients/trace_sensor.h"
 #include "annual/shades/shaded_year.h"
 #include "annual/sun/sunlight.h"
+#include "annual/year/annual_year.h"
 #include "scene/geometry/geometry.h"
+
+/*
+ * Windows of the three-phase method: the ports of a closed building, grouped by material and
+ * direction. Computes their transmission, and the sky that they see, by cells of directions.
+ */
 
 /* Per cell: DRAWS_SIDE^2 samples of transmission, and RAYS_SIDE^2 rays outdoors. */
 enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES, DRAWS_SIDE = 64, RAYS_SIDE = 32 };
+
+struct orl_phase_windows {
+    struct orl_basis basis;
+    uint32_t *of_port;        /* window of each port of the lit scene */
+    struct orl_frame *frames; /* by window: n points inwards */
+    uint32_t *panes;          /* one port of each window */
+};
 
 /* ---- Grouping -------------------------------------------------------------------------------- */
 
@@ -60,8 +77,11 @@ static char *name_of(const struct orl_phase_windows *w, const struct orl_lit_sce
     return text;
 }
 
-int orl_phase_windows_init(struct orl_phase_windows *w, const struct orl_lit_scene *lit_scene,
-                           struct orl_phase_matrices *result, struct orl_error *err)
+/* Groups the ports, and creates the result's windows with names. Returns 0, ORL_ERR_NOMEM or
+ * _LIMIT. */
+static int orl_phase_windows_init(struct orl_phase_windows *w,
+                                  const struct orl_lit_scene *lit_scene,
+                                  struct orl_phase_matrices *result, struct orl_error *err)
 {
     orl_basis_standard("LBNL/Klems Full", &w->basis);
     w->of_port = calloc(lit_scene->n_ports + 1, sizeof *w->of_port);
@@ -94,7 +114,7 @@ int orl_phase_windows_init(struct orl_phase_windows *w, const struct orl_lit_sce
     return 0;
 }
 
-void orl_phase_windows_done(struct orl_phase_windows *w)
+static void orl_phase_windows_done(struct orl_phase_windows *w)
 {
     free(w->of_port);
     free(w->frames);
@@ -119,7 +139,7 @@ static struct orl_random random_of(const struct matrix_context *l, size_t cell, 
                              ~(uint64_t)0 - 4 * cell - kind);
 }
 
-/* Returns a jittered point in one of side x side parts of the unit square. */
+/* Returns a jittered point in one of side x side strata of the unit square. */
 static void jitter_in_part(uint32_t i, uint32_t side, struct orl_random *random, double u[2])
 {
     const uint32_t column = i % side, row = i / side;
@@ -263,8 +283,10 @@ static void trace_cell(void *arg, size_t index, uint32_t member)
     free(bins);
 }
 
-int orl_phase_windows_compute(const struct orl_phase_windows *windows, struct orl_year *year,
-                              struct orl_phase_matrices *result, struct orl_health *healths)
+/* Fills transmission and daylight, which are allocated. healths: one per thread. Returns 0,
+ * ORL_ERR_NOMEM or _CANCELLED. */
+static int orl_phase_windows_compute(const struct orl_phase_windows *windows, struct orl_year *year,
+                                     struct orl_phase_matrices *result, struct orl_health *healths)
 {
     struct matrix_context l = {
         .windows = windows, .year = year, .result = result, .healths = healths};
@@ -279,8 +301,6 @@ int orl_phase_windows_compute(const struct orl_phase_windows *windows, struct or
 
 /* Matrices of the three- and five-phase methods, computed by a year's scene and paths. */
 
-enum { CELLS_2 = ORL_PHASES_CELLS, PATCHES_2 = ORL_ANNUAL_PATCHES };
-
 /* State of the computation while its year runs. */
 struct matrices {
     struct orl_annual_request request; /* the request without its sensors, which are below */
@@ -291,7 +311,7 @@ struct matrices {
     struct orl_year *year;
     struct orl_year_suns suns;
     struct orl_bsdf_panes bsdf_panes;
-    struct orl_health *healths; /* by member */
+    struct orl_health *healths; /* one per thread */
     atomic_bool failed;         /* true after an allocation failure */
 };
 
@@ -325,7 +345,7 @@ static struct orl_shading_point place_of(const struct matrices *p, size_t sensor
 static void compute_view(void *arg, size_t sensor, uint32_t member)
 {
     struct matrices *p = arg;
-    const size_t n = p->result->n_windows * CELLS_2;
+    const size_t n = p->result->n_windows * CELLS;
     const struct orl_shading_point place = place_of(p, sensor);
     float *room = calloc(2 * n + ORL_BINS, sizeof *room);
     if (!room) {
@@ -348,10 +368,10 @@ static void compute_view(void *arg, size_t sensor, uint32_t member)
     }
     const float share = 1.0F / ((float)p->year->batch_samples * ORL_ANNUAL_BATCHES);
     for (size_t w = 0; w < p->result->n_windows; w++)
-        for (size_t c = 0; c < CELLS_2; c++) {
+        for (size_t c = 0; c < CELLS; c++) {
             struct orl_phase_window *window = &p->result->windows[w];
-            window->view[sensor * CELLS_2 + c] = exits.all[w * CELLS_2 + c] * share;
-            window->direct_view[sensor * CELLS_2 + c] = exits.straight[w * CELLS_2 + c] * share;
+            window->view[sensor * CELLS + c] = exits.all[w * CELLS + c] * share;
+            window->direct_view[sensor * CELLS + c] = exits.straight[w * CELLS + c] * share;
         }
     free(room);
 }
@@ -444,11 +464,11 @@ static int allocate_matrices(struct matrices *p)
     p->healths = calloc(orl_thread_pool_size(p->year->env->run->pool), sizeof *p->healths);
     for (size_t i = 0; i < r->n_windows; i++) {
         struct orl_phase_window *w = &r->windows[i];
-        w->transmission = calloc((size_t)CELLS_2 * CELLS_2, sizeof *w->transmission);
-        w->daylight = calloc((size_t)CELLS_2 * PATCHES_2, sizeof *w->daylight);
-        w->direct_daylight = calloc((size_t)CELLS_2 * PATCHES_2, sizeof *w->direct_daylight);
-        w->view = calloc(p->n_sensors * CELLS_2 + 1, sizeof *w->view);
-        w->direct_view = calloc(p->n_sensors * CELLS_2 + 1, sizeof *w->direct_view);
+        w->transmission = calloc((size_t)CELLS * CELLS, sizeof *w->transmission);
+        w->daylight = calloc((size_t)CELLS * PATCHES, sizeof *w->daylight);
+        w->direct_daylight = calloc((size_t)CELLS * PATCHES, sizeof *w->direct_daylight);
+        w->view = calloc(p->n_sensors * CELLS + 1, sizeof *w->view);
+        w->direct_view = calloc(p->n_sensors * CELLS + 1, sizeof *w->direct_view);
         room = room && w->transmission && w->daylight && w->direct_daylight && w->view &&
                w->direct_view;
     }

@@ -1,3 +1,4 @@
+/* Bounding rectangles, the tree that searches them, and the rectangles of ports. */
 #include "annual/panes/bounding_rects.h"
 
 #include <stdlib.h>

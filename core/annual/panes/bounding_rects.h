@@ -1,10 +1,6 @@
 /*
- * Bounding rectangles of flat surfaces, for a cheap test before rays to the sun are traced. The
- * surfaces are the windows through which light enters a sealed building, and mirrors
- * (mirror_planes.h). The rectangles are slightly too large: a ray that misses all of them cannot
- * reach the sun through them.
- *
- * Immutable once made.
+ * Bounding rectangles of panes and mirrors, for a cheap test before rays to the sun are traced.
+ * Also a tree that searches them, and the rectangles of a sealed building's ports.
  */
 #ifndef ORL_ANNUAL_PANES_BOUNDING_RECTS_H
 #define ORL_ANNUAL_PANES_BOUNDING_RECTS_H
@@ -12,6 +8,15 @@
 #include "annual/sun/direction_tree.h"
 #include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
+
+/*
+ * Bounding rectangles of flat surfaces, for a cheap test before rays to the sun are traced. The
+ * surfaces are the windows through which light enters a sealed building, and mirrors
+ * (mirror_planes.h). The rectangles are slightly too large: a ray that misses all of them cannot
+ * reach the sun through them.
+ *
+ * Immutable once made.
+ */
 
 struct orl_bounding_rect {
     uint32_t facet;
@@ -45,7 +50,7 @@ static inline struct orl_vec3 orl_bounding_rect_corner(const struct orl_bounding
 }
 
 /*
- * Bounding-box tree of rectangles around panes (bounding_rects.h). It answers two questions in time
+ * Bounding-volume hierarchy (BVH) of rectangles around panes. It answers two questions in time
  * that grows with the logarithm of their number. Does a ray pass any of them? Which of them,
  * sampled at random, matter at a place?
  *
@@ -73,7 +78,7 @@ struct orl_pane_bvh {
     size_t count;
 };
 
-/* Builds a tree of n windows; strengths are above 0, or NULL: 1 each. Borrows both. Returns 0 or
+/* Builds a tree of n rectangles; strengths are above 0, or NULL: 1 each. Borrows both. Returns 0 or
  * ORL_ERR_NOMEM; orl_pane_bvh_done in either case. */
 int orl_pane_bvh_init(struct orl_pane_bvh *tree, const struct orl_bounding_rect *panes,
                       const double *strengths, size_t n);

@@ -68,7 +68,7 @@ static int find_panes(struct orl_bsdf_panes *bsdf_panes, const struct orl_annual
             (struct orl_bsdf_pane){.window = orl_bounding_rect_of(lit_scene->geometry, port->facet),
                                    .inward = inward,
                                    .kind = (uint32_t)kind,
-                                   .part = orl_annual_window_group_of(scene, (int32_t)i),
+                                   .window_group = orl_annual_window_group_of(scene, (int32_t)i),
                                    .area = facet->area};
     }
     return code;
@@ -97,10 +97,10 @@ static double share_there(const struct orl_bsdf_panes *bsdf_panes,
 
 /* Returns a jittered point in one stratum of a pane. */
 static struct orl_vec3 point_of_stratum(const struct orl_lit_scene *lit_scene,
-                                        const struct orl_bsdf_pane *bsdf_pane, uint32_t part,
+                                        const struct orl_bsdf_pane *bsdf_pane, uint32_t stratum,
                                         struct orl_random *random)
 {
-    const uint32_t row = part / ORL_BSDF_PANE_SIDE, column = part % ORL_BSDF_PANE_SIDE;
+    const uint32_t row = stratum / ORL_BSDF_PANE_SIDE, column = stratum % ORL_BSDF_PANE_SIDE;
     const double x = orl_random_uniform(random), y = orl_random_uniform(random);
     const double u[2] = {(column + x) / ORL_BSDF_PANE_SIDE, (row + y) / ORL_BSDF_PANE_SIDE};
     struct orl_vec3 point, normal;
@@ -204,7 +204,7 @@ void orl_bsdf_panes_done(struct orl_bsdf_panes *bsdf_panes)
 /* ---- A sensor -------------------------------------------------------------------------------- */
 
 /* A point of a pane as seen from the sensor. */
-struct seen {
+struct pane_point {
     struct orl_vec3 point;
     struct orl_vec3 towards; /* from the pane to the sensor */
     /* Luma of the transmittance in between, times both cosines over squared distance. */
@@ -221,7 +221,7 @@ struct pane_view {
     size_t pane;
     uint64_t name;               /* number of the sensor */
     float axis[3], least_cosine; /* cone of directions from the sensor to the pane */
-    struct seen seen[STRATA];
+    struct pane_point seen[STRATA];
     bool any;
     double sight; /* transmittance to all points of the pane; -1: points differ */
 };
@@ -243,7 +243,7 @@ static void sample_pane_points(struct pane_view *b, uint64_t name)
         const struct orl_vec3 there = orl_scale(way, 1 / distance);
         const double here = orl_dot(there, b->place->normal);
         const double leaving = -orl_dot(there, bsdf_pane->inward);
-        b->seen[i] = (struct seen){.point = point};
+        b->seen[i] = (struct pane_point){.point = point};
         if (!(here > 0)) /* no sample comes from there */
             continue;
         ahead++;
@@ -253,10 +253,11 @@ static void sample_pane_points(struct pane_view *b, uint64_t name)
         }
         const double share = orl_luma(
             orl_transmittance(lit_scene, b->place->point, there, distance - 2 * offset, true));
-        b->seen[i] = (struct seen){.point = point,
-                                   .towards = orl_neg(there),
-                                   .geometry_term = share * here * leaving / (distance * distance),
-                                   .density = distance * distance / (leaving * bsdf_pane->area)};
+        b->seen[i] =
+            (struct pane_point){.point = point,
+                                .towards = orl_neg(there),
+                                .geometry_term = share * here * leaving / (distance * distance),
+                                .density = distance * distance / (leaving * bsdf_pane->area)};
         if (k->data_alone)
             b->seen[i].out =
                 orl_bsdf_locate(k->material->bsdf, orl_to_local(&k->frame, orl_neg(there)));
@@ -308,7 +309,7 @@ _Static_assert((int)POINTS == (int)BATCHES, "each group has one point");
  * direction in BSDF sampling. */
 static double transmitted_to(const struct orl_bsdf_pane_kind *k,
                              const struct orl_bsdf_pane_samples *samples, const struct orl_hit *hit,
-                             const struct seen *s, struct orl_vec3 from, double *ret_pdf)
+                             const struct pane_point *s, struct orl_vec3 from, double *ret_pdf)
 {
     if (k->data_alone) {
         struct orl_bsdf_incidence own;
@@ -330,7 +331,7 @@ static double transmitted_to(const struct orl_bsdf_pane_kind *k,
  * disc of radiance 1. It includes the weight of the balance heuristic against BSDF samples. */
 static double weighted_radiance(const struct pane_view *b,
                                 const struct orl_bsdf_pane_samples *samples,
-                                const struct orl_hit *hit, const struct seen *s,
+                                const struct orl_hit *hit, const struct pane_point *s,
                                 struct orl_vec3 from)
 {
     const struct orl_bsdf_pane_kind *k = &b->bsdf_panes->kinds[b->bsdf_pane->kind];
@@ -361,7 +362,7 @@ static void add_points(const struct pane_view *b, size_t which, const struct orl
     const uint32_t of_disc = samples->spans_cells ? DISC_POINTS : 1;
     const uint64_t shift = orl_mix64(b->name ^ orl_mix64(which << 8));
     for (uint32_t batch = 0; batch < BATCHES; batch++) {
-        const struct seen *s = &b->seen[stratum_of_batch(batch, bits)];
+        const struct pane_point *s = &b->seen[stratum_of_batch(batch, bits)];
         struct orl_vec3 chosen = {0, 0, 0};
         struct orl_reservoir sent = orl_reservoir_begin(orl_mix64(bits ^ batch));
         if (!(s->geometry_term > 0))
@@ -473,8 +474,9 @@ static void add_sun(const struct pane_view *b, size_t sun,
         mean += batches[g] / BATCHES;
     for (int g = 0; g < BATCHES; g++)
         spread += (batches[g] - mean) * (batches[g] - mean) / (BATCHES * (BATCHES - 1.0));
-    orl_sensor_sunlight_add(sunlight, b->bsdf_pane->part, ORL_SUNLIGHT_DIRECT, sun, mean);
-    orl_sensor_sunlight_add(sunlight, b->bsdf_pane->part, ORL_SUNLIGHT_VARIANCE, sun, spread);
+    orl_sensor_sunlight_add(sunlight, b->bsdf_pane->window_group, ORL_SUNLIGHT_DIRECT, sun, mean);
+    orl_sensor_sunlight_add(sunlight, b->bsdf_pane->window_group, ORL_SUNLIGHT_VARIANCE, sun,
+                            spread);
 }
 
 void orl_bsdf_panes_add(const struct orl_bsdf_panes *bsdf_panes,
@@ -490,8 +492,9 @@ void orl_bsdf_panes_add(const struct orl_bsdf_panes *bsdf_panes,
                               .name = name};
         const struct orl_vec3 from = orl_sub(place->point, b.bsdf_pane->window.corner);
         const unsigned char *wanted =
-            sunlight->wanted ? sunlight->wanted + b.bsdf_pane->part * bsdf_panes->suns->count
-                             : NULL;
+            sunlight->wanted
+                ? sunlight->wanted + b.bsdf_pane->window_group * bsdf_panes->suns->count
+                : NULL;
         if (place->outside || !(orl_dot(from, b.bsdf_pane->inward) > 0))
             continue;
         sample_pane_points(&b, name);

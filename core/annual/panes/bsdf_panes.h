@@ -1,7 +1,6 @@
 /*
- * BSDF samples of an hour's sun: the directions into the room in which a kind of BSDF pane sends
- * it. Each sample has a random point of the sun's disc. All sensors and panes of the kind share
- * them.
+ * Sunlight at sensors through BSDF panes: BSDF samples of each hour's sun, and points of the
+ * panes.
  */
 #ifndef ORL_ANNUAL_PANES_BSDF_PANES_H
 #define ORL_ANNUAL_PANES_BSDF_PANES_H
@@ -13,6 +12,12 @@
 #include "base/sampling/sampling.h"
 #include "bsdf/loaded_bsdf.h"
 #include "light/direct.h"
+
+/*
+ * BSDF samples of an hour's sun: the directions into the room in which a kind of BSDF pane sends
+ * it. Each sample has a random point of the sun's disc. All sensors and panes of the kind share
+ * them.
+ */
 
 enum { ORL_BSDF_PANE_SAMPLES = 128 /* samples per kind of pane and sun */ };
 
@@ -92,7 +97,8 @@ enum {
 struct orl_bsdf_pane {
     struct orl_bounding_rect window;
     struct orl_vec3 inward;
-    uint32_t kind, part; /* window group (annual_scene.h) */
+    uint32_t kind;         /* index into kinds */
+    uint32_t window_group; /* window group (annual_scene.h) */
     double area;
 };
 
@@ -118,8 +124,8 @@ int orl_bsdf_panes_init(struct orl_bsdf_panes *bsdf_panes, const struct orl_annu
 void orl_bsdf_panes_done(struct orl_bsdf_panes *bsdf_panes);
 
 /* Adds the direct sunlight through BSDF panes for every wanted sun, and the square of its standard
- * error. name: number of the sensor, for random numbers. Cancellation of the crew is checked before
- * each pane; the remaining panes are then left out. crew may be NULL. */
+ * error. name: number of the sensor, for random numbers. The cancel flag of the pool is polled
+ * before each pane; the remaining panes are then left out. pool may be NULL. */
 void orl_bsdf_panes_add(const struct orl_bsdf_panes *bsdf_panes,
                         const struct orl_shading_point *place, uint64_t name,
                         const struct orl_thread_pool *pool,

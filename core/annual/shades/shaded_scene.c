@@ -1,3 +1,4 @@
+/* The scene of a year with its window groups in given states, and the sizes of such scenes. */
 #include "annual/shades/shaded_year.h"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* A year with shades: the schedules of its window groups, by clock or by light, and single runs. */
 #include "annual/shades/shaded_year.h"
 
 #include <stdlib.h>

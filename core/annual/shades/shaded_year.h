@@ -1,5 +1,7 @@
-/* The scene of a year with its window groups in given states: its files, and material
- * overrides. */
+/*
+ * A year with shades: the states of its window groups in every hour, the scene in given states,
+ * and the runs that the year is composed of.
+ */
 #ifndef ORL_ANNUAL_SHADES_SHADED_YEAR_H
 #define ORL_ANNUAL_SHADES_SHADED_YEAR_H
 
@@ -7,6 +9,9 @@
 
 #include "annual/year/annual_year.h"
 #include "scene/surfaces.h"
+
+/* The scene of a year with its window groups in given states: its files, and material
+ * overrides. */
 
 struct orl_shaded_scene {
     /* The year's request with other scene_files and no groups; the rest is borrowed. */
@@ -16,10 +21,10 @@ struct orl_shaded_scene {
     struct orl_material_overrides material_overrides;
 };
 
-/* Builds the scene. states: one per group. parted: light can be split by group (scene/override.h).
- * Borrows the request, and contains pointers to itself, so it must not be moved. Returns 0,
- * ORL_ERR_NOMEM or ORL_ERR_INVALID (no file is left); the caller calls orl_shaded_scene_done in
- * either case. */
+/* Builds the scene. states: one per group. by_window_group: light can be split by window group
+ * (scene/surfaces.h). Borrows the request, and contains pointers to itself, so it must not be
+ * moved. Returns 0, ORL_ERR_NOMEM or ORL_ERR_INVALID (no file is left); the caller calls
+ * orl_shaded_scene_done in either case. */
 int orl_shaded_scene_init(struct orl_shaded_scene *shaded_scene,
                           const struct orl_annual_request *request, const unsigned char *states,
                           bool by_window_group, struct orl_error *err);

@@ -1,3 +1,4 @@
+/* Bins of directions, and the skies of a tile of hours in them. */
 #include "annual/sky/bins.h"
 
 #include <math.h>

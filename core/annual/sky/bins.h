@@ -1,15 +1,4 @@
-/*
- * Bins of directions. Above the horizon they are Reinhart's subdivision MF:4 of Tregenza's sky:
- * 2305 patches in 29 rows of equal height, the last one around the zenith. Below the horizon are
- * six rows of the same height, where sky and ground blend (light/sky.c), and one bin for the rest.
- * Each bin belongs to a coarse bin: a Tregenza patch of four columns and rows, or a row below the
- * horizon.
- *
- * Conventions: azimuth is clockwise from +Y (north) of the sky, and the first bin of a row is
- * centred on it. Rows are counted from the horizon. Bins above it are in the order of Radiance's
- * reinhart.cal. References: Tregenza 1987, Lighting Research and Technology 19(1), 13; Reinhart and
- * Walkenhorst 2001, Energy and Buildings 33(7), 683.
- */
+/* Bins of directions, and Perez skies of several hours in all bins. */
 #ifndef ORL_ANNUAL_SKY_BINS_H
 #define ORL_ANNUAL_SKY_BINS_H
 
@@ -18,6 +7,19 @@
 #include <oriel/base/vec.h>
 
 #include "light/daylight/daylight.h"
+
+/*
+ * Bins of directions. Above the horizon they are Reinhart's subdivision MF:4 of Tregenza's sky:
+ * 2305 patches in 29 rows of equal height, the last one around the zenith. Below the horizon are
+ * six rows of the same height, where sky and ground blend (light/daylight/sky.c), and one bin for
+ * the rest. Each bin belongs to a coarse bin: a Tregenza patch of four columns and rows, or a row
+ * below the horizon.
+ *
+ * Conventions: azimuth is clockwise from +Y (north) of the sky, and the first bin of a row is
+ * centred on it. Rows are counted from the horizon. Bins above it are in the order of Radiance's
+ * reinhart.cal. References: Tregenza 1987, Lighting Research and Technology 19(1), 13; Reinhart and
+ * Walkenhorst 2001, Energy and Buildings 33(7), 683.
+ */
 
 enum {
     ORL_BINS_FINE = 4,
@@ -58,7 +60,7 @@ uint32_t orl_bins_find(const struct orl_bins *bins, struct orl_vec3 direction);
 
 enum { ORL_SKY_ROW_HEIGHTS = 8 };
 
-/* Blend of sky and ground (light/sky.c), precomputed by row. */
+/* Blend of sky and ground (light/daylight/sky.c), precomputed by row. */
 struct orl_horizon_blend {
     const struct orl_bins *bins; /* borrowed */
     double sines[ORL_BINS_ROWS][ORL_SKY_ROW_HEIGHTS];

@@ -4,7 +4,8 @@
  *
  * A sky is the Perez pattern of its row. A bin's value is the mean over the bin's row in height, at
  * the middle of the bin in azimuth. The bins are scaled so that together they give a horizontal
- * plane exactly the diffuse flux of the row. The ground is lit by sky and sun (light/daylight.h).
+ * plane exactly the diffuse flux of the row. The ground is lit by sky and sun
+ * (light/daylight/daylight.h).
  *
  * Skies are stored in tiles of ORL_HOURS_TILE columns, [bin][column]. A matrix product loops over
  * bins and handles the columns of a tile side by side. Immutable once made.

@@ -1,9 +1,4 @@
-/*
- * A balanced k-d tree of unit directions: finds those within a cone without testing each of them.
- * The directions are suns; the cone is that of a pane as it is seen from a place.
- *
- * Immutable once built; the directions themselves are copied.
- */
+/* Search for suns: a k-d tree of directions, and the trees of subsets of the sun's nodes. */
 #ifndef ORL_ANNUAL_SUN_DIRECTION_TREE_H
 #define ORL_ANNUAL_SUN_DIRECTION_TREE_H
 
@@ -12,6 +7,13 @@
 #include <stdint.h>
 
 #include <oriel/base/vec.h>
+
+/*
+ * A balanced k-d tree of unit directions: finds those within a cone without testing each of them.
+ * The directions are suns; the cone is that of a pane as it is seen from a place.
+ *
+ * Immutable once built; the directions themselves are copied.
+ */
 
 struct orl_direction_entry {
     struct orl_vec3 towards; /* unit */

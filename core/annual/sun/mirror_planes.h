@@ -3,7 +3,7 @@
  *
  * A plane groups the coplanar facets of one class (light/virtual_suns.h); its ports have outdoors
  * on the same side. A ray towards the mirror image of the sun meets at most one of them. Only the
- * largest planes are kept; facets of the others are left out and counted.
+ * largest planes are stored; facets of the others are left out and counted.
  *
  * Immutable once made.
  */

@@ -1,3 +1,4 @@
+/* The nodes of the sun, and the weights of each sun over nodes and beams. */
 #include "annual/sun/sun_weights.h"
 
 #include <stdbool.h>

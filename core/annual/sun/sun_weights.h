@@ -1,10 +1,6 @@
 /*
- * Nodes of the sun: the directions for which light by way of surfaces is computed. Suns between
- * them are interpolated. Nodes lie on circles of declination, from the lowest to the highest
- * declination of the given hours. On each circle they are spaced evenly in hour angle from sunrise
- * to sunset. Thus no node is below the horizon, and low suns are not mixed with suns that have set.
- *
- * Directions are in sky axes: x east, y north, z up.
+ * Interpolation of the sun: nodes on a grid of declination and hour angle, and the weights of
+ * each sun over nodes and beams.
  */
 #ifndef ORL_ANNUAL_SUN_SUN_WEIGHTS_H
 #define ORL_ANNUAL_SUN_SUN_WEIGHTS_H
@@ -16,6 +12,15 @@
 
 #include "annual/sky/hours.h"
 #include "annual/sun_map/sun_map.h"
+
+/*
+ * Nodes of the sun: the directions for which light by way of surfaces is computed. Suns between
+ * them are interpolated. Nodes lie on circles of declination, from the lowest to the highest
+ * declination of the given hours. On each circle they are spaced evenly in hour angle from sunrise
+ * to sunset. Thus no node is below the horizon, and low suns are not mixed with suns that have set.
+ *
+ * Directions are in sky axes: x east, y north, z up.
+ */
 
 struct orl_sun_grid {
     struct orl_vec3 *at; /* unit vectors, circle by circle */
@@ -62,20 +67,20 @@ struct orl_sun_interpolation orl_sun_grid_interpolate(const struct orl_sun_grid 
  * Interpolation weights of each sun (hours.h) over nodes and over beams (sun_map.h). Weights of
  * beams also contain the ratio of the flux that the ports let in from the sun to that of the nodes.
  * Thus the cosine at a window, the transmittance of its pane, and shadows from outside
- * (port_shadows.h) are those of the hour.
+ * (sun_beams.h) are those of the hour.
  *
  * Immutable once made.
  */
 
 struct orl_sun_weights {
-    uint32_t n_window_groups; /* window groups (window_group_ports.h) */
+    uint32_t n_window_groups; /* window groups (annual_scene.h) */
     size_t n_lost;            /* suns that light ports which no node lights; that light is lost */
     /* Indices into the next three: [sun][0] is the first weight of nodes, [sun][1 + window group]
      * the first of beams of a window group. One more index ends the list. */
     uint32_t *first;
     uint32_t *which; /* node or beam */
     float *weights;
-    float *difference; /* difference of weights from the wide interpolation's (sun_grid.h) */
+    float *difference; /* difference of weights from the wide interpolation's */
 };
 
 /* Weights from first to end. */
@@ -97,7 +102,7 @@ orl_sun_weights_of_beams(const struct orl_sun_weights *sun_weights, size_t sun,
     return (struct orl_sun_weight_range){first[0], first[1]};
 }
 
-/* map may be NULL. n_parts: window groups of the map's beams. Returns 0, ORL_ERR_NOMEM or
+/* map may be NULL. n_window_groups: window groups of the map's beams. Returns 0, ORL_ERR_NOMEM or
  * _CANCELLED; the caller calls orl_sun_weights_done in either case. */
 int orl_sun_weights_init(struct orl_sun_weights *sun_weights, const struct orl_year_suns *suns,
                          const struct orl_sun_grid *nodes, const struct orl_frame *node_frames,

@@ -1,6 +1,6 @@
 /*
- * Direct sunlight at a sensor by sun (hours.h), and by the window group through which it
- * comes in (annual_scene.h): irradiance for a sun with a normal irradiance of 1.
+ * Sunlight at a place: for paths by the sun's nodes; for sensors by the sun of every hour, with
+ * the arrays that hold it.
  */
 #ifndef ORL_ANNUAL_SUN_SUNLIGHT_H
 #define ORL_ANNUAL_SUN_SUNLIGHT_H
@@ -12,6 +12,11 @@
 
 #include "annual/coefficients/trace_sensor.h"
 #include "annual/year/annual_scene.h"
+
+/*
+ * Direct sunlight at a sensor by sun (hours.h), and by the window group through which it
+ * comes in (annual_scene.h): irradiance for a sun with a normal irradiance of 1.
+ */
 
 /* Rows: sunlight straight and through BSDF panes (oriel/annual/annual.h); sunlight by mirrors; and
  * the square of the standard error of both together. */
@@ -75,7 +80,7 @@ static inline void orl_sensor_sunlight_add(const struct orl_sensor_sunlight *sun
  * Paths use the sun's nodes; sensors use the sun of every hour.
  *
  * Light by several mirrors in sequence is left out. Scenes in which it exceeds the faint second
- * reflections of panes are refused (check_supported.h).
+ * reflections of panes are refused (orl_annual_check_supported).
  */
 
 /* A place and the weight of its irradiance. If lobes is not NULL, the light that they send towards
@@ -102,8 +107,8 @@ void orl_sunlight_add(const struct orl_annual_scene *scene, const struct orl_sun
 
 /*
  * Computes irradiance at a sensor by the discs of all wanted suns, each with a normal illuminance
- * of 1: straight, through panes, and by mirrors. Cancellation of the crew is checked before each
- * sun, straight and by each mirror pane; the rest is then left out. crew may be NULL.
+ * of 1: straight, through panes, and by mirrors. The cancel flag of the pool is polled before each
+ * sun, straight and by each mirror pane; the rest is then left out. pool may be NULL.
  */
 void orl_sunlight_find_hours(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                              const struct orl_shading_point *place, uint64_t name,

@@ -1,3 +1,4 @@
+/* Beams: kinds of ports, their flux, and shadows on them. */
 #include "annual/sun_map/sun_beams.h"
 
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /*
- * Beams: sunlight from a node of the sun through a kind of ports. Ports of a kind share a material
- * and face nearly the same way. The flux that the ports of a beam let in is known for its node and
- * for any sun in between.
- *
- * Immutable once made.
+ * Beams of sunlight through kinds of ports, the shadows of outdoor surfaces on these ports, and
+ * the photons of beams.
  */
 #ifndef ORL_ANNUAL_SUN_MAP_SUN_BEAMS_H
 #define ORL_ANNUAL_SUN_MAP_SUN_BEAMS_H
@@ -11,7 +8,15 @@
 #include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
 
-/* Most kinds of ports: in all; of a window group (window_group_ports.h) if there are several; of
+/*
+ * Beams: sunlight from a node of the sun through a kind of ports. Ports of a kind share a material
+ * and face nearly the same way. The flux that the ports of a beam let in is known for its node and
+ * for any sun in between.
+ *
+ * Immutable once made.
+ */
+
+/* Most kinds of ports: in all; of a window group (annual_scene.h) if there are several; of
  * the only window group. Further kinds are merged into the window group's last one. */
 enum { ORL_SUN_MOST_KINDS = 256, ORL_SUN_KINDS_OF_GROUP = 3, ORL_SUN_KINDS_OF_ALL = 8 };
 
@@ -33,7 +38,7 @@ struct orl_sun_beams {
 };
 
 /* nodes: frames in scene axes, n towards the sun. window_group_of_port: window group of each port
- * of the world; NULL: there is one window group. Returns 0 or ORL_ERR_NOMEM; the caller calls
+ * of the lit scene; NULL: there is one window group. Returns 0 or ORL_ERR_NOMEM; the caller calls
  * orl_sun_beams_done in either case. */
 int orl_sun_beams_init(struct orl_sun_beams *beams, const struct orl_lit_scene *lit_scene,
                        const struct orl_frame *nodes, size_t n_nodes,
@@ -52,8 +57,8 @@ double orl_sun_beams_flux(const struct orl_sun_beams *beams, uint32_t kind,
 
 /*
  * Shadows on ports: buildings and trees outside block some of a sun's light on its way to a kind of
- * ports (sun_beams.h). The blocked share changes within minutes, while nodes of the sun are 40
- * minutes apart. Rays from points of the ports, the same points for all suns, find it.
+ * ports. The blocked share changes within minutes, while nodes of the sun are 40 minutes apart.
+ * Rays from points of the ports, the same points for all suns, find it.
  *
  * Immutable once made.
  */
@@ -83,12 +88,12 @@ double orl_port_shadows_lit(const struct orl_port_shadows *shadows, uint32_t kin
                             struct orl_vec3 towards);
 
 /*
- * Photons of beams (sun_beams.h). They start on the sun's disc, pass the ports of a kind and go on
+ * Photons of beams. They start on the sun's disc, pass the ports of a kind and go on
  * by specular and glossy reflection and transmission. Optionally diffuse surfaces scatter them,
  * too, until they are absorbed. At each diffuse surface inside the photon's flux is recorded.
  */
 
-enum { ORL_SUN_PHOTON_BATCHES = 8 }; /* independent groups of photons */
+enum { ORL_SUN_PHOTON_BATCHES = 8 }; /* independent batches of photons */
 
 /* Flux that a photon brings to a diffuse surface, W, for a sun with a normal irradiance of 1. */
 struct orl_sun_deposit {

@@ -1,7 +1,4 @@
-/*
- * Texels of surfaces, identified by number: the texel that a hit falls into, and the surface area
- * in it. Polygons are divided in their plane, round surfaces by angle and height (orl_hit_uv).
- */
+/* Map of sunlight on surfaces inside a sealed building, and the texels that hold it. */
 #ifndef ORL_ANNUAL_SUN_MAP_SUN_MAP_H
 #define ORL_ANNUAL_SUN_MAP_SUN_MAP_H
 
@@ -12,6 +9,11 @@
 #include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
 #include "scene/geometry/geometry.h"
+
+/*
+ * Texels of surfaces, identified by number: the texel that a hit falls into, and the surface area
+ * in it. Polygons are divided in their plane, round surfaces by angle and height (orl_hit_uv).
+ */
 
 /* Division of a polygon into rows and columns that fit its extent, so that no slivers remain. */
 struct orl_sun_texel_grid {
@@ -50,7 +52,7 @@ double orl_sun_texel_area(const struct orl_sun_texels *texels, const struct orl_
  * is a mean, which suffices for light seen from elsewhere. A sensor's own direct light is not taken
  * from the map.
  *
- * Photons form ORL_SUN_PHOTON_BATCHES independent groups, which yield standard errors. The map
+ * Photons form ORL_SUN_PHOTON_BATCHES independent batches, which yield standard errors. The map
  * depends on seed and scene alone; immutable once made.
  */
 
@@ -69,7 +71,7 @@ struct orl_sun_map_request {
     uint64_t seed;
     uint32_t photons; /* photons per node, over all its beams and batches */
     uint32_t of_beam; /* least photons per beam */
-    /* By port of the world (window_group_ports.h), used during the call only; NULL: one window
+    /* By port of the lit scene (annual_scene.h), used during the call only; NULL: one window
      * group. */
     const uint16_t *window_group_of_port;
     bool interreflection; /* true if light between diffuse surfaces is included */

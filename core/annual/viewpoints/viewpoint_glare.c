@@ -20,7 +20,7 @@ struct glare_context {
     const struct orl_viewpoint_light *light;
     const struct orl_viewpoint_hours *ret;
     const struct orl_thread_pool *pool;
-    float **room; /* by member: luminances of a strip, and of one hour */
+    float **room; /* by thread: luminances of a strip, and of one hour */
     atomic_bool failed;
 };
 

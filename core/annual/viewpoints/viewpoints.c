@@ -1,10 +1,10 @@
 /*
- * Glare over a year: builds the views of viewpoints, runs their sensors as a year, and rates each
+ * Glare over a year: builds the images of viewpoints, runs their sensors as a year, and rates each
  * viewpoint.
  *
- * Views are large, and there may be many viewpoints: at most ORL_GLARE_VIEWPOINTS_AT_ONCE views are
- * in memory. If there are more viewpoints, each view is built twice, for the sensors and for the
- * rating. Both are equal, because random numbers are keyed by viewpoint.
+ * Images are large, and there may be many viewpoints: at most ORL_GLARE_VIEWPOINTS_AT_ONCE images
+ * are in memory. If there are more viewpoints, each image is built twice, for the sensors and for
+ * the rating. Both are equal, because random numbers are keyed by viewpoint.
  */
 #include <oriel/annual/annual_glare.h>
 
@@ -56,7 +56,7 @@ static void free_chunk(struct viewpoint_run *s)
     s->n_chunk = 0;
 }
 
-/* Builds the views of a chunk that starts at the given viewpoint. */
+/* Builds the images of a chunk that starts at the given viewpoint. */
 static int build_views(struct viewpoint_run *s, size_t first, struct orl_error *err)
 {
     const size_t left = s->viewpoint_request->n_viewpoints - first;

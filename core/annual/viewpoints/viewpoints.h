@@ -1,13 +1,6 @@
 /*
- * Terms of one pixel while its rays are traced: a weight for each bin or place seen. Adding a term
- * takes constant time. If a pixel has more terms than a limit, some are sampled without bias.
- *
- * The method is threshold sampling (Duffield, Lund and Thorup 2007, "Priority sampling for
- * estimation of arbitrary subset sums", J. ACM 54(6)), with systematic draws. Weights above a
- * threshold are kept unchanged. Each other weight is kept with a probability proportional to it,
- * and is then set to the threshold. The sum of the weights does not change.
- *
- * Threads: one thread at a time.
+ * Glare at viewpoints over a year: the terms of a pixel, the visible points, the image of a
+ * viewpoint, and glare by hour.
  */
 #ifndef ORL_ANNUAL_VIEWPOINTS_VIEWPOINTS_H
 #define ORL_ANNUAL_VIEWPOINTS_VIEWPOINTS_H
@@ -24,7 +17,20 @@
 #include "metrics/glare_sources.h"
 #include "scene/geometry/geometry.h"
 
-/* A bin or place that a pixel sees, and its weight (luma). */
+/*
+ * Terms of one pixel while its rays are traced: a weight for each bin or visible point seen. Adding
+ * a term takes constant time. If a pixel has more terms than a limit, some are sampled without
+ * bias.
+ *
+ * The method is threshold sampling (Duffield, Lund and Thorup 2007, "Priority sampling for
+ * estimation of arbitrary subset sums", J. ACM 54(6)), with systematic draws. Weights above a
+ * threshold are kept unchanged. Each other weight is kept with a probability proportional to it,
+ * and is then set to the threshold. The sum of the weights does not change.
+ *
+ * Threads: one thread at a time.
+ */
+
+/* A bin or visible point that a pixel sees, and its weight (luma). */
 struct orl_pixel_term {
     uint32_t which;
     float weight;
@@ -79,7 +85,7 @@ struct orl_visible_point {
 struct orl_visible_points {
     struct orl_vec3 eye;
     struct orl_hit_cluster *found;
-    uint32_t *slots; /* hash table by name: index in found, plus one */
+    uint32_t *slots; /* hash table by key: index in found, plus one */
     size_t n_found, n_slots;
     uint32_t *selected;                /* indices in found of the visible points that are sensors */
     struct orl_visible_point *sensors; /* the kept visible points */
@@ -100,14 +106,15 @@ int orl_visible_points_choose(struct orl_visible_points *visible_points,
 void orl_visible_points_trim(struct orl_visible_points *visible_points);
 
 /*
- * View of a viewpoint, built once for all hours of a year. It is a fisheye picture. Each pixel is a
- * sum of sky bins, of the light on visible points of surfaces, and of spots that the sun may light.
+ * Image of a viewpoint, built once for all hours of a year. It is a fisheye picture. Each pixel is
+ * a sum of sky bins, of the light on visible points of surfaces, and of spots that the sun may
+ * light.
  *
- * A pixel's rays pass panes, mirrors and lobes (viewpoint_rays.h). At each diffuse surface on the
+ * A pixel's rays pass panes, mirrors and lobes (viewpoint_image.c). At each diffuse surface on the
  * path, the surface's visible point adds to the pixel. A visible point represents the visible part
- * of its surface around it (visible_points.h); a sensor of the year gives the light there. A
- * pixel's spot is where its first ray hits. Sunlight there is computed hour by hour, so the visible
- * point's own direct sunlight is left out for such rays.
+ * of its surface around it; a sensor of the year gives the light there. A pixel's spot is where its
+ * first ray hits. Sunlight there is computed hour by hour, so the visible point's own direct
+ * sunlight is left out for such rays.
  *
  * Immutable once made. The picture has Radiance's projection -vta with 180 degrees.
  */
@@ -142,47 +149,13 @@ struct orl_viewpoint_image {
     uint64_t n_steps; /* traced ray segments */
 };
 
-/* name: the viewpoint's number, for random numbers. Cancellation of the crew is checked before each
- * pixel. Returns 0, ORL_ERR_NOMEM, _CANCELLED or _RANGE; the caller calls orl_viewpoint_image_done
- * in any case. */
+/* name: the viewpoint's number, for random numbers. The cancel flag of the pool is polled before
+ * each pixel. Returns 0, ORL_ERR_NOMEM, _CANCELLED or _RANGE; the caller calls
+ * orl_viewpoint_image_done in any case. */
 int orl_viewpoint_image_init(struct orl_viewpoint_image *view, const struct orl_annual_scene *scene,
                              const struct orl_viewpoint *viewpoint, uint64_t name,
                              const struct orl_thread_pool *pool, struct orl_error *err);
 void orl_viewpoint_image_done(struct orl_viewpoint_image *view);
-
-/*
- * Rays of a viewpoint's pixels. They add terms for the sky and for diffuse surfaces, reached
- * through panes, mirrors and lobes. They also add spots on visible surfaces where the sun may fall.
- *
- * At a surface a path may continue in three ways: straight through, mirrored, and in one direction
- * sampled from its lobes. It splits into all of them while the ray may have more paths. Afterwards
- * it takes one, sampled in proportion to what each carries. Paths that carry little, and paths of
- * many steps, end by Russian roulette (Arvo and Kirk 1990, "Particle transport and image
- * synthesis"). So a ray has at most ORL_VIEWPOINT_RAY_PATHS paths in any scene, and the estimate is
- * unbiased.
- *
- * Threads: one thread per viewpoint. Random numbers are keyed by viewpoint and pixel.
- */
-
-/* Most paths of a ray: in general, and if the pixel sees lobes and has more rays. */
-enum { ORL_VIEWPOINT_RAY_PATHS = 8, ORL_VIEWPOINT_LOBE_PATHS = 4 };
-
-struct orl_viewpoint_rays {
-    struct orl_viewpoint_image *view; /* receives visible points and spots */
-    const struct orl_annual_scene *scene;
-    struct orl_random random;
-    uint32_t pixel;
-    double share;                 /* share of the pixel that a ray represents */
-    uint32_t most_paths;          /* most paths of a ray */
-    bool spots;                   /* true if the next ray adds spots */
-    bool lobes;                   /* true once a ray has hit lobes */
-    struct orl_pixel_terms terms; /* terms of the current pixel */
-    size_t spots_room;            /* capacity of view->spots */
-    uint64_t steps;               /* traced segments */
-};
-
-/* Traces a ray from the eye. Returns 0 or ORL_ERR_NOMEM. */
-int orl_viewpoint_rays_trace(struct orl_viewpoint_rays *rays, struct orl_vec3 direction);
 
 /*
  * Glare of a viewpoint by hour. Each hour has a picture with its glare sources; the sun's disc and
@@ -194,7 +167,7 @@ struct orl_viewpoint_light {
     const struct orl_year *year;
     const unsigned char *wanted;               /* by column */
     const float *eye, *eye_direct, *eye_error; /* lx, by column */
-    /* [place of the view][two][column], lx: without direct sunlight, and all. */
+    /* [visible point of the view][two][column], lx: without direct sunlight, and all. */
     const float *visible_points;
 };
 

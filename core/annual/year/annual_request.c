@@ -1,4 +1,7 @@
-/* Request and result of a year: defaults, validation, names, and freeing. */
+/*
+ * Request and result of a year, with window groups, viewpoints and matrix terms: defaults,
+ * validation, names, and freeing.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,6 +65,36 @@ const char *orl_annual_technique_name(enum orl_annual_technique technique)
 {
     static const char *const names[ORL_ANNUAL_TECHNIQUES] = {"paths", "precomputed"};
     return names[technique];
+}
+
+/* Checks that the request can be computed by matrices. Returns 0, ORL_ERR_INVALID or _LIMIT. */
+static int orl_matrix_terms_validate(const struct orl_annual_request *request,
+                                     struct orl_error *err)
+{
+    struct orl_annual_grid all;
+    if (request->n_terms > ORL_MATRICES_MOST_TERMS)
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu matrices' terms are more than %d",
+                             request->n_terms, ORL_MATRICES_MOST_TERMS);
+    if (request->n_terms > 0 && request->n_groups > 0)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "matrices are of one state: a year by matrices has no shades");
+    if (request->n_terms > 0 && request->coefficients)
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a year by matrices has no daylight coefficients of its own");
+    for (size_t i = 0; i < request->n_terms; i++) {
+        const struct orl_matrix_term *t = &request->terms[i];
+        const bool three = t->view && t->transmission && t->daylight;
+        const bool any = t->view || t->transmission || t->daylight;
+        if (!t->sky || (t->coefficients ? any : !three))
+            return orl_error_set(err, ORL_ERR_INVALID,
+                                 "matrices[%zu]: a sky is wanted, and coefficients, or view, "
+                                 "transmission and daylight",
+                                 i);
+        if (!orl_matrix_term_grid(request, t, &all))
+            return orl_error_set(err, ORL_ERR_INVALID, "matrices[%zu]: no grid is named '%.100s'",
+                                 i, t->grid);
+    }
+    return 0;
 }
 
 int orl_annual_validate_numbers(const struct orl_annual_request *request, struct orl_error *err)
@@ -352,7 +385,7 @@ int orl_viewpoints_validate(const struct orl_viewpoint_request *viewpoint_reques
     return 0;
 }
 
-/* Matrix terms of a request: freeing and validation. */
+/* Matrix terms of a request: freeing, and their grids. */
 
 void orl_matrix_term_done(struct orl_matrix_term *term)
 {
@@ -367,8 +400,6 @@ void orl_matrix_term_done(struct orl_matrix_term *term)
     *term = (struct orl_matrix_term){.grid = NULL};
 }
 
-/* ---- Checks ---------------------------------------------------------------------------------- */
-
 const struct orl_annual_grid *orl_matrix_term_grid(const struct orl_annual_request *request,
                                                    const struct orl_matrix_term *term,
                                                    struct orl_annual_grid *room)
@@ -380,32 +411,4 @@ const struct orl_annual_grid *orl_matrix_term_grid(const struct orl_annual_reque
         if (request->grids[i].name && strcmp(request->grids[i].name, term->grid) == 0)
             return &request->grids[i];
     return NULL;
-}
-
-int orl_matrix_terms_validate(const struct orl_annual_request *request, struct orl_error *err)
-{
-    struct orl_annual_grid all;
-    if (request->n_terms > ORL_MATRICES_MOST_TERMS)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu matrices' terms are more than %d",
-                             request->n_terms, ORL_MATRICES_MOST_TERMS);
-    if (request->n_terms > 0 && request->n_groups > 0)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "matrices are of one state: a year by matrices has no shades");
-    if (request->n_terms > 0 && request->coefficients)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "a year by matrices has no daylight coefficients of its own");
-    for (size_t i = 0; i < request->n_terms; i++) {
-        const struct orl_matrix_term *t = &request->terms[i];
-        const bool three = t->view && t->transmission && t->daylight;
-        const bool any = t->view || t->transmission || t->daylight;
-        if (!t->sky || (t->coefficients ? any : !three))
-            return orl_error_set(err, ORL_ERR_INVALID,
-                                 "matrices[%zu]: a sky is wanted, and coefficients, or view, "
-                                 "transmission and daylight",
-                                 i);
-        if (!orl_matrix_term_grid(request, t, &all))
-            return orl_error_set(err, ORL_ERR_INVALID, "matrices[%zu]: no grid is named '%.100s'",
-                                 i, t->grid);
-    }
-    return 0;
 }

@@ -1,3 +1,4 @@
+/* Scene data that all paths read, and the window groups of its ports. */
 #include "annual/year/annual_scene.h"
 
 #include <stdlib.h>
@@ -96,7 +97,8 @@ int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t 
 /* Photons of the sun map: default totals without and with BSDF panes, and the least per node. */
 enum { PHOTONS = 300000, BSDF_PANE_PHOTONS = 800000, LEAST_PHOTONS = 512 };
 
-bool orl_annual_has_bsdf_panes(const struct orl_lit_scene *lit_scene)
+/* Returns true if some port is a BSDF pane. */
+static bool orl_annual_has_bsdf_panes(const struct orl_lit_scene *lit_scene)
 {
     for (size_t i = 0; i < lit_scene->n_ports; i++) {
         struct orl_facet own;

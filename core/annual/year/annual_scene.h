@@ -1,6 +1,6 @@
 /*
- * Check that a year of the scene can be computed. Sunlight on paths that are not followed is
- * refused with the surface's name, never left out silently.
+ * Scene data that all paths of a year read, the window groups of its ports, and the check that
+ * a year of the scene is supported.
  */
 #ifndef ORL_ANNUAL_YEAR_ANNUAL_SCENE_H
 #define ORL_ANNUAL_YEAR_ANNUAL_SCENE_H
@@ -14,6 +14,11 @@
 #include "light/lit_scene.h"
 #include "render/gather/direction_sampling.h"
 #include "render/gather/gather.h"
+
+/*
+ * Check that a year of the scene can be computed. Sunlight on paths that are not followed is
+ * refused with the surface's name, never left out silently.
+ */
 
 /* Returns 0, or ORL_ERR_UNSUPPORTED naming a surface. */
 int orl_annual_check_supported(const struct orl_lit_scene *lit_scene, struct orl_error *err);
@@ -40,11 +45,12 @@ uint16_t orl_window_group_of_port(const struct orl_lit_scene *lit_scene, size_t 
  * half its longer side, in front, behind and beside it. Returns 0, or ORL_ERR_UNSUPPORTED naming
  * the surface. name: the window group's.
  */
-int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t part,
+int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t window_group,
                                 const char *name, struct orl_error *err);
 
 /*
- * Scene data that all paths of a year read: the world without light sources, and nodes of the sun.
+ * Scene data that all paths of a year read: the lit scene without light sources, and nodes of the
+ * sun.
  *
  * Immutable once made, and shared by all threads.
  */
@@ -57,7 +63,7 @@ struct orl_annual_scene {
     const struct orl_frame *nodes; /* frames of the sun's nodes in scene axes, n towards the sun */
     size_t n_nodes;
     struct orl_sun_grid_subsets subsets; /* subsets of the nodes */
-    uint32_t nodes_per_circle;           /* nodes per circle, stored contiguously (sun_grid.h) */
+    uint32_t nodes_per_circle;           /* nodes per circle, stored contiguously (sun_weights.h) */
     struct orl_direction_sampler sampler;
     struct orl_sobol sobol;
     struct orl_port_rects ports;
@@ -65,7 +71,7 @@ struct orl_annual_scene {
     struct orl_sun_map
         *map; /* owned, set by the caller; NULL: sunlight is found by shadow rays alone */
     bool map_interreflection;       /* true if the map includes light between diffuse surfaces */
-    uint32_t n_window_groups;       /* window groups (window_group_ports.h) */
+    uint32_t n_window_groups;       /* number of window groups */
     uint16_t *window_group_of_port; /* owned; NULL: there is one window group */
 };
 
@@ -91,8 +97,6 @@ struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_
                                                         const struct orl_annual_request *request);
 /* Estimates the time of the map, in seconds of one core, before the scene is loaded. */
 double orl_annual_scene_map_core_s(const struct orl_annual_request *request, size_t n_nodes);
-/* Returns true if some port is a BSDF pane. */
-bool orl_annual_has_bsdf_panes(const struct orl_lit_scene *lit_scene);
 void orl_annual_scene_done(struct orl_annual_scene *scene);
 
 #endif

@@ -58,7 +58,7 @@ void orl_year_add_timing(struct orl_year *y, enum orl_annual_stage stage, double
 }
 
 /* Estimated seconds of the whole run. The share w of the sensors to compute took the time from
- * blocks_s to now; the rest is assumed to take as long per sensor. NaN if unknown. */
+ * chunks_s to now; the rest is assumed to take as long per sensor. NaN if unknown. */
 static double total_time_s(const struct orl_year *y, double sensors)
 {
     const double now = orl_year_now(y), before = y->chunks_s - y->started_s;

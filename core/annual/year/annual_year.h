@@ -1,7 +1,7 @@
 /*
  * State of an annual run that its stages share, and helpers that all of them need.
  *
- * Threads: the lead thread. sensor_chunks.c describes the work of crew members.
+ * Threads: the lead thread. sensor_chunks.c describes the work of the thread pool.
  */
 #ifndef ORL_ANNUAL_YEAR_ANNUAL_YEAR_H
 #define ORL_ANNUAL_YEAR_ANNUAL_YEAR_H
@@ -23,7 +23,7 @@ enum { ORL_YEAR_CHUNK = 64 }; /* most sensors of a chunk */
 
 struct orl_year;
 
-/* A run that sums light by window group (window_group_ports.h). The last window group holds the
+/* A run that sums light by window group (annual_scene.h). The last window group holds the
  * windows in no group. All pointers are borrowed. */
 struct orl_year_window_groups {
     size_t n_groups;
@@ -89,16 +89,16 @@ struct orl_year {
 
     /* True if runs share chunks: the one that computes a chunk also computes its hours. */
     bool shares_rows;
-    size_t chunk; /* sensors of each chunk, except the last one */
+    size_t chunk_size; /* sensors of each chunk, except the last one */
     size_t first, count;
     atomic_size_t traced;   /* batches traced so far */
     uint32_t traced_before; /* samples of each batch that the store already had */
     struct orl_shading_point places[ORL_YEAR_CHUNK];
     struct orl_chunk_sums sums;
-    float *rows; /* [sensor][total, direct, se][column] */
-    float
-        *interpolation_error; /* [sensor][column]: relative error of interpolation (coherence.h) */
-    struct orl_error_sums *error_sums; /* [tile][sensor][band] (coherence.h) */
+    float *rows;                       /* [sensor][total, direct, se][column] */
+    float *interpolation_error;        /* [sensor][column]: relative error of interpolation
+                                          (apply_weather.h) */
+    struct orl_error_sums *error_sums; /* [tile][sensor][band] (apply_weather.h) */
     struct orl_sun_cells cells;
     bool *lit; /* by sensor and window group: true if it has coefficients */
     struct orl_sparse_coefficients *sparse;    /* by sensor and window group */
@@ -106,7 +106,7 @@ struct orl_year {
     struct orl_annual_beams *beams;            /* by sensor */
     double *beam_values, *photon_batch_values; /* arrays of the beams */
     uint32_t *beam_lists;       /* [sensor][beam]: the beams that have coefficients */
-    struct orl_health *healths; /* by member */
+    struct orl_health *healths; /* one per thread */
 };
 
 /* Does what orl_annual_run does, for one scene, and ignores the request's groups. overrides may be
@@ -148,7 +148,7 @@ int orl_year_cancelled(struct orl_error *err);
 int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err);
 
 /*
- * Inputs of a year's light: world, ports, mirrors, sunlight on surfaces inside, and BSDF panes,
+ * Inputs of a year's light: lit scene, ports, mirrors, sunlight on surfaces inside, and BSDF panes,
  * each made when first needed; and interpolation weights of the suns over nodes and beams. If all
  * results come from a store, no ray is traced.
  *
@@ -157,7 +157,7 @@ int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err);
 
 /* Finds sun_weights and n_beams of a year whose nodes are placed. */
 int orl_year_find_sun_weights(struct orl_year *y, struct orl_error *err);
-/* Makes world and scene if necessary; paths need them. */
+/* Makes lit_scene and scene if necessary; paths need them. */
 int orl_year_ensure_scene(struct orl_year *y, struct orl_error *err);
 /* Also makes the BSDF panes; sunlight at sensors needs them. */
 int orl_year_ensure_bsdf_panes(struct orl_year *y, struct orl_error *err);

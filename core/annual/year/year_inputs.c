@@ -1,5 +1,5 @@
-/* Builds world, scene and BSDF panes of a year, and the interpolation weights of its suns, when
- * each is needed. */
+/* Builds lit scene, scene data and BSDF panes of a year, and the interpolation weights of its suns,
+ * when each is needed. */
 #include "annual/year/annual_year.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "annual/year/annual_scene.h"
 #include "scene/surfaces.h"
 
-/* ---- The world ------------------------------------------------------------------------------- */
+/* ---- The lit scene --------------------------------------------------------------------------- */
 
 static void warn_of_curved(struct orl_year *y)
 {

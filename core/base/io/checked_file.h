@@ -1,6 +1,9 @@
 /*
- * Checksum of 128 bits, as fast as reading (XXH3 of xxHash, inlined). It detects files that were
- * damaged, truncated or exchanged, but not forged ones. It is the same on every machine.
+ * Cache files that one process writes and later ones map: their checksum, the files, and a
+ * serialiser for structs in them.
+ *
+ * The checksum has 128 bits and is as fast as reading (XXH3 of xxHash, inlined). It detects files
+ * that were damaged, truncated or exchanged, but not forged ones. It is the same on every machine.
  */
 #ifndef ORL_BASE_IO_CHECKED_FILE_H
 #define ORL_BASE_IO_CHECKED_FILE_H
@@ -120,11 +123,11 @@ int orl_checked_file_open(const struct orl_checked_file_kind *kind, const char *
 void orl_checked_file_close(struct orl_checked_file *file);
 
 /*
- * Bidirectional serialiser. One walk through a struct either writes it to a checksummed file
- * (checked_file.h) or reads it back, so that both directions always match. The walker passes each
- * field, which is written or filled.
+ * Bidirectional serialiser. One walk through a struct either writes it to a checksummed file or
+ * reads it back, so that both directions always match. The walker passes each field, which is
+ * written or filled.
  *
- * The first failure is kept; later calls do nothing, and later reads give 0. Units and frames:
+ * The first failure is stored; later calls do nothing, and later reads give 0. Units and frames:
  * none. Threads: one at a time.
  */
 

@@ -5,11 +5,10 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/io/out_file.h"
 #include <oriel/base/files.h>
-#include <sys/stat.h>
 
 /* Devices and pipes, such as /dev/null and /dev/stdout, are written to but never replaced. */
 static bool is_replaced(const char *path)
@@ -81,7 +80,7 @@ int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
     return code;
 }
 
-/* Writes arrays of floats as NPY files. */
+/* ---- NPY files ------------------------------------------------------------------------------- */
 
 /* The format requires a header length that is a multiple of 64 bytes, padded with spaces. */
 static void write_npy_header(FILE *stream, size_t rows, size_t columns)

@@ -1,6 +1,6 @@
 /*
- * Writes files so that they are whole or absent: path.part, sync, rename. Devices and pipes, such
- * as /dev/stdout, are written to directly.
+ * Output files that are whole or absent (path.part, sync, rename), and arrays in NumPy's format.
+ * Devices and pipes, such as /dev/stdout, are written to directly.
  */
 #ifndef ORL_BASE_IO_OUT_FILE_H
 #define ORL_BASE_IO_OUT_FILE_H
@@ -20,7 +20,7 @@ struct orl_out_file {
 int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *err);
 /* Returns false once the file's cancel flag is set, so that long loops of writes can end. */
 bool orl_out_continues(const struct orl_out_file *file);
-/* Writes n floats, and polls the cancel flag between blocks. */
+/* Writes n floats, and polls the cancel flag between chunks. */
 void orl_out_floats(const struct orl_out_file *file, const float *values, size_t n);
 /* Commits the file if code is 0 and it is not cancelled; otherwise removes it. Returns code,
  * ORL_ERR_CANCELLED, or ORL_ERR_IO if the commit failed. */

@@ -49,8 +49,8 @@ static struct block *add_block(struct orl_arena *arena, size_t bytes)
     return block;
 }
 
-/* Makes room for a small piece in the newest block, or allocates a separate block for a large
- * piece. */
+/* Makes room for a small allocation in the newest block, or allocates a separate block for a large
+ * one. */
 static bool make_room(struct orl_arena *arena, size_t bytes, void **ret_own)
 {
     *ret_own = NULL;

@@ -1,7 +1,9 @@
 /*
- * Arena: memory that is allocated piece by piece and freed all at once. A scene has millions of
- * names and vertex lists with the same lifetime. One call to the allocator for each would cost more
- * than parsing them.
+ * Memory: arenas, growable arrays, large blocks.
+ *
+ * An arena is memory that is allocated in small amounts and freed all at once. A scene has millions
+ * of names and vertex lists with the same lifetime. One call to the allocator for each would cost
+ * more than parsing them.
  *
  * Ownership: the arena owns what orl_arena_alloc returns. Threads: one at a time.
  */
@@ -32,8 +34,7 @@ char *orl_arena_copy_text(struct orl_arena *arena, const char *text, size_t leng
 
 /* Arrays with capacity, which doubles when they are full. */
 
-/* Makes room for one more item. *array holds count items, with capacity *room. Returns false when
- * out of memory. */
+/* Makes room for one more item. *array holds count items. Returns false when out of memory. */
 bool orl_array_reserve(void *array, size_t *capacity, size_t count, size_t item);
 
 /* Makes room for `more` items. Returns false when out of memory. */

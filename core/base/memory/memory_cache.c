@@ -6,7 +6,7 @@
 #include <string.h>
 
 struct cache_entry {
-    struct cache_entry *next; /* next older item */
+    struct cache_entry *next; /* next older entry */
     char key[ORL_MEMORY_CACHE_KEY];
     void *thing;
     uint64_t bytes;
@@ -31,7 +31,7 @@ struct orl_memory_cache *orl_memory_cache_new(uint64_t most_bytes)
     return memory_cache;
 }
 
-/* Frees a list of items and their contents. */
+/* Frees a list of entries and their contents. */
 static void free_entries(struct cache_entry *entries)
 {
     while (entries) {
@@ -62,7 +62,7 @@ struct orl_memory_cache_totals orl_memory_cache_totals(struct orl_memory_cache *
     return totals;
 }
 
-/* Removes the item under that key from the list; the mutex is held. */
+/* Removes the entry under that key from the list; the mutex is held. */
 static struct cache_entry *unlink_entry(struct orl_memory_cache *memory_cache, const char *key)
 {
     for (struct cache_entry **at = &memory_cache->latest; *at; at = &(*at)->next) {
@@ -79,7 +79,7 @@ static struct cache_entry *unlink_entry(struct orl_memory_cache *memory_cache, c
     return NULL;
 }
 
-/* Removes the oldest items beyond the capacity from the list, and returns them; the mutex is
+/* Removes the oldest entries beyond the capacity from the list, and returns them; the mutex is
  * held. */
 static struct cache_entry *unlink_oldest(struct orl_memory_cache *memory_cache)
 {
@@ -112,7 +112,7 @@ void *orl_memory_cache_take(struct orl_memory_cache *memory_cache, const char *k
     return thing;
 }
 
-/* Creates an item. NULL: it is too large, or there is no shelf or no memory. */
+/* Creates an entry. NULL: it is too large, or there is no cache or no memory. */
 static struct cache_entry *entry_for(const struct orl_memory_cache *memory_cache, const char *key,
                                      void *thing, uint64_t bytes, void (*release)(void *thing))
 {
@@ -150,7 +150,7 @@ void orl_memory_cache_put(struct orl_memory_cache *memory_cache, const char *key
     free_entries(rest);
 }
 
-/* Adds a reference for the caller and moves the item to the front; the mutex is held. */
+/* Adds a reference for the caller and moves the entry to the front; the mutex is held. */
 static void *reference_entry(struct orl_memory_cache *memory_cache, const char *key,
                              const struct orl_reference_calls *sharing)
 {

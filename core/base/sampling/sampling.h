@@ -1,6 +1,9 @@
 /*
- * Counter-based random numbers. A stream is keyed by (seed, purpose, index), never by a thread, so
- * that photon 17 or pixel (3, 4) gets the same numbers wherever and whenever it is computed. The
+ * Numbers for sampling: random streams, Sobol points, sines and cosines, reservoirs, an order of
+ * tasks.
+ *
+ * Random numbers are counter-based. A stream is keyed by (seed, purpose, index), never by a thread,
+ * so that photon 17 or pixel (3, 4) gets the same numbers wherever and whenever it is computed. The
  * generator is SplitMix64 (Steele, Lea, Flood 2014) started at a hashed position.
  */
 #ifndef ORL_BASE_SAMPLING_SAMPLING_H

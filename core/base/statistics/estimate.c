@@ -112,7 +112,6 @@ struct orl_sparse_event_bounds orl_sparse_event_bounds(const struct orl_sparse_e
         .above = size * fmax(scale * gamma_at(shape, normal_95) - met, 0)};
 }
 
-static const double normal95 = 1.959963984540054;
 /* Smallest skewness of a single group that counts. Chance gives 16 normal groups a standard
  * deviation of 0.56. */
 static const double least_skewness = 1;
@@ -156,7 +155,7 @@ struct orl_estimate orl_estimate_add(struct orl_estimate a, struct orl_estimate 
  * good to 1 % from 3 degrees on. */
 static double student_over_normal(double degrees_of_freedom)
 {
-    const double z2 = normal95 * normal95, d = degrees_of_freedom;
+    const double z2 = normal_95 * normal_95, d = degrees_of_freedom;
     return 1 + (z2 + 1) / (4 * d) + ((5 * z2 + 16) * z2 + 3) / (96 * d * d) +
            (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * d * d * d);
 }
@@ -170,7 +169,7 @@ static double normal_below(double x)
  * concave. */
 static double biased_95(double bias)
 {
-    double c = bias + normal95;
+    double c = bias + normal_95;
     for (int i = 0; i < 6; i++) {
         const double off = normal_below(c - bias) - normal_below(-c - bias) - 0.95;
         const double slope =
@@ -199,5 +198,5 @@ struct orl_margins orl_estimate_margins(const struct orl_estimate *e)
         return (struct orl_margins){bias, bias};
     const double student = student_over_normal(e->degrees_of_freedom);
     const double half = se * student * biased_95(bias / se);
-    return (struct orl_margins){half, half + se * skewness_margin(e, student * normal95)};
+    return (struct orl_margins){half, half + se * skewness_margin(e, student * normal_95)};
 }

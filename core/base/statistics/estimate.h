@@ -1,9 +1,9 @@
 /*
- * Error bounds for sparse events: light that so few of a sensor's rays find that their spread does
- * not give its error.
+ * Sampled values with their error estimates, and error bounds for sparse events.
  *
- * A sensor whose rays have found none of this light is too low, and its own rays do not show it.
- * But other sensors of the job have found some. Let f be the sum of the fourth powers of the
+ * Sparse events are light that so few of a sensor's rays find that their spread does not give its
+ * error. A sensor whose rays have found none of this light is too low, and its own rays do not show
+ * it. But other sensors of the job have found some. Let f be the sum of the fourth powers of the
  * contributions of a sensor's rays, and e the sum of their eighth powers. The effective number of
  * the brightest rays is f^2 / e, as Kish's effective number of weights. It is in the hundreds if
  * the brightest rays are those to a window. It is one or two if single rays are several times as
@@ -101,7 +101,7 @@ struct orl_sparse_event_bounds orl_sparse_event_bounds(const struct orl_sparse_e
  * low then has too small a standard error. Therefore the interval is wider above the value, by the
  * groups' skewness (Johnson's modified t); below the value it is unchanged. Skewness that chance
  * alone gives so few groups does not count. Events that all groups have missed may be estimated
- * from other sensors (sparse_events.h).
+ * from other sensors (above).
  *
  * References: Welch 1947, Biometrika 34, 28; Johnson 1978, Journal of the American Statistical
  * Association 73, 536; Armstrong and Kolesar 2020, Quantitative Economics 11, 1 (intervals with

@@ -1,5 +1,8 @@
 /*
- * Compensated summation: the rounding error of each addition is collected and added at the end, so
+ * Numbers in arrays: compensated sums, shares in percent, the k-th smallest, sorting with polls for
+ * cancellation.
+ *
+ * Compensated summation collects the rounding error of each addition and adds it at the end, so
  * that the error does not grow with the number of terms (Neumaier 1974).
  */
 #ifndef ORL_BASE_STATISTICS_NUMERIC_H

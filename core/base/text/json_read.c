@@ -91,7 +91,7 @@ uint64_t orl_json_memory_estimate(const char *text, size_t size)
     return weight;
 }
 
-/* Text that jansson reads in small pieces, with regular polls for cancellation. */
+/* Text that jansson reads in small chunks, with regular polls for cancellation. */
 struct text_source {
     const char *text;
     size_t size, at, polled_at;

@@ -164,7 +164,7 @@ struct line {
     struct point a, b;
 };
 
-/* Strokes of one letter that are drawn together, so that they are not darker where they meet. */
+/* Strokes of one glyph that are drawn together, so that they are not darker where they meet. */
 struct stroke_painter {
     const struct orl_raster *raster;
     const unsigned char *rgb;

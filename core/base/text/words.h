@@ -1,5 +1,7 @@
 /*
- * Parses numbers of scene files and commands: [+-]digits[.digits][e[+-]digits], correctly rounded,
+ * Words of scene files and commands: numbers are read, and commands are built.
+ *
+ * Numbers have the form [+-]digits[.digits][e[+-]digits]. They are correctly rounded. Reading is
  * independent of the locale in the common case, and several times faster than strtod.
  */
 #ifndef ORL_BASE_TEXT_WORDS_H
@@ -20,10 +22,8 @@ enum orl_number_fault orl_number_read(const char *text, size_t length, double *r
 enum orl_number_fault orl_number_read_int(const char *text, size_t length, int *ret_value);
 
 /*
- * Builds the words of a command, in the form that command readers take.
- *
- * Errors: none. The caller ensures that there are at most ORL_SHELL_WORDS_MAX words, each no longer
- * than a number.
+ * Words of a command, in the form that command readers take. Errors: none. The caller ensures that
+ * there are at most ORL_SHELL_WORDS_MAX words, each no longer than a number.
  */
 
 enum { ORL_SHELL_WORDS_MAX = 32, ORL_SHELL_WORD_BYTES = 40 };

@@ -7,10 +7,10 @@
 
 struct orl_thread_pool {
     uint32_t size;
-    pthread_mutex_t lock; /* guards the members below except next, which is claimed without it */
+    pthread_mutex_t lock; /* guards the fields below except next, which is claimed without it */
     pthread_cond_t work, idle;
-    uint64_t round;   /* bumped for each loop, so that a server joins a loop once */
-    uint32_t working; /* servers inside the current loop */
+    uint64_t round;   /* incremented for each loop, so that a worker thread joins a loop once */
+    uint32_t working; /* worker threads inside the current loop */
     bool stopping;
     size_t count;
     orl_loop_body body;
@@ -114,7 +114,8 @@ static void run_loop(struct orl_thread_pool *pool, size_t count, orl_loop_body b
 
     claim_all(pool, count, body, arg, cancel, 0);
 
-    /* Clearing body keeps servers from joining late; the lead waits for those that are inside. */
+    /* Once body is cleared, no worker thread joins the loop; the lead thread waits for those
+     * inside. */
     pthread_mutex_lock(&pool->lock);
     pool->body = NULL;
     while (pool->working > 0)
@@ -173,7 +174,7 @@ struct orl_thread_pool *orl_thread_pool_start(uint32_t size)
         }
         pool->n_threads++;
     }
-    return pool; /* also a smaller crew than requested completes all work */
+    return pool; /* a pool with fewer threads than requested completes all work, too */
 }
 
 void orl_thread_pool_stop(struct orl_thread_pool *pool)

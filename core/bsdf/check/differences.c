@@ -10,15 +10,15 @@
 #include "bsdf/tree/shirley.h"
 
 /* SIDE: cells a side of the square of directions out. REACH: cells that a cone's radius may span.
- * NEAR: cells of the square of that radius. */
+ * NEAR: cells of a square that contains the cone. */
 enum { SIDE = 192, CELLS = SIDE * SIDE, REACH = 4, SPAN = 2 * REACH + 1, NEAR = SPAN * SPAN };
 static const double cone_deg = 1;
 
 /* Luma; if coloured also red, green and blue. */
 enum { CHANNELS = 4 };
 
-/* Differences of one component for one direction in: the albedo's, the largest of a cone, and the
- * share of light that moved. */
+/* Differences of one component for one direction in: albedo, largest of a cone, share of light that
+ * moved. */
 struct told {
     struct orl_bsdf_angles from, cone_to[CHANNELS];
     double albedo[CHANNELS], cone[CHANNELS], moved;

@@ -1,3 +1,4 @@
+/* Polar maps of scattered light, and their peaks: see oriel/bsdf/bsdf_polar.h. */
 #include <math.h>
 
 #include <oriel/base/vec.h>
@@ -21,7 +22,7 @@ static double square(double value)
 
 /*
  * Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
- * where rounding would choose the cell of a single direction_by_sine.
+ * where rounding would choose the cell of a single direction.
  */
 static void spread_beam(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
 {
@@ -72,7 +73,7 @@ void orl_bsdf_polar(const struct orl_bsdf *bsdf, bool front, double theta_deg, d
                     cell_mean(bsdf, beam, front != (through == 1), theta, phi);
 }
 
-/* Peaks of a polar map and their neighbourhoods: see oriel/bsdf/bsdf_peaks.h. */
+/* ---- Peaks of a polar map and their neighbourhoods ------------------------------------------- */
 
 enum { GRID = 121, STEPS = 3 };
 static const double reach_deg = 2.5, apart_deg = 5, plateau_deg = 15;

@@ -1,7 +1,7 @@
 /*
- * Verdicts of a BSDF's check, for users who are about to simulate with the file. A fault
- * contradicts physics or this program's interpretation of the file. A warning may be intended but
- * should be examined. A note is information.
+ * Verdicts of a BSDF's check, for users who will simulate with the file. A fault contradicts
+ * physics or this program's interpretation of the file. A warning may be intended but should be
+ * examined. A note is information.
  */
 #include "bsdf/bsdf_internal.h"
 

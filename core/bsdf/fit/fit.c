@@ -1,4 +1,4 @@
-/* Runs a fit: from files through scans, shapes and models to XML. */
+/* Runs a fit: from files through scans, shapes and models to XML. Entry point. */
 #include <oriel/bsdf/bsdf_fit.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -196,7 +196,7 @@ static void report_component(struct orl_bsdf_fit_result *f, const struct orl_bsd
     f->misplaced[front][t] = left > 0 ? misplaced / (double)left : -1;
 }
 
-/* Makes the model of a component. Its scans become adjacent in fitted->scans; the model takes its
+/* Makes the model of a component. Its scans become adjacent in result->scans; the model takes its
  * shapes. */
 static int make_model(struct shape_fitting *s, int front, int t, struct orl_bsdf_fit_result *result,
                       struct orl_fit_model *model, bool *ret_any, struct orl_error *err)

@@ -1,14 +1,5 @@
-/*
- * Raster of directions out: the cells of a tensor tree's square. Each cell has sample points of
- * equal projected solid angle.
- *
- * A ray is spread over the points around it by (1 - d^2 / 12 sigma^2)^4. This kernel is nearly a
- * Gaussian of the same width, but has a finite radius. Light below the horizon is reflected up, so
- * that uniform light stays uniform to the edge. Weights are scaled so that the sum is exactly the
- * ray's light.
- *
- * A raster is immutable once made; each thread has its own accumulator. Ownership: the caller's.
- */
+/* Parts of a fit: the raster of directions out, the model of one component, and the writers of
+ * models. */
 #ifndef ORL_BSDF_FIT_FIT_H
 #define ORL_BSDF_FIT_FIT_H
 
@@ -16,6 +7,18 @@
 
 #include "bsdf/fit/transport/transport.h"
 #include "bsdf/matrix/matrix.h"
+
+/*
+ * Raster of directions out: the cells of a tensor tree's square. Each cell has sample points of
+ * equal projected solid angle.
+ *
+ * A Gaussian is spread over the points around it by (1 - d^2 / 12 sigma^2)^4. This kernel is nearly
+ * the Gaussian of that width, but has a finite radius. Light below the horizon is reflected up, so
+ * that uniform light remains uniform to the edge. Weights are scaled so that the sum is exactly the
+ * Gaussian's light.
+ *
+ * A raster is immutable once made; each thread has its own accumulator. Ownership: the caller's.
+ */
 
 struct orl_fit_sphere {
     float x, y, z, radius;
@@ -26,7 +29,7 @@ struct orl_fit_raster {
     size_t n_cells, n_tiles;
     double area;      /* projected solid angle of a cell, sr */
     float *x, *y, *z; /* sample points, sixteen to a cell; owned, like all pointers below */
-    struct orl_fit_sphere *tiles, *groups; /* bounding balls of four cells, of 16 tiles */
+    struct orl_fit_sphere *tiles, *groups; /* bounding spheres of four cells, of 16 tiles */
     double spacing;                        /* distance of sample points, projected */
 };
 
@@ -37,7 +40,8 @@ int orl_fit_raster_make(unsigned levels, struct orl_fit_raster *ret_raster, stru
 void orl_fit_raster_done(struct orl_fit_raster *raster);
 
 struct orl_fit_accumulator {
-    float (*accumulated)[ORL_FIT_TILE_CELLS]; /* [tile reached][cell of it]: kernel sums of a ray */
+    float (*accumulated)[ORL_FIT_TILE_CELLS]; /* [tile reached][cell of it]: kernel sums of a
+                                                 Gaussian */
     uint32_t *tiles;                          /* numbers of these tiles */
     double *value;                            /* by cell: the result, 1/sr */
 };
@@ -81,7 +85,7 @@ size_t orl_fit_mirrors(enum orl_bsdf_fit_symmetry symmetry, unsigned ret_mirrors
 int orl_fit_leave_one_out(const struct orl_fit_model *model, const struct orl_bsdf_make_env *env,
                           struct orl_bsdf_fit_scan *scans, struct orl_error *err);
 
-/* Models in the cells of a basis, and their XML. */
+/* ---- Models in the cells of a basis, and their XML ------------------------------------------- */
 
 /* Indexed by [from the front][transmitted]; NULL: no such component. */
 struct orl_fit_models {
@@ -91,10 +95,10 @@ struct orl_fit_models {
 /* Sample directions per incident cell along each axis; wide rings have more. */
 enum { ORL_FIT_CELL_SAMPLES = 2 };
 
-/* Share of all work after which components begin; they divide the rest among them. */
+/* Share of all work that is complete when components begin; these divide the rest among them. */
 static const double orl_fit_prepared_share = 0.4;
 
-/* Write the models in a basis: set fitted->xml and fitted->diffuse. Return 0 or a negative enum
+/* Write the models in a basis: set result->xml and result->diffuse. Return 0 or a negative enum
  * orl_err. */
 int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
                         const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
@@ -103,7 +107,7 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
                         const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
                         struct orl_bsdf_fit_result *result, struct orl_error *err);
 
-/* Writes the document with comments on how it was made (fit_provenance.c). */
+/* Writes the document with comments on how it was made. */
 struct orl_document;
 struct orl_bsdf_labels;
 int orl_fit_write_xml(struct orl_document *document, const struct orl_bsdf_labels *data,

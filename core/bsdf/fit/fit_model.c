@@ -1,3 +1,4 @@
+/* Model of one component, and its leave-one-out errors. */
 #include "bsdf/fit/fit.h"
 
 #include <stdlib.h>
@@ -121,7 +122,7 @@ int orl_fit_model_make(struct orl_fit_shape *shapes, size_t n, enum orl_bsdf_fit
     return code;
 }
 
-/* Leave-one-out errors: each incident direction predicted from the others. */
+/* ---- Leave-one-out errors: each incident direction predicted from the others ----------------- */
 
 /* Blur before comparison: two Gaussians of this width overlap by roughly the light within 5
  * degrees. */
@@ -136,7 +137,8 @@ struct cross_validation {
     int *codes;
 };
 
-/* Returns true within the border of the other directions, where no extrapolation is needed. */
+/* Returns true for a direction within the border of the others, where no extrapolation is
+ * needed. */
 static bool is_inside(const struct orl_fit_location *location)
 {
     return orl_dot(location->at, location->in) > cos(0.1 * ORL_DEG_TO_RAD);
@@ -241,7 +243,7 @@ static void leave_one_out(void *arg, size_t index, uint32_t member)
         code = compare_prediction(l, &rest, &location, &plans, index);
     orl_fit_plans_done(&plans);
     orl_fit_mesh_done(&rest);
-    l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* nothing surrounds it: skipped */
+    l->codes[index] = code == ORL_ERR_INVALID ? 0 : code; /* no directions surround it: skipped */
 }
 
 int orl_fit_leave_one_out(const struct orl_fit_model *model, const struct orl_bsdf_make_env *env,

@@ -1,4 +1,5 @@
-/* Requests: defaults, checks, clean-up. */
+/* Requests of fits: defaults, checks, clean-up; the comment in the XML on how the data were
+ * made. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,7 +52,7 @@ int orl_bsdf_fit_validate(const struct orl_bsdf_fit_request *r, struct orl_error
     return 0;
 }
 
-/* Comment in the XML on how the data were made. */
+/* ---- Comment in the XML ---------------------------------------------------------------------- */
 
 static void say_scans(const struct orl_bsdf_fit_result *f, FILE *out)
 {

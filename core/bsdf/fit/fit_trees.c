@@ -1,5 +1,5 @@
 /* Writes models as tensor trees. Incident cells are processed in blocks in parallel, and cells are
- * joined from the finest level up. */
+ * merged from the finest level up. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,7 +35,7 @@ struct tree_fit {
     double progress_from, share; /* shares of all work: the start of this component, and its part */
     size_t first;                /* first of the blocks in work */
     struct block *blocks;
-    struct scratch *scratches; /* by member of the crew */
+    struct scratch *scratches; /* one per thread of the pool */
     struct orl_gonio_builder builder;
     struct orl_gonio_node root;
 };
@@ -118,7 +118,8 @@ static uint32_t original_of(const struct tree_fit *g, uint32_t block, unsigned *
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* Isotropic samples: the two sides of the plane of incidence are averaged. */
+/* Returns the value of a cell out. Isotropic samples: the two sides of the plane of incidence are
+ * averaged. */
 static double value_of(const struct tree_fit *g, const double *sums, uint32_t cell)
 {
     const double value = sums[cell];
@@ -148,7 +149,7 @@ static bool evaluate_cell(const struct tree_fit *g, struct scratch *scratch, str
     return true;
 }
 
-/* ---- Joining --------------------------------------------------------------------------------- */
+/* ---- Merging --------------------------------------------------------------------------------- */
 
 static size_t nodes_at(unsigned level)
 {

@@ -1,3 +1,4 @@
+/* Raster of directions out, to which Gaussians of light are added. */
 #include "bsdf/fit/fit.h"
 
 #include <stdlib.h>
@@ -32,7 +33,7 @@ static void set_points(struct orl_fit_raster *s, size_t n)
     }
 }
 
-/* Returns a bounding ball of consecutive points. */
+/* Returns a bounding sphere of consecutive points. */
 static struct orl_fit_sphere sphere_of(const struct orl_fit_raster *s, size_t first, size_t count)
 {
     struct orl_vec3 sum = {0};
@@ -113,15 +114,15 @@ void orl_fit_accumulator_done(struct orl_fit_accumulator *accumulator)
     memset(accumulator, 0, sizeof *accumulator);
 }
 
-/* ---- Drawing --------------------------------------------------------------------------------- */
+/* ---- Rasterising ----------------------------------------------------------------------------- */
 
 static const double end_of_sigma2 = 12; /* squared radius of the kernel, in squared sigmas */
-/* Rays whose kernel radius is below this many point distances use points of their own. */
+/* Gaussians whose kernel radius is below this many point distances use points of their own. */
 static const double least_points = 2.5;
 
-/* Sums the kernel of a ray (x, y, z, 1 / squared radius) over the points of a tile's cells. With
- * fold, adds the kernel of its image below the horizon. The sixteen terms of a cell are added in a
- * fixed order. */
+/* Sums the kernel of a Gaussian (x, y, z, 1 / squared radius) over the points of a tile's cells.
+ * With fold, adds the kernel of its image below the horizon. The sixteen terms of a cell are added
+ * in a fixed order. */
 ORL_FOR_WIDE_VECTORS
 static double accumulate_tile(const struct orl_fit_raster *s, size_t tile, const float gaussian[4],
                               bool fold, float accumulated[ORL_FIT_TILE_CELLS])
@@ -166,7 +167,7 @@ static size_t cell_of(const struct orl_fit_raster *s, struct orl_vec3 d)
                     orl_fit_morton_spread(orl_fit_square_index(q.y) >> coarser) << 1);
 }
 
-/* Adds a ray that is too narrow for the sample points, by points of its own that are closer
+/* Adds a Gaussian that is too narrow for the sample points, by points of its own that are closer
  * together. */
 static void splat_points(const struct orl_fit_raster *s, const struct orl_fit_gaussian *gaussian,
                          double sigma, struct orl_fit_accumulator *accumulator)

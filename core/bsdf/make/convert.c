@@ -1,4 +1,5 @@
-/* Converts a BSDF to another basis: measures the file in place of a panel. */
+/* Converts a BSDF to another basis: measures the file in place of a panel. A cull may be found by
+ * trials. */
 #include <math.h>
 
 #include <oriel/bsdf/bsdf_convert.h>
@@ -44,14 +45,14 @@ int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
     return code;
 }
 
-/* Culls trees by the light that would go elsewhere in a room, instead of a share of each cell's
- * value. */
+/* ---- Cull by trials: by light that changes direction, not by a share of each cell's value ---- */
 
-/* Number of trials, and the largest cull tried: light that a single cell may send elsewhere. */
+/* Number of trials, and the largest cull tried, as a share of the incident light that a cell may
+ * redirect. */
 enum { TRIALS = 12 };
 static const double max_cull_fraction = 0.1;
 
-/* One conversion in the search. */
+/* Parameters of one conversion in the search. */
 struct trial {
     const struct orl_bsdf *bsdf;
     const char *source;
@@ -102,8 +103,8 @@ static void take_trial(struct orl_bsdf_make_result *result, const struct orl_bsd
     *ret_lost = *lost;
 }
 
-/* Finds the largest cull that is allowed, by bisection. best and ret_lost: those of the least cull
- * at first. */
+/* Finds the largest cull that is allowed, by bisection. best and ret_lost: in: result and
+ * differences of the least cull; out: of the cull found. */
 static int search_cull(const struct trial *trial, double within, double *ret_cull_fraction,
                        struct orl_bsdf_make_result *best, struct orl_bsdf_comparison *ret_lost,
                        struct orl_error *err)

@@ -1,4 +1,4 @@
-/* Makes a BSDF of a panel in the requested basis. */
+/* Entry point: makes a BSDF of a panel in the requested basis. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,8 @@
-/* Functions shared by requests for BSDFs from geometry and from measurements. */
+/*
+ * Functions shared by the makers of BSDFs. Checks of requests and the XML are also used by
+ * bsdf/fit. The makers of matrices and of trees measure a panel, or read a BSDF's file in its
+ * place.
+ */
 #ifndef ORL_BSDF_MAKE_MAKE_BSDF_H
 #define ORL_BSDF_MAKE_MAKE_BSDF_H
 
@@ -13,6 +17,8 @@
 #include "bsdf/make/trees/measure_subtrees.h"
 #include "bsdf/xml/bsdf_xml.h"
 
+/* ---- Requests (panel_request.c) -------------------------------------------------------------- */
+
 /* Sets an error at the given member; returns code. */
 int orl_gonio_refuse(struct orl_error *err, int code, const char *member, const char *message);
 
@@ -25,30 +31,26 @@ void orl_gonio_free_names(char **files, size_t n_files, char *name);
 /* Estimated seconds of one core per path, for panels with a few surfaces. */
 #define ORL_GONIO_PATH_S 4e-6
 
-/* Measures matrices of a panel in a Klems basis: rounds of paths until the accuracy is reached. */
+/* ---- Makers ---------------------------------------------------------------------------------- */
 
-/* Like orl_bsdf_make; fills all of *made, or only a part of it after an error. */
+/* Measures matrices of a panel in a Klems basis: rounds of paths until the accuracy is reached.
+ * Errors are as for orl_bsdf_make. Fills all of *result, or only a part of it after an error. */
 int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
                          const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
                          const struct orl_sobol *sobol, struct orl_bsdf_make_result *result,
                          struct orl_error *err);
 
-/* Makes tensor trees of a panel: measures blocks, joins cells from the finest up, writes the
- * file. */
-
-/* Like orl_bsdf_make; fills all of *made, or only a part of it after an error. */
+/* Makes tensor trees of a panel: measures subtrees, merges cells from the finest up, and writes the
+ * file. Errors and *result are as for orl_gonio_make_klems. */
 int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
                          const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
                          const struct orl_sobol *sobol, struct orl_bsdf_make_result *result,
                          struct orl_error *err);
 
-/*
- * Reads a BSDF's file in place of measuring a panel: values of light from an incident cell, as
- * means over cells out.
- */
+/* ---- A BSDF's file read in place of a panel (resample_bsdf.c) -------------------------------- */
 
-/* Sets a tree's finest cell a to leaves without errors, like orl_gonio_probe_estimate. Adds to the
- * probe's totals. */
+/* Sets a tree's finest incident cell a to leaves without errors: means over cells out. Adds to the
+ * probe's totals. The cells are as for orl_gonio_probe_estimate. */
 void orl_gonio_resample_cell(struct orl_gonio_probe *probe, const struct orl_bsdf *bsdf, uint32_t a,
                              struct orl_gonio_cells ret_cells);
 
@@ -57,19 +59,19 @@ void orl_gonio_resample_cell(struct orl_gonio_probe *probe, const struct orl_bsd
 int orl_gonio_resample_item(struct orl_gonio_histogram *histogram, const struct orl_bsdf *bsdf,
                             size_t item);
 
-/* XML of a panel, with a comment on how it was made. */
+/* ---- XML of a panel, with a comment on how it was made (panel_xml.c) ------------------------- */
 
 /* Component of the file by [light from the front][transmitted]. Light from the back is Front in the
  * file. */
 extern const enum orl_component_kind orl_gonio_component_of[2][2];
 
-/* Sets made->xml; its other fields must be set. write_part: writes trees (bsdf/xml/write_xml.h).
+/* Sets result->xml; its other fields must be set. write_part: writes trees (bsdf/xml/bsdf_xml.h).
  * Returns 0 or ORL_ERR_NOMEM. */
 int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
                     const struct orl_gonio_sample *sample,
                     const struct orl_bsdf_make_request *request,
                     struct orl_bsdf_make_result *result);
-/* Sets made->errors_xml in the same way, from a document of errors. */
+/* Sets result->errors_xml in the same way, from a document of errors. */
 int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
                            void *ctx, const struct orl_gonio_sample *sample,
                            const struct orl_bsdf_make_request *request,

@@ -1,4 +1,4 @@
-/* Requests: defaults, checks, clean-up. */
+/* Requests for BSDFs of panels: defaults, checks, clean-up. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* XML of a panel, with a comment on how it was made. */
 #include "bsdf/make/make_bsdf.h"
 
 #include <stdlib.h>

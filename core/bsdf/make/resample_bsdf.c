@@ -1,3 +1,5 @@
+/* Reads a BSDF's file in place of measuring a panel: values of light from an incident cell, as
+ * means over cells out. */
 #include "bsdf/make/make_bsdf.h"
 
 #include <math.h>
@@ -147,21 +149,21 @@ void orl_gonio_resample_cell(struct orl_gonio_probe *probe, const struct orl_bsd
 
 /* ---- Matrices -------------------------------------------------------------------------------- */
 
-/* Cells out that a piece of the square of directions overlaps, with shares. */
+/* Cells out that overlap a cell of the grid on the square of directions, with shares. */
 enum { MAX_OVERLAPS = 4, SUBDIVISIONS = 4 };
 struct overlap {
     int cell[MAX_OVERLAPS];
     double share[MAX_OVERLAPS];
 };
 
-/* Parameters for reading a file: incident directions per cell; pieces of the square of directions
- * out for a tree, points in each cell out for a matrix. */
+/* Parameters for reading a file: incident directions per cell; for a tree a grid on the square of
+ * directions out, for a matrix points in each cell out. */
 struct matrix_resampler {
     struct orl_gonio_histogram *histogram;
     const struct orl_bsdf *bsdf;
     size_t item;
-    uint32_t points, side;    /* side: pieces a side of the square; 0: a matrix */
-    struct overlap *overlaps; /* by piece; owned */
+    uint32_t points, side;    /* side: cells a side of the grid; 0: a matrix */
+    struct overlap *overlaps; /* by cell of the grid; owned */
 };
 
 static void add_overlap(struct overlap *s, int cell, double share)
@@ -190,7 +192,8 @@ static bool overlap_square(struct matrix_resampler *r)
     return r->overlaps != NULL;
 }
 
-/* Adds the shares of light from in that go to the cells on one side, by pieces of the square. */
+/* Adds the shares of light from the direction in that are scattered to the cells on one side, by
+ * the grid. */
 static void add_by_squares(const struct matrix_resampler *r, struct orl_vec3 in, bool front,
                            struct orl_rgb *of)
 {
@@ -208,7 +211,7 @@ static void add_by_squares(const struct matrix_resampler *r, struct orl_vec3 in,
     }
 }
 
-/* Adds the same shares by points in cells. */
+/* Adds these shares by points in cells. */
 static void add_points(const struct matrix_resampler *r, struct orl_vec3 in, bool front,
                        struct orl_rgb *of)
 {
@@ -226,7 +229,7 @@ static void add_points(const struct matrix_resampler *r, struct orl_vec3 in, boo
         }
 }
 
-/* Adds a share of the light from in to the sums of all cells on one side. */
+/* Adds a share of the light from the direction in to the sums of all cells on one side. */
 static void add_side(const struct matrix_resampler *r, struct orl_vec3 in, bool transmitted,
                      double share)
 {
@@ -258,8 +261,8 @@ static void add_side(const struct matrix_resampler *r, struct orl_vec3 in, bool 
     }
 }
 
-/* Returns the pieces a side: as many as cells of a tree of rank 4; twice as many in rank 3, whose
- * cells turn with the incident light. */
+/* Returns the cells a side of the grid: as many as a tree of rank 4 has, twice as many in rank 3,
+ * whose cells turn with the incident light. */
 static uint32_t side_of(const struct orl_bsdf *bsdf)
 {
     struct orl_bsdf_info info;

@@ -1,12 +1,4 @@
-/*
- * Angle bases of BSDF matrices. The hemisphere is cut into rings of constant polar angle, each ring
- * into equal cells. The first cell of a ring is centred on azimuth 0 (the x axis). Klems, J. H., "A
- * new method for predicting the solar heat gain of complex fenestration systems", ASHRAE
- * Transactions 100(1), 1994.
- *
- * Invariants: rings follow each other without gap from the pole outwards; every cell has a positive
- * projected solid angle. A basis is plain data and may be copied.
- */
+/* BSDF matrices and their angle bases. */
 #ifndef ORL_BSDF_MATRIX_MATRIX_H
 #define ORL_BSDF_MATRIX_MATRIX_H
 
@@ -17,6 +9,16 @@
 #include <oriel/base/vec.h>
 
 #include "bsdf/tree/tree.h"
+
+/*
+ * Angle bases of BSDF matrices. The hemisphere is cut into rings of constant polar angle, each ring
+ * into equal cells. The first cell of a ring is centred on azimuth 0 (the x axis). Klems, J. H., "A
+ * new method for predicting the solar heat gain of complex fenestration systems", ASHRAE
+ * Transactions 100(1), 1994.
+ *
+ * Invariants: rings follow each other without gap from the pole outwards; every cell has a positive
+ * projected solid angle. A basis is plain data and may be copied.
+ */
 
 enum { ORL_BASIS_RINGS_MAX = 64, ORL_BASIS_CELLS_MAX = 2048, ORL_BASIS_NAME_MAX = 64 };
 

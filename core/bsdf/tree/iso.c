@@ -30,7 +30,7 @@ int orl_iso_init(struct orl_iso *iso, struct orl_error *err)
     return 0;
 }
 
-/* Sets a cube of the canvas to one value; skips the half to which no direction maps. */
+/* Sets a cube of the finest grid to one value; skips the half to which no direction maps. */
 static void fill_cube(struct orl_iso *iso, const unsigned low[3], unsigned side, float value)
 {
     if (value == 0)

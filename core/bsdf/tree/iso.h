@@ -8,12 +8,13 @@
  * along +x. Bit 0 of a child's number is A, bit 1 B.x, bit 2 B.y.
  *
  * Sampling. The map sends the circle of radius r to the border of the square of half side r, and
- * equal angles to equal lengths. So when A turns about the axis for a given B, B moves along a ring
- * of cells. It is in each cell for an angle in proportion to the cell's share of the ring's length.
- * Integrals over either direction are thus exact sums over cells, and sampling is exact too.
+ * equal angles to equal lengths. If A turns about the axis for a given B, B moves along a ring of
+ * cells. The angle of A over which B stays in a cell is proportional to the cell's share of the
+ * ring's length. Integrals over either direction are thus exact sums over cells, and sampling is
+ * exact too.
  *
- * Invariants: values are finite and not negative (scan.h). Immutable once finished; any number of
- * threads may read. Reference: Shirley and Chiu 1997.
+ * Invariants: values are finite and not negative (xml/data_text.h). Immutable once finished; any
+ * number of threads may read. Reference: Shirley and Chiu 1997.
  */
 #ifndef ORL_BSDF_TREE_ISO_H
 #define ORL_BSDF_TREE_ISO_H

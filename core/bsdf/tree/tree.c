@@ -1,3 +1,4 @@
+/* Reading of tensor trees: values, integrals over one direction, samples of one given the other. */
 #include "bsdf/tree/tree.h"
 
 #include <string.h>
@@ -21,9 +22,9 @@ struct orl_square orl_disk_to_square(double x, double y)
     return (struct orl_square){b * (4 / ORL_PI) * atan(x / y), b};
 }
 
-/* Reading of tensor trees: values, integrals over one direction, samples of one given the other. */
+/* ---- Values and integrals -------------------------------------------------------------------- */
 
-enum { ABREAST = 16 }; /* draws whose descents are interleaved */
+enum { ABREAST = 16 }; /* samples whose descents are interleaved */
 
 /* A place on the square in units of the finest cell, 2^depth a side. */
 struct cell {
@@ -66,7 +67,9 @@ static inline const uint32_t *mean_at(const struct orl_tree *tree, struct orl_tr
                       : words + ORL_TREE_FANOUT + ((size_t)given << 2 * depth) + (x << depth | y);
 }
 
-/* Like orl_tree_mean. The four leaves of a lowest branch are summed here. */
+/* Returns the mean over the other direction within ref's subtree, for a given direction in cell c.
+ * Coordinates are in finest cells, of which ref's side has 2^level. The four leaves of a lowest
+ * branch are summed here. */
 static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref,
                             enum orl_tree_axis given, struct cell c, unsigned level)
 {
@@ -80,13 +83,8 @@ static inline float mean_of(const struct orl_tree *tree, struct orl_tree_ref ref
                                    (c.x >> (level - 1) & 1) | (c.y >> (level - 1) & 1) << 1);
 }
 
-float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_tree_axis given,
-                    unsigned x, unsigned y, unsigned level)
-{
-    return mean_of(tree, ref, given, (struct cell){x, y}, level);
-}
-
-/* Trees are built in a fixed order, children first, so equal trees have equal lines. */
+/* Compares lines: trees are built in a fixed order, children first, so equal trees have equal
+ * lines. */
 bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other)
 {
     return tree->root.bits == other->root.bits && tree->n_lines == other->n_lines &&
@@ -146,7 +144,7 @@ static bool intersect_window(int low, int side, const struct node *node, int cel
     return *ret_begin < *ret_end;
 }
 
-/* Recursion is as deep as the tree. */
+/* Reads the window within a node's cell. The recursion is as deep as the tree. */
 static void read_window(const struct orl_tree *tree, const struct orl_tree_window *w,
                         const struct node *node)
 {

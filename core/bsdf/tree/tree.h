@@ -18,9 +18,9 @@
  * at each level. The means of a lowest branch are summed on demand, which costs less than fetching
  * them.
  *
- * Invariants: leaves are finite and not negative (scan.h); the tree is immutable once built.
- * Threads: any number may read. References: Ward, Kurt and Bonneel 2014 (the format); Clarberg,
- * Jarosz, Akenine-Moller and Jensen 2005 (warping uniforms down a hierarchy of means).
+ * Invariants: leaves are finite and not negative (xml/data_text.h); the tree is immutable once
+ * built. Threads: any number may read. References: Ward, Kurt and Bonneel 2014 (the format);
+ * Clarberg, Jarosz, Akenine-Moller and Jensen 2005 (warping uniforms down a hierarchy of means).
  */
 #ifndef ORL_BSDF_TREE_TREE_H
 #define ORL_BSDF_TREE_TREE_H
@@ -121,13 +121,6 @@ static inline float orl_tree_mean_of_leaves(const uint32_t words[ORL_TREE_FANOUT
     return 0.25F * ((leaf[0] + leaf[1]) + (leaf[2] + leaf[3]));
 }
 
-/*
- * Returns the mean over the other direction within ref's subtree, for a given direction in cell (x,
- * y). Coordinates are in finest cells, of which ref's side has 2^level.
- */
-float orl_tree_mean(const struct orl_tree *tree, struct orl_tree_ref ref, enum orl_tree_axis given,
-                    unsigned x, unsigned y, unsigned level);
-
 /* Returns true if both trees have the same cells and values. */
 bool orl_tree_equal(const struct orl_tree *tree, const struct orl_tree *other);
 
@@ -187,8 +180,8 @@ struct orl_tree_sample {
     double value;
 };
 
-/* Samples n draws like orl_tree_sample. Their memory accesses overlap, so many take the time of a
+/* Samples n times like orl_tree_sample. Memory accesses overlap, so many samples take the time of a
  * few. */
-void orl_tree_sample_many(struct orl_tree_sample *draws, size_t n);
+void orl_tree_sample_many(struct orl_tree_sample *samples, size_t n);
 
 #endif

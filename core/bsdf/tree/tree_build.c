@@ -107,7 +107,7 @@ static int reserve_lines(struct orl_tree *tree, size_t count, struct orl_error *
 
 /*
  * Returns the depth of a branch over these children; 0 if they are equal leaves and so one leaf. A
- * word's leading bits are its kind, then its depth, so the greatest word is the deepest child.
+ * word begins with its kind, then its depth, so the greatest word is the deepest child.
  */
 static unsigned depth_over(const struct orl_tree_ref child[ORL_TREE_FANOUT])
 {

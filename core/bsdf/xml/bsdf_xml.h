@@ -1,6 +1,6 @@
 /*
- * The sample of material in a BSDF file: its size and geometry, if the file has them. Streamed with
- * expat like the data (xml.c); a document type declaration is refused.
+ * BSDF XML for other folders: the sample's size and geometry, and the writer. The reader of data is
+ * orl_document_read (document.h).
  */
 #ifndef ORL_BSDF_XML_BSDF_XML_H
 #define ORL_BSDF_XML_BSDF_XML_H
@@ -12,6 +12,11 @@
 
 #include "bsdf/document.h"
 
+/*
+ * The sample of material in a BSDF file: its size and geometry, if the file has them. Streamed with
+ * expat like the data (xml.c); a document type declaration is refused.
+ */
+
 struct orl_bsdf_geometry {
     double width, height, thickness; /* m; 0 when not given */
     char *geometry;                  /* MGF, owned; NULL for none */
@@ -21,13 +26,14 @@ struct orl_bsdf_geometry {
 };
 
 /* Reads the file's first layer. Returns 0 or ORL_ERR_SYNTAX, _UNSUPPORTED (geometry that is not
- * MGF), _RANGE (sizes), _NOMEM, with file and line. Free ret_piece with orl_bsdf_geometry_done. */
+ * MGF), _RANGE (sizes) or _NOMEM, with file and line. Free the result with
+ * orl_bsdf_geometry_done. */
 int orl_bsdf_geometry_read(const char *name, const char *xml, size_t size,
                            struct orl_bsdf_geometry *ret_geometry, struct orl_error *err);
-void orl_bsdf_geometry_done(struct orl_bsdf_geometry *piece);
+void orl_bsdf_geometry_done(struct orl_bsdf_geometry *geometry);
 
 /*
- * Writer of BSDF XML in the WINDOW schema, the counterpart of xml.h; values read back are equal to
+ * Writer of BSDF XML in the WINDOW schema, the counterpart of xml.c; values read back are equal to
  * the last bit. Luminance is "Visible". Colour is written as in Radiance: CIE X and Z for matrices,
  * u' and v' for trees.
  *
@@ -64,8 +70,5 @@ void orl_document_write(const struct orl_document *document, const struct orl_bs
 
 /* Writes the shortest number that is read back as that value, at most 15 bytes. */
 void orl_write_value(FILE *out, float value);
-
-/* Writes the data of one channel (write_values.c). */
-void orl_bsdf_write_matrix(const struct orl_matrix *matrix, FILE *out);
 
 #endif

@@ -1,12 +1,16 @@
+/* Parsers of a ScatteringData block: trees of rank 4 and 3, then matrices. */
+#include "bsdf/xml/data_text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Trees ----------------------------------------------------------------------------------- */
+
 /*
  * Syntax of trees of rank 4: "{ v }" is a leaf, "{ v v ... }" a grid of 16^n values. "{ {..} {..}
  * ... }" is a branch of 16 children. In rank 3 a grid has 8^n values and a branch 8 children.
  * ORL_LIMIT_TREE_DEPTH limits the depth, ORL_LIMIT_BSDF_VALUES the values.
  */
-#include "bsdf/xml/data_text.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree)
 {
@@ -202,7 +206,7 @@ int orl_tree_text_finish(struct orl_tree_text *text, struct orl_error *err)
     return 0;
 }
 
-/* Parses the numbers of a BSDF matrix into their places. */
+/* ---- Matrices -------------------------------------------------------------------------------- */
 
 void orl_matrix_text_init(struct orl_matrix_text *text, struct orl_matrix *matrix, bool by_rows)
 {

@@ -1,10 +1,6 @@
 /*
- * Tokenizer for the number blocks of a BSDF file: braces and numbers, separated by white space or
- * commas, in pieces of any size. Independent of the locale.
- *
- * Use: feed a piece with orl_scan_feed, then call orl_scan_next until it returns ORL_TOKEN_NONE;
- * repeat. At the end call orl_scan_finish, then orl_scan_next until ORL_TOKEN_NONE again: a number
- * may end with the block. The scanner borrows each piece until it is used up and owns nothing.
+ * Text of the number blocks of a BSDF file, fed in pieces: the tokenizer (scan.c) and the parsers
+ * of trees and matrices (data_text.c).
  */
 #ifndef ORL_BSDF_XML_DATA_TEXT_H
 #define ORL_BSDF_XML_DATA_TEXT_H
@@ -18,6 +14,15 @@
 #include "bsdf/matrix/matrix.h"
 #include "bsdf/tree/iso.h"
 #include "bsdf/tree/tree.h"
+
+/*
+ * Tokenizer for the number blocks of a BSDF file: braces and numbers, separated by white space or
+ * commas, in pieces of any size. Independent of the locale.
+ *
+ * Use: feed a piece with orl_scan_feed, then call orl_scan_next until it returns ORL_TOKEN_NONE;
+ * repeat. At the end call orl_scan_finish, then orl_scan_next until ORL_TOKEN_NONE again: a number
+ * may end with the block. The scanner borrows each piece until it is used up and owns nothing.
+ */
 
 enum { ORL_SCAN_TOKEN_MAX = 96 };
 
@@ -62,8 +67,8 @@ static inline float orl_bsdf_value(double value, size_t *clamped)
 }
 
 /*
- * Parsers of a ScatteringData block, fed in pieces as the XML parser delivers them: a tensor tree
- * in braces, or the numbers of a matrix. Their state is bounded, apart from the result.
+ * Parsers of a ScatteringData block, fed in pieces from the XML parser: a tensor tree in braces, or
+ * the numbers of a matrix. Their state has a bounded size, apart from the result.
  */
 
 /* An open brace with its children so far. The values of a grid are in orl_tree_text.grid. */

@@ -1,5 +1,4 @@
-/* Writes numbers in a file. A matrix has a line per direction out; directions in run along the
- * line. */
+/* Writes the file around the data: labels, structure, and a block for each part and channel. */
 #include "bsdf/xml/bsdf_xml.h"
 
 #include <stdbool.h>
@@ -17,7 +16,8 @@ void orl_write_value(FILE *out, float value)
     fputs(text, out);
 }
 
-void orl_bsdf_write_matrix(const struct orl_matrix *matrix, FILE *out)
+/* Writes the data of one channel: a line per direction out; directions in run along the line. */
+static void write_matrix(const struct orl_matrix *matrix, FILE *out)
 {
     const int n_a = matrix->basis[ORL_AXIS_A].n_cells, n_b = matrix->basis[ORL_AXIS_B].n_cells;
     for (int b = 0; b < n_b; b++) {
@@ -28,7 +28,7 @@ void orl_bsdf_write_matrix(const struct orl_matrix *matrix, FILE *out)
     }
 }
 
-/* Writes the file around the data: labels, structure, and a block for each part and channel. */
+/* ---- Text ------------------------------------------------------------------------------------ */
 
 /* Returns the bytes of the character at text; 0 if it is not valid UTF-8 or not allowed in XML
  * (control characters, U+FFFE, U+FFFF). */
@@ -189,7 +189,7 @@ static void write_data(FILE *out, const struct orl_document *d,
     if (d->structure != ORL_STRUCTURE_MATRIX)
         labels->write_part(labels->ctx, part, channel, out);
     else
-        orl_bsdf_write_matrix(
+        write_matrix(
             channel == ORL_CHANNEL_VISIBLE ? &c->matrix : &c->chroma.matrix[(int)channel - 1], out);
 }
 

@@ -13,8 +13,6 @@
 
 enum { SLICE_LEAST = 1 << 16, SLICE_MOST = 1 << 20, SLICE_OF_TOKEN = 1 << 28 };
 
-#define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
-
 /* ---- Expat's callbacks ----------------------------------------------------------------------- */
 
 static enum orl_xml_element element_at(struct orl_xml_reader *r, const char *name)

@@ -1,7 +1,6 @@
 /*
- * Blocks of tensor-tree data that are skipped while the XML is parsed and then read in parallel by
- * a crew. Most of a file is such data. It is plain text up to the block's end tag, so its position
- * is enough to find it again.
+ * State shared by expat's callbacks (xml.c) and the readers of single elements (xml_fields.c), and
+ * the blocks of data that are read after parsing. For the reader of BSDF files only.
  */
 #ifndef ORL_BSDF_XML_XML_H
 #define ORL_BSDF_XML_XML_H
@@ -13,6 +12,12 @@
 
 #include "bsdf/document.h"
 #include "bsdf/xml/data_text.h"
+
+/*
+ * Blocks of tensor-tree data that are skipped while the XML is parsed and then read in parallel by
+ * a thread pool. Most of a file is such data. It is plain text up to the block's end tag, so its
+ * position is enough to find it again.
+ */
 
 enum { ORL_BLOCKS_MAX = 3 * ORL_COMPONENT_COUNT }; /* a part has at most three channels */
 
@@ -33,8 +38,9 @@ struct orl_blocks {
 };
 
 /*
- * orl_block_read reads one block; orl_blocks_read reads all with the crew of the XML. Both return 0
- * or a negative enum orl_err, that of the first block that failed, with line and element set.
+ * orl_block_read reads one block; orl_blocks_read reads all with the thread pool of the XML. Both
+ * return 0 or a negative enum orl_err, that of the first block that failed, with line and element
+ * set.
  */
 int orl_block_read(struct orl_blocks *blocks, size_t index, struct orl_error *err);
 int orl_blocks_read(struct orl_blocks *blocks, struct orl_error *err);
@@ -48,13 +54,6 @@ size_t orl_count_lines(const char *text, const char *end);
 
 /* Writes the name of a block for messages: its element and direction. */
 void orl_block_name(int part, char *ret_name, size_t size);
-
-/*
- * State shared by expat's callbacks (xml.c) and the readers of single elements (xml_fields.c). For
- * the reader of BSDF files only.
- *
- * The first error is kept with its place; the parser is stopped and later callbacks do nothing.
- */
 
 /* Elements that are read, by their place in the document. */
 enum orl_xml_element {
@@ -88,6 +87,10 @@ enum orl_xml_element {
 
 enum { ORL_XML_BASES_MAX = 8, ORL_XML_TEXT_MAX = 256 };
 
+/*
+ * State of the reader. The first error is recorded with its place; the parser is stopped and later
+ * callbacks do nothing.
+ */
 struct orl_xml_reader {
     XML_Parser parser;
     struct orl_document *document;
@@ -121,9 +124,10 @@ struct orl_xml_reader {
 
 /* Records an error with its place and stops the parser. The message must be in reader->err. */
 void orl_xml_fail(struct orl_xml_reader *reader, int code);
+/* Sets the message as printf does, then records the error. */
+#define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
 
-/* Returns the element of that name within the parent (EL_DOCUMENT for the root), or EL_OTHER
- * (xml_names.c). */
+/* Returns the element of that name within the parent (EL_DOCUMENT for the root), or EL_OTHER. */
 enum orl_xml_element orl_xml_element_in(enum orl_xml_element parent, const char *name);
 /* Returns the name of an element that is read, or "". */
 const char *orl_xml_element_name(enum orl_xml_element element);

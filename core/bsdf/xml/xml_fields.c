@@ -1,4 +1,4 @@
-/* Names of the elements of a BSDF file that are read, and their parents. */
+/* Elements of a BSDF file: names and parents, blocks read in parallel, and readers of elements. */
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -6,6 +6,8 @@
 #include <oriel/base/thread_pool.h>
 
 #include "bsdf/xml/xml.h"
+
+/* ---- Names of the elements that are read, and their parents ---------------------------------- */
 
 static const struct {
     enum orl_xml_element parent;
@@ -53,6 +55,8 @@ const char *orl_xml_element_name(enum orl_xml_element element)
             return elements[i].name;
     return "";
 }
+
+/* ---- Blocks read in parallel ----------------------------------------------------------------- */
 
 enum { SLICE = 1 << 20 }; /* bytes read between two checks of the cancel flag */
 
@@ -144,9 +148,7 @@ void orl_blocks_done(struct orl_blocks *blocks)
     blocks->count = 0;
 }
 
-/* Readers of the single elements of a BSDF file. */
-
-#define FAIL(r, code, ...) orl_xml_fail(r, orl_error_set((r)->err, code, __VA_ARGS__))
+/* ---- State of the reader --------------------------------------------------------------------- */
 
 /* Writes the place of the reader for a message: the block with its direction, or the element. */
 static void name_place(const struct orl_xml_reader *r, char *ret_name, size_t size)

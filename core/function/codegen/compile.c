@@ -127,7 +127,8 @@ static bool mark_constants(const struct orl_compiler *c, struct orl_term *node)
     return node->constant = constant;
 }
 
-int orl_compiler_analyse(struct orl_compiler *c)
+/* Finds the bodies that the expressions need, and the constant nodes. */
+static int analyse_program(struct orl_compiler *c)
 {
     struct survey s = {.c = c};
     int code = 0;
@@ -307,7 +308,7 @@ int orl_function_compile(struct orl_functions *functions,
         return orl_compiler_no_memory(&c);
     int code = read_expressions(&c);
     if (code == 0)
-        code = orl_compiler_analyse(&c);
+        code = analyse_program(&c);
     if (code == 0)
         code = emit_all(&c);
     if (code == 0)

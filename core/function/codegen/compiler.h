@@ -1,6 +1,6 @@
 /*
- * Compiler from trees to programs: dependencies of an expression (analyse_program.c), its
- * instructions (emit_code.c), and one array of all instructions (compile.c). Inside of
+ * Compiler from trees to programs: dependencies of an expression and one array of all instructions
+ * (compile.c), and the instructions of its parts (emit_code.c, emit_calls.c). Inside of
  * core/function only.
  */
 #ifndef ORL_FUNCTION_CODEGEN_COMPILER_H
@@ -40,9 +40,6 @@ struct orl_compiler {
     struct orl_error *err;
 };
 
-/* Finds the bodies that the expressions need, and the constant nodes. */
-int orl_compiler_analyse(struct orl_compiler *c);
-
 /* Compiles a body unless it is already compiled. */
 int orl_emit_body(struct orl_compiler *c, uint32_t slot);
 /* Compiles the bodies that were added to `waiting` after its first `base` entries; bodies with
@@ -55,9 +52,9 @@ bool orl_segment_is_number(const struct orl_segment *segment, double *ret_number
 int orl_compiler_no_memory(struct orl_compiler *c);
 
 /*
- * Code emission (compiler.h): instructions.c appends instructions to a slot's segment, emit_code.c
- * handles trees and constants, emit_calls.c handles names, calls and choices. All functions with a
- * code return 0 or an error. Inside of core/function only.
+ * Code emission: emit_code.c appends instructions to a slot's segment and handles trees and
+ * constants; emit_calls.c handles names, calls and choices. All functions with a code return 0 or
+ * an error. Inside of core/function only.
  */
 
 /* Recursion depth of emission beyond which constants are not folded. */

@@ -4,6 +4,17 @@
 #include <stdint.h>
 #include <string.h>
 
+/*
+ * Built-in functions, with Radiance's pseudo-random numbers and noise functions.
+ *
+ * noise3: Perlin noise (Perlin 1985) in the form of Perlin, "Improving Noise", SIGGRAPH 2002. Every
+ * point of the integer lattice has one of 16 gradient directions; quintic polynomials blend the
+ * gradients along each axis.
+ * fnoise3: midpoint displacement in the cube of a cell, halved down to the resolution of the
+ * lattice.
+ * Both range from about -1 to 1; tests compare them with rtrace.
+ */
+
 /* Returns Radiance's pseudo-random number of a seed, which defines the look of its scenes. */
 static double number_of(int64_t seed)
 {
@@ -13,7 +24,8 @@ static double number_of(int64_t seed)
     return 1 - (double)bits / 1073741824.0;
 }
 
-double orl_noise_rand(double x)
+/* Returns a pseudo-random number from 0 to below 1. */
+static double noise_rand(double x)
 {
     const double spread = x * (1 / (1 + x * x) + 2.71828182845904);
     const double rest = spread + (.785398163397447 - floor(spread));
@@ -65,7 +77,7 @@ static double fade_slope(double t)
     return 30 * t * t * (t - 1) * (t - 1);
 }
 
-double orl_noise3(const double p[3], double ret_gradient[3])
+static double perlin_noise3(const double p[3], double ret_gradient[3])
 {
     double t[3], value = 0, gradient[3] = {0, 0, 0};
     int64_t base[3];
@@ -131,7 +143,7 @@ static void halve_cell(double corners[8], const int64_t low[3], int64_t half, in
         corners[i] = halved[i];
 }
 
-double orl_noise_fractal3(const double p[3])
+static double fractal_noise3(const double p[3])
 {
     int64_t low[3], place[3];
     double corners[8], sum = 0;
@@ -302,19 +314,19 @@ static double at_select(const double *a, uint32_t n, bool *undefined)
 static double at_rand(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return finite_or_undefined(orl_noise_rand(a[0]), undefined);
+    return finite_or_undefined(noise_rand(a[0]), undefined);
 }
 
 static double at_noise3(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return finite_or_undefined(orl_noise3(a, NULL), undefined);
+    return finite_or_undefined(perlin_noise3(a, NULL), undefined);
 }
 
 static double at_gradient(const double *a, int axis, bool *undefined)
 {
     double gradient[3];
-    orl_noise3(a, gradient);
+    perlin_noise3(a, gradient);
     return finite_or_undefined(gradient[axis], undefined);
 }
 
@@ -339,7 +351,7 @@ static double at_noise3z(const double *a, uint32_t n, bool *undefined)
 static double at_fnoise3(const double *a, uint32_t n, bool *undefined)
 {
     (void)n;
-    return finite_or_undefined(orl_noise_fractal3(a), undefined);
+    return finite_or_undefined(fractal_noise3(a), undefined);
 }
 
 const struct orl_builtin orl_builtins[] = {

@@ -5,46 +5,52 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { N_LANES = ORL_FUNCTION_LANES };
+enum { LANES = ORL_FUNCTION_LANES, STACK = ORL_FUNCTION_STACK };
 
-void orl_lanes_add(double *a, const double *b)
+/* ---- Arithmetic on lanes --------------------------------------------------------------------- */
+
+/* The result replaces the first operand. Cheap operations are done for all lanes, others for the
+ * active ones only. The return value gives the active lanes whose result is undefined; their value
+ * is 0. */
+
+static void lanes_add(double *a, const double *b)
 {
-    for (int l = 0; l < N_LANES; l++)
+    for (int l = 0; l < LANES; l++)
         a[l] += b[l];
 }
 
-void orl_lanes_subtract(double *a, const double *b)
+static void lanes_subtract(double *a, const double *b)
 {
-    for (int l = 0; l < N_LANES; l++)
+    for (int l = 0; l < LANES; l++)
         a[l] -= b[l];
 }
 
-void orl_lanes_multiply(double *a, const double *b)
+static void lanes_multiply(double *a, const double *b)
 {
-    for (int l = 0; l < N_LANES; l++)
+    for (int l = 0; l < LANES; l++)
         a[l] *= b[l];
 }
 
-void orl_lanes_negate(double *a)
+static void lanes_negate(double *a)
 {
-    for (int l = 0; l < N_LANES; l++)
+    for (int l = 0; l < LANES; l++)
         a[l] = -a[l];
 }
 
-unsigned orl_lanes_divide(double *a, const double *b, unsigned active)
+static unsigned lanes_divide(double *a, const double *b, unsigned active)
 {
     unsigned undefined = 0;
-    for (int l = 0; l < N_LANES; l++) {
+    for (int l = 0; l < LANES; l++) {
         undefined |= b[l] == 0 ? 1U << l : 0;
         a[l] = b[l] == 0 ? 0 : a[l] / b[l];
     }
     return undefined & active;
 }
 
-unsigned orl_lanes_power(double *a, const double *b, unsigned active)
+static unsigned lanes_power(double *a, const double *b, unsigned active)
 {
     unsigned undefined = 0;
-    for (int l = 0; l < N_LANES; l++) {
+    for (int l = 0; l < LANES; l++) {
         bool without = false;
         if (active >> l & 1)
             a[l] = orl_builtin_power(a[l], b[l], &without);
@@ -53,13 +59,15 @@ unsigned orl_lanes_power(double *a, const double *b, unsigned active)
     return undefined;
 }
 
-unsigned orl_lanes_apply(uint32_t which, double (*args)[ORL_FUNCTION_LANES], uint32_t count,
-                         unsigned active)
+/* Applies a built-in function to count arguments; the value replaces the first. At most
+ * ORL_FUNCTION_PARAMETERS arguments are used. */
+static unsigned lanes_apply(uint32_t which, double (*args)[ORL_FUNCTION_LANES], uint32_t count,
+                            unsigned active)
 {
     const uint32_t n = count < ORL_FUNCTION_PARAMETERS ? count : ORL_FUNCTION_PARAMETERS;
     double one[ORL_FUNCTION_PARAMETERS];
     unsigned undefined = 0;
-    for (int l = 0; l < N_LANES; l++) {
+    for (int l = 0; l < LANES; l++) {
         bool without = false;
         if (!(active >> l & 1))
             continue;
@@ -71,10 +79,12 @@ unsigned orl_lanes_apply(uint32_t which, double (*args)[ORL_FUNCTION_LANES], uin
     return undefined;
 }
 
-unsigned orl_lanes_look_up(double *value, const double *list, size_t count, unsigned active)
+/* Replaces n, rounded to the nearest integer, by the nth entry of a list, and 0 by the list's
+ * length. */
+static unsigned lanes_look_up(double *value, const double *list, size_t count, unsigned active)
 {
     unsigned undefined = 0;
-    for (int l = 0; l < N_LANES; l++) {
+    for (int l = 0; l < LANES; l++) {
         const double wanted = floor(value[l] + 0.5);
         const bool is_there = wanted >= 1 && wanted <= (double)count;
         if (!is_there && !(wanted == 0))
@@ -84,21 +94,23 @@ unsigned orl_lanes_look_up(double *value, const double *list, size_t count, unsi
     return undefined & active;
 }
 
-unsigned orl_lanes_above_zero(const double *a)
+/* Returns the lanes above zero. */
+static unsigned lanes_above_zero(const double *a)
 {
     unsigned above = 0;
-    for (int l = 0; l < N_LANES; l++)
+    for (int l = 0; l < LANES; l++)
         above |= a[l] > 0 ? 1U << l : 0;
     return above;
 }
 
-void orl_lanes_copy(double *into, const double *from, unsigned lanes)
+/* Copies the given lanes. */
+static void lanes_copy(double *into, const double *from, unsigned lanes)
 {
-    for (int l = 0; l < N_LANES; l++)
+    for (int l = 0; l < LANES; l++)
         into[l] = lanes >> l & 1 ? from[l] : into[l];
 }
 
-enum { LANES = ORL_FUNCTION_LANES, STACK = ORL_FUNCTION_STACK };
+/* ---- State and stack ------------------------------------------------------------------------- */
 
 /* Lanes at a branch: those that entered it, and those of the first alternative or of the current
  * case. */
@@ -164,7 +176,7 @@ static bool push_copy(struct machine *m, const double *from)
 /* Moves the given lanes of the top value into another value. */
 static void take_lanes(struct machine *m, double *into, unsigned lanes)
 {
-    orl_lanes_copy(into, value_at(m, 0), lanes);
+    lanes_copy(into, value_at(m, 0), lanes);
     m->top--;
 }
 
@@ -173,7 +185,7 @@ static void take_lanes(struct machine *m, double *into, unsigned lanes)
 /* begin_if, go_else and go_case return the next instruction. */
 static size_t begin_if(struct machine *m, const struct orl_instruction *code, size_t at)
 {
-    const unsigned holds = orl_lanes_above_zero(value_at(m, 0)) & m->active;
+    const unsigned holds = lanes_above_zero(value_at(m, 0)) & m->active;
     m->top--;
     m->s->branches[m->branch++] = (struct branch){(uint8_t)m->active, (uint8_t)holds};
     if (holds == 0)
@@ -308,7 +320,7 @@ static bool call_function(struct machine *m, const struct orl_call_site *site, u
 
 static void apply_builtin(struct machine *m, uint32_t which, uint32_t count)
 {
-    m->undefined |= orl_lanes_apply(which, &m->s->values[m->top - count], count, m->active);
+    m->undefined |= lanes_apply(which, &m->s->values[m->top - count], count, m->active);
     m->top -= count - 1;
 }
 
@@ -342,22 +354,22 @@ static bool apply_binary(struct machine *m, enum orl_operation operation)
     double *const a = value_at(m, 1);
     const double *const b = value_at(m, 0);
     if (operation == ORL_OP_ADD)
-        orl_lanes_add(a, b);
+        lanes_add(a, b);
     else if (operation == ORL_OP_SUBTRACT)
-        orl_lanes_subtract(a, b);
+        lanes_subtract(a, b);
     else if (operation == ORL_OP_MULTIPLY)
-        orl_lanes_multiply(a, b);
+        lanes_multiply(a, b);
     else if (operation == ORL_OP_DIVIDE)
-        m->undefined |= orl_lanes_divide(a, b, m->active);
+        m->undefined |= lanes_divide(a, b, m->active);
     else
-        m->undefined |= orl_lanes_power(a, b, m->active);
+        m->undefined |= lanes_power(a, b, m->active);
     m->top--;
     return true;
 }
 
 static void look_up_value(struct machine *m, const double *list, size_t count)
 {
-    m->undefined |= orl_lanes_look_up(value_at(m, 0), list, count, m->active);
+    m->undefined |= lanes_look_up(value_at(m, 0), list, count, m->active);
 }
 
 /* Executes an instruction that needs neither frame nor position. Returns false if the stack is
@@ -374,7 +386,7 @@ static bool execute_simple(struct machine *m, const struct orl_instruction *one)
         look_up_value(m, program->args, program->n_args);
         return true;
     case ORL_OP_NEGATE:
-        orl_lanes_negate(value_at(m, 0));
+        lanes_negate(value_at(m, 0));
         return true;
     case ORL_OP_BUILTIN:
         apply_builtin(m, (uint32_t)one->index, one->count);

@@ -1,6 +1,6 @@
 /*
- * Programs, and the stack machine that runs them. Each value has eight lanes. Inside of
- * core/function only.
+ * Programs, the stack machine that runs them, and built-in functions. Each value has eight lanes.
+ * Inside of core/function only.
  *
  * A program consists of segments of instructions, one for each expression, variable and function
  * that it needs; they lie one after another. Inactive lanes are computed too if that costs nothing;
@@ -118,34 +118,6 @@ struct orl_function {
 };
 
 /*
- * Arithmetic on eight lanes. The result replaces the first operand. Cheap operations are done for
- * all lanes, others for the active ones only. The return value gives the active lanes whose result
- * is undefined; their value is 0. Inside of core/function only.
- */
-
-void orl_lanes_add(double *a, const double *b);
-void orl_lanes_subtract(double *a, const double *b);
-void orl_lanes_multiply(double *a, const double *b);
-void orl_lanes_negate(double *a);
-unsigned orl_lanes_divide(double *a, const double *b, unsigned active);
-unsigned orl_lanes_power(double *a, const double *b, unsigned active);
-
-/* Applies a built-in function to count arguments; the value replaces the first. At most
- * ORL_FUNCTION_PARAMETERS arguments are used. */
-unsigned orl_lanes_apply(uint32_t which, double (*args)[ORL_FUNCTION_LANES], uint32_t count,
-                         unsigned active);
-
-/* Replaces n, rounded to the nearest integer, by the nth entry of a list, and 0 by the list's
- * length. */
-unsigned orl_lanes_look_up(double *value, const double *list, size_t count, unsigned active);
-
-/* Returns the lanes above zero. */
-unsigned orl_lanes_above_zero(const double *a);
-
-/* Copies the given lanes. */
-void orl_lanes_copy(double *into, const double *from, unsigned lanes);
-
-/*
  * Built-in functions: Radiance's library (rcalc(1), "Radiance File Formats"), evaluated for one
  * lane at a time. The compiler handles if() and select(), which choose their operands, and arg(),
  * which reads the program's arguments.
@@ -168,21 +140,5 @@ int orl_builtin_named(const char *name);
 
 /* Returns a^b. Returns 0 and sets *undefined where C's pow has no finite value. */
 double orl_builtin_power(double a, double b, bool *undefined);
-
-/*
- * Radiance's pseudo-random numbers and noise functions.
- *
- * noise3: Perlin noise (Perlin 1985) in the form of Perlin, "Improving Noise", SIGGRAPH 2002. Every
- * point of the integer lattice has one of 16 gradient directions; quintic polynomials blend the
- * gradients along each axis.
- * fnoise3: midpoint displacement in the cube of a cell, halved down to the resolution of the
- * lattice.
- * Both range from about -1 to 1; tests compare them with rtrace.
- */
-
-double orl_noise_rand(double x); /* from 0 to below 1 */
-/* Returns the noise; ret_gradient may be NULL. */
-double orl_noise3(const double p[3], double ret_gradient[3]);
-double orl_noise_fractal3(const double p[3]);
 
 #endif

@@ -1,4 +1,5 @@
-/* Tokenizer of definitions: numbers, names and single characters; comments are skipped. */
+/* Texts of definitions: tokenizer, parser to trees, and the symbol table of names by context.
+ * Inside of core/function only. */
 #ifndef ORL_FUNCTION_LANGUAGE_DEFINITIONS_H
 #define ORL_FUNCTION_LANGUAGE_DEFINITIONS_H
 
@@ -18,7 +19,8 @@ enum orl_function_token {
     ORL_FUNCTION_TOKEN_SIGN
 };
 
-/* Tokenizer state; borrows the text. One word is read ahead, in kind, word and number. */
+/* Tokenizer state; borrows the text. Tokens are numbers, names and single characters; comments are
+ * skipped. One word is read ahead, in kind, word and number. */
 struct orl_function_lexer {
     const char *text;
     size_t length, at;
@@ -41,8 +43,8 @@ int orl_function_lexer_expected(const struct orl_function_lexer *lexer, const ch
 
 /*
  * Parser of definitions, which builds trees. Names are resolved while reading, by the definitions
- * that the set has by then (function.h). Their bodies are looked up when a program is compiled, so
- * that a definition may follow its use.
+ * that the set has by then. Their bodies are looked up when a program is compiled, so that a
+ * definition may follow its use.
  *
  * Ownership: trees, names and definitions belong to the set's arena.
  */
@@ -83,7 +85,7 @@ struct orl_formula {
     int line;
     uint32_t n_parameters;
     uint64_t called; /* parameters that it calls, as bits */
-    /* The next members are valid for the compilation of this number. */
+    /* The next fields are valid for the compilation of this number. */
     uint32_t compilation;
     uint32_t slot;
     bool open; /* depends on an input */

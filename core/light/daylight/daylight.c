@@ -291,7 +291,7 @@ static int find_numbers(const struct orl_sky_request *request,
 
 /*
  * Computes the numbers for a half-set sun. The models have no sun below the horizon, so until the
- * whole disc has set the sky is that of a sun on the horizon. The sun itself keeps its position.
+ * whole disc has set the sky is that of a sun on the horizon. The position of the sun itself stays.
  */
 static int find_half_set(const struct orl_sky_request *request,
                          const struct orl_sun_position *placed, struct orl_text *text,
@@ -309,7 +309,7 @@ static int find_half_set(const struct orl_sky_request *request,
 /*
  * Handles a Perez model that grows without bound towards the horizon (a strong sun low in a bright
  * sky), for which gendaylit's sky is black. With a measured flux the sky is not black. Sun and flux
- * are kept, and the rest of the pattern, its glow around the sun, is scaled to them.
+ * stay, and the rest of the pattern, its glow around the sun, is scaled to them.
  */
 static void replace_missing_gradation(struct orl_sky_numbers *numbers, bool by_flux,
                                       struct orl_text *text)

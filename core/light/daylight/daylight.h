@@ -1,5 +1,6 @@
 /*
- * Conversion of a job's request (oriel/job/sky.h) to sun, sky and ground for the rest of the core.
+ * Conversion of a job's request (oriel/job/sky.h) to sun, sky and ground for the rest of the core,
+ * and the radiance of skies.
  *
  * The numbers are those of gendaylit and gensky for the same input, in full precision. With
  * ORL_SKY_FLUX they are then scaled, and the horizon cuts the sun's disc: a setting sun is a

@@ -13,7 +13,7 @@ struct reader {
     struct orl_scanner scanner;
     struct orl_weather weather;
     size_t room;
-    int year;                  /* year of the rows to keep; 0: all */
+    int year;                  /* year of the rows to read; 0: all */
     int first_year, last_year; /* first and last year of the file's rows; 0: rows have no year */
     bool has_rows;             /* the file has rows, of any year */
     int first_date;            /* date in the EPW's header: days since 1 January */

@@ -1,12 +1,13 @@
 /*
  * Weather files: EPW (EnergyPlus) and WEA (DAYSIM, gendaymtx), as far as skies need them: the site,
- * and for each row the time and two measures of sun and sky.
+ * and for each row the time and two measures of sun and sky. Faults of a file that its own numbers
+ * show: a shift of all times, and radiation while the sun is down.
  *
  * Conventions: longitude in degrees EAST and time zone in hours EAST of Greenwich, for either
  * format (EPW: both east; WEA: degrees west both). Times are the middle of the interval a row
  * stands for. An EPW row of hour 12 is the mean from 11 to 12 and is at 11.5 here (with two rows an
  * hour: at 11.25 and 11.75). WEA files say 11.5 themselves, and up to 25 after midnight (DAYSIM),
- * which belongs to the next day here. A day of 29 February is kept if the file has it.
+ * which belongs to the next day here. A day of 29 February is read if the file has it.
  *
  * Years: no two rows have the same time, whatever their years. If an EPW has rows of one month, day
  * and hour in several years, the caller chooses a year. A file may continue over 31 December, as
@@ -15,9 +16,10 @@
  * Invariants: every number is finite; months are 1..12, days exist in a leap year, hours lie in [0,
  * 24]. Values that the file marks as missing (9999 and above, or -90 and below) are missing here,
  * never numbers.
+ *
  * Errors: ORL_ERR_SYNTAX, _RANGE, _INVALID (a year of a WEA file), _LIMIT, with file and line.
- * Threads: none kept; a parsed file is immutable. References: EnergyPlus, "Auxiliary Programs",
- * chapter on weather data; gendaymtx(1) of Radiance.
+ * Threads: a parsed file is immutable.
+ * References: EnergyPlus, "Auxiliary Programs", chapter on weather data; gendaymtx(1) of Radiance.
  */
 #ifndef ORL_LIGHT_DAYLIGHT_WEATHER_H
 #define ORL_LIGHT_DAYLIGHT_WEATHER_H

@@ -1,3 +1,5 @@
+/* Faults of weather files that their own numbers show: a shift of all times, and radiation while
+ * the sun is down. */
 #include <math.h>
 #include <stdio.h>
 

@@ -1,4 +1,5 @@
-/* Converts steps of a year to days and hours. */
+/* Functions beside those of oriel/annual/annual_metrics.h: the calendar of steps, the year of one
+ * sensor, the distribution of a passing area. */
 #ifndef ORL_METRICS_ANNUAL_ANNUAL_FIGURES_H
 #define ORL_METRICS_ANNUAL_ANNUAL_FIGURES_H
 
@@ -7,9 +8,12 @@
 
 #include <oriel/annual/annual_metrics.h>
 
+/* Day of a year. */
 struct orl_calendar_day {
     int month, day; /* both from 1 */
 };
+
+/* Returns the day of a step. */
 struct orl_calendar_day orl_calendar_day_of(const struct orl_annual_steps *steps, uint32_t step);
 
 /* Return the middle of a step: hours since the year began, and hours since midnight. */
@@ -19,8 +23,7 @@ static inline double orl_calendar_hour_of_year(const struct orl_annual_steps *st
 }
 double orl_calendar_hour_of(const struct orl_annual_steps *steps, uint32_t step);
 
-/* Functions on single sensors for figures of areas, beside those of oriel/annual/annual_metrics.h.
- */
+/* ---- The year of one sensor ------------------------------------------------------------------ */
 
 /* 97.5 % quantile of Student's t with ORL_ANNUAL_DEGREES degrees of freedom. */
 #define ORL_ANNUAL_Z 2.131449545559323

@@ -119,13 +119,13 @@ int orl_annual_area_share(const double *crossing, const double *area, size_t n, 
     return 0;
 }
 
-/* Crossings of the sensors of a share, evaluated by a crew. */
+/* Crossings of the sensors of a share, evaluated in parallel. */
 struct crossings {
     const struct orl_annual_figure *figure;
     const struct orl_annual_period *period;
     const struct orl_annual_rows *rows;
     double *crossing; /* one per sensor */
-    double *scratch;  /* for each member of the crew: room for the period's columns */
+    double *scratch;  /* for each thread of the pool: room for the period's columns */
     atomic_bool unknown, cancelled;
 };
 

@@ -1,4 +1,4 @@
-/* Steps of a year that count. */
+/* Steps of a year that count: periods, and hours of use of a room. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,7 +108,7 @@ void orl_annual_period_done(struct orl_annual_period *period)
     *period = (struct orl_annual_period){.columns = NULL};
 }
 
-/* Hours of use of a room, by weekdays and hours or from a file. */
+/* ---- Hours of use, by weekdays and hours ----------------------------------------------------- */
 
 void orl_occupancy_init(struct orl_occupancy *occupancy)
 {
@@ -137,7 +137,7 @@ void orl_occupancy_mark(const struct orl_occupancy *occupancy, const struct orl_
     }
 }
 
-/* ---- Files ----------------------------------------------------------------------------------- */
+/* ---- Hours of use, from a file --------------------------------------------------------------- */
 
 enum { MOST_FIELDS = 4 };
 

@@ -1,4 +1,5 @@
-/* Names and units of metrics. */
+/* Names and units of metrics; metrics of one sensor's year, and the error at which each would
+ * change sides of a bound. */
 #include "metrics/annual/annual_figures.h"
 
 #include <float.h>
@@ -64,8 +65,6 @@ void orl_annual_metric_name(const struct orl_annual_metric *metric, char *ret_te
         break;
     }
 }
-
-/* Metrics of one sensor's year, and the error at which each would change sides of a bound. */
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 

@@ -25,7 +25,7 @@ static const double most_subtracted = 1.0 / 3;
 
 /*
  * Factors on the standard deviation in the first comparisons. A picture has thousands of smallest
- * discs; some would disagree by chance and keep their noise as specks.
+ * discs; some would disagree by chance, and their noise would be visible as specks.
  */
 enum { NOISE_FACTORS = 2 };
 static const double noise_factors[NOISE_FACTORS] = {1.4, 1.2};
@@ -35,7 +35,7 @@ static const double noise_factors[NOISE_FACTORS] = {1.4, 1.2};
  * The mean is the sum of fluxes over `level`. The value at the point of the best-fit plane is the
  * sum of (1 - a x - b y) times the fluxes over `plane`; these weights have no first moment. In even
  * light it scatters as a mean over an area `plane` does. If the area is too small to determine a
- * slope, the plane is kept level.
+ * slope, the plane is level.
  */
 struct shape {
     double room, level, plane, a, b;

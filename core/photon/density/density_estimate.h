@@ -1,8 +1,9 @@
 /*
- * Density estimation: irradiance from the photons nearest to a point of a surface.
+ * Density estimation of irradiance: from the photons nearest to a point of a surface, and by a
+ * kernel that spreads each photon over its own disc.
  *
- * A photon counts if it landed on the same sheet of surface (sheet.h). So no light is gathered
- * through a wall or from a parallel surface. It must also lie within the point's footprint
+ * A photon counts if it landed on the same sheet of surface (orl_same_sheet). So no light is
+ * gathered through a wall or from a parallel surface. It must also lie within the point's footprint
  * (footprint.h), so that no light is gathered past a wall that stands on the surface. The estimate
  * over k neighbours is (sum of the nearest k-1 fluxes) / A. A is the footprint's area within the
  * distance of the k-th: pi r_k^2 without obstructions. It is unbiased for uniform density, up to
@@ -31,7 +32,7 @@ struct orl_search_candidate {
     uint32_t index;
 };
 
-/* Patches that an adaptive estimate counts as wholes (disc_search.h), in columns. */
+/* Patches that an adaptive estimate counts as wholes (nested_discs.h), in columns. */
 struct orl_whole_patches {
     float distance2[2 * ORL_SEARCH_MOST], ramp[2 * ORL_SEARCH_MOST];
     uint32_t count[2 * ORL_SEARCH_MOST], patch[2 * ORL_SEARCH_MOST];
@@ -68,8 +69,8 @@ struct orl_density {
     double clearance;          /* distance to the nearest wall, at most `radius` */
     double disc;               /* adaptive estimates: the disc that was searched, for query.hint */
     bool patch;                /* kernel estimates: a small patch was counted as a whole */
-    /* the estimate is unreliable. Leaves: near occlusion (near_occlusion.h); adaptive estimates:
-     * few photons; records: they do not determine the light at the point. */
+    /* the estimate is unreliable. Leaves: the place is occluded in the near field; adaptive
+     * estimates: few photons; records: they do not determine the light at the point. */
     bool unreliable;
     bool cut;        /* adaptive estimates: the footprint is not the whole disc */
     double evenness; /* adaptive estimates: radius over that of the widest disc tried */
@@ -108,9 +109,9 @@ uint32_t orl_density_nearest(const struct orl_photon_map *map,
  * follows the density where the photon landed, so that it holds about k photons.
  *
  * A photon spreads exactly its flux, whatever the sizes: light is neither created nor lost. The
- * nearest-neighbour estimate (density_search.h) does not have this property. Beside a sun patch its
- * discs extend to the patch's many photons and shrink when they find them. The dark side reads
- * several times too bright there, half a percent of the light in a sunny room.
+ * nearest-neighbour estimate above does not have this property. Beside a sun patch its discs extend
+ * to the patch's many photons and shrink when they find them. The dark side reads several times too
+ * bright there, half a percent of the light in a sunny room.
  *
  * All photons of a leaf have one radius, from the median of their distances to their centre and
  * those of neighbouring leaves. Walls and edges are taken from the footprint of the query point
@@ -121,8 +122,8 @@ uint32_t orl_density_nearest(const struct orl_photon_map *map,
 
 struct orl_kernel_density;
 
-/* Builds the estimator. k: photons in a disc. Borrows the map. Returns NULL if out of memory or
- * the crew is cancelled. */
+/* Builds the estimator. k: photons in a disc. Borrows the map. Returns NULL if out of memory or the
+ * pool is cancelled. */
 struct orl_kernel_density *orl_kernel_density_new(const struct orl_photon_map *map, uint32_t k,
                                                   double max_radius, struct orl_thread_pool *pool);
 void orl_kernel_density_free(struct orl_kernel_density *kernel_density); /* NULL is allowed */

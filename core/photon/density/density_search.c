@@ -22,7 +22,7 @@ struct traversal {
     /* room: candidates stored before the list is reduced to the nearest k, > k */
     uint32_t k, found, room;
     uint16_t normal;      /* code of the query's normal */
-    uint32_t normal_bins; /* mask of the bins of normals to visit */
+    uint32_t normal_bins; /* mask of the bins of normals to search */
 };
 
 static bool is_nearer(const struct orl_search_candidate *a, const struct orl_search_candidate *b)

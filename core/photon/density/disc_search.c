@@ -17,7 +17,7 @@ static const float widest_ramp = 0.5F, widest_in_cut = 0.3F;
 /* Factor on the squared search radius for boxes of leaves, so that the near ends of wide leaves
  * are not missed. */
 static const float beyond2 = 1.15F;
-/* In cells, across a plane: less than sheet.h allows. */
+/* In cells, across a plane: less than orl_same_sheet allows. */
 static const float rounding = 3.9F;
 
 static uint32_t photons_of(const struct orl_disc_search *disc_search, uint32_t patch)
@@ -29,7 +29,7 @@ static uint32_t photons_of(const struct orl_disc_search *disc_search, uint32_t p
 static bool on_sheet(const struct orl_disc_search *disc_search, uint16_t normal,
                      const float chord[3], float distance2)
 {
-    /* Most common case: the same plane, within rounding (sheet.h). */
+    /* Most common case: the same plane, within rounding. */
     const float *own = disc_search->direction;
     if (normal == disc_search->normal &&
         fabsf(chord[0] * own[0] + chord[1] * own[1] + chord[2] * own[2]) < rounding)
@@ -118,7 +118,7 @@ static inline void classify_patches(const struct orl_disc_search *disc_search,
         const float far = radius + reach, within = bound - reach;
         const uint32_t near = (box2[i] < near_by) & (faces[i] != 0);
         const uint32_t parallel = group->normal[i] == normal;
-        /* Farther off than the slopes of a sheet allow (sheet.h). */
+        /* Farther off than the slopes of a sheet allow (orl_same_sheet). */
         const uint32_t other = parallel & (off > 0.05F * far + 2 * rounding);
         const uint32_t level = parallel & (off < rounding);
         const uint32_t whole = level & (within > 0) & (d2 < within * within);

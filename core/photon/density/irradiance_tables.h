@@ -1,13 +1,16 @@
 /*
- * Irradiance by leaf: one density estimate for each leaf of a map, computed at the first request
+ * Irradiance of a global map tabulated for a final gather: by leaf, computed at the first request;
+ * and by texels of flat surfaces, computed at once.
+ *
+ * Irradiance by leaf is one density estimate for each leaf of a map, computed at the first request
  * and stored. A final gather may read the same wall a million times; it then pays for one estimate
  * per leaf (16 photons), and a short look-up for each read.
  *
  * A look-up uses the nearest leaf on the same sheet of surface that covers the point. The search
- * starts at the neighbours of the leaf to which the point belongs in the map's order (zorder.h). If
- * that fails it uses the hierarchy of boxes. If the leaf's estimate met a wall, or did not extend
- * to the query point, a ray tests for occluders between the two. If there is one the next leaf is
- * tried, and after some leaves the estimate is computed at the point.
+ * starts at the neighbours of the leaf to which the point belongs in the map's order
+ * (map_layout.h). If that fails it uses the hierarchy of boxes. If the leaf's estimate met a wall,
+ * or did not extend to the query point, a ray tests for occluders between the two. If there is one
+ * the next leaf is tried, and after some leaves the estimate is computed at the point.
  *
  * A leaf's value depends only on map and scene. So it does not matter which thread computes it
  * first, or whether two do: results are the same for any number of threads. Value (shared-exponent
@@ -28,9 +31,9 @@
 struct orl_leaf_irradiance;
 
 /*
- * Builds the cache. k and max_radius: parameters of the estimates (kernel_density.h). Map and world
- * are borrowed; if world is NULL, surfaces are taken to be infinite. Returns NULL if out of memory
- * or the crew is cancelled.
+ * Builds the cache. k and max_radius: parameters of the estimates (orl_kernel_density_new). Map and
+ * lit scene are borrowed; if lit_scene is NULL, surfaces are taken to be infinite. Returns NULL if
+ * out of memory or the pool is cancelled.
  */
 struct orl_leaf_irradiance *orl_leaf_irradiance_new(const struct orl_photon_map *map,
                                                     const struct orl_lit_scene *lit_scene,
@@ -39,8 +42,8 @@ struct orl_leaf_irradiance *orl_leaf_irradiance_new(const struct orl_photon_map 
 void orl_leaf_irradiance_free(struct orl_leaf_irradiance *leaf_irradiance);
 
 /*
- * Replaces map and world by other copies of the same, which are borrowed. Stored estimates remain.
- * No query may run at the same time.
+ * Replaces map and lit scene by other copies of the same, which are borrowed. Stored estimates
+ * remain. No query may run at the same time.
  */
 void orl_leaf_irradiance_rebind(struct orl_leaf_irradiance *leaf_irradiance,
                                 const struct orl_photon_map *map,
@@ -53,8 +56,8 @@ double orl_leaf_irradiance_filled(const struct orl_leaf_irradiance *leaf_irradia
 /*
  * Returns the irradiance at a point. surface_point: the point's own; NULL: walls are ignored.
  * ret_parts: set to the parts of its luma, or NULL. ret_near_occluded: set to true if the place is
- * occluded in the near field (near_occlusion.h), or NULL. If it is set to true, the irradiance is 0
- * without parts, and the caller must compute it otherwise.
+ * occluded in the near field (leaf_irradiance.c), or NULL. If it is set to true, the irradiance is
+ * 0 without parts, and the caller must compute it otherwise.
  */
 struct orl_rgb orl_leaf_irradiance_estimate(struct orl_leaf_irradiance *leaf_irradiance,
                                             struct orl_vec3 point, struct orl_vec3 normal,
@@ -80,14 +83,14 @@ struct orl_rgb orl_leaf_irradiance_estimate(struct orl_leaf_irradiance *leaf_irr
 
 struct orl_texels;
 
-/* Builds the texels. Map and world are borrowed. photons: average number in a texel. Returns
- * NULL if out of memory or the crew is cancelled. */
+/* Builds the texels. Map and lit scene are borrowed. photons: average number in a texel. Returns
+ * NULL if out of memory or the pool is cancelled. */
 struct orl_texels *orl_texels_new(const struct orl_photon_map *map,
                                   const struct orl_lit_scene *lit_scene, double photons,
                                   struct orl_thread_pool *pool);
 void orl_texels_free(struct orl_texels *texels);
 
-/* Replaces the world by another copy of it, which is borrowed. */
+/* Replaces the lit scene by another copy of it, which is borrowed. */
 void orl_texels_rebind(struct orl_texels *texels, const struct orl_lit_scene *lit_scene);
 /* memory, bytes, without the planes of facets */
 uint64_t orl_texels_bytes(const struct orl_texels *texels);

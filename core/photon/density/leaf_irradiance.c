@@ -8,6 +8,15 @@
 #include "photon/map/map_layout.h"
 #include "photon/map/quantization.h"
 
+/*
+ * Near-field occlusion test: places between slats, in a mug, or under a low shelf, where a density
+ * estimate is as wide as the gap. There the same objects occlude both the light and the viewer, at
+ * the same scale. For example, only the edge of a slat's underside is visible; it is darker or
+ * brighter than the slat. An estimate averages over the whole slat and is wrong by that difference,
+ * whatever its number of photons. Light is neither created nor lost, but the visible part is not
+ * the averaged part. Readers of densities must continue the path from there instead.
+ */
+
 enum { RAYS = 16, LEAST_BLOCKED = 3 };
 
 /* Most places are open: if none of the first rays hits anything, the others are not traced. With
@@ -41,7 +50,11 @@ static bool ray_is_blocked(const struct orl_surface_point *surface_point,
            !orl_material_is_window(orl_lit_scene_material(lit_scene, &hit));
 }
 
-bool orl_near_occlusion_test(const struct orl_surface_point *surface_point, double radius)
+/*
+ * Returns true if surfaces nearer than twice `radius` block at least 3/16 of the light of a uniform
+ * sky on the surface point, as sampled by rays. Panes do not block.
+ */
+static bool is_near_occluded(const struct orl_surface_point *surface_point, double radius)
 {
     const struct orl_frame frame = orl_frame_about(surface_point->normal);
     int blocked = 0;
@@ -49,6 +62,8 @@ bool orl_near_occlusion_test(const struct orl_surface_point *surface_point, doub
         blocked += ray_is_blocked(surface_point, &frame, i * STEP % RAYS, reach * radius);
     return blocked == LEAST_BLOCKED;
 }
+
+/* ---- Cache of estimates ---------------------------------------------------------------------- */
 
 enum { SHARE_WORDS = ORL_MAP_BATCHES / sizeof(uint64_t) };
 
@@ -58,9 +73,8 @@ static const double coarser = 0x1p20;
 
 /* A leaf's estimate in the cache. */
 struct cached {
-    /* 0: not computed yet. Low half: the value. High half: the clear radius, negative for a
-     * patch; its last bits say the value's unit and whether the place is occluded in the near
-     * field. */
+    /* 0: not computed yet. Low half: the value. High half: the clear radius, negative for a patch;
+     * its last bits code the value's unit and whether the place is occluded in the near field. */
     _Atomic uint64_t value;
     _Atomic uint64_t shares[SHARE_WORDS]; /* shares of the batches; written before the value */
 };
@@ -83,8 +97,7 @@ struct estimate {
     double clearance; /* distance from the site within which there is no wall */
     /* the estimate is that of a small patch as a whole, and is used on no other */
     bool patch;
-    bool unreliable; /* near occlusion (near_occlusion.h): the estimate is not the visible radiance
-                      */
+    bool unreliable; /* near occlusion: the estimate is not the visible radiance */
 };
 
 /* Squared cells: spread of photons that are practically at one point. */
@@ -120,7 +133,7 @@ struct orl_leaf_irradiance *orl_leaf_irradiance_new(const struct orl_photon_map 
     leaf_irradiance->k = k;
     leaf_irradiance->max_radius = max_radius;
     /* The irradiance of k photons of mean flux; at least that of k photons of one flux unit, so
-     * that the brightest is not clamped (flux.h). */
+     * that the brightest is not clamped (quantization.h). */
     leaf_irradiance->unit =
         fmax(h->flux_mean, h->flux_unit) * k / (ORL_PI * max_radius * max_radius);
     leaf_irradiance->cached = calloc(n + 1, sizeof *leaf_irradiance->cached);
@@ -212,8 +225,7 @@ static struct orl_density make_estimate(const struct orl_leaf_irradiance *leaf_i
     const double off = place_query(leaf_irradiance, leaf, &query, &surface_point);
     struct orl_density density =
         orl_kernel_density_estimate(leaf_irradiance->kernel_density, &query, search);
-    density.unreliable =
-        query.surface_point && orl_near_occlusion_test(&surface_point, density.radius);
+    density.unreliable = query.surface_point && is_near_occluded(&surface_point, density.radius);
     density.clearance = fmax(density.clearance - off, 0); /* relative to the site */
     return density;
 }
@@ -360,8 +372,7 @@ struct orl_rgb orl_leaf_irradiance_estimate(struct orl_leaf_irradiance *leaf_irr
     query.surface_point = surface_point;
     const struct orl_density density =
         orl_kernel_density_estimate(leaf_irradiance->kernel_density, &query, search);
-    if (ret_near_occluded && surface_point &&
-        orl_near_occlusion_test(surface_point, density.radius)) {
+    if (ret_near_occluded && surface_point && is_near_occluded(surface_point, density.radius)) {
         *ret_near_occluded = true;
         return orl_gray(0);
     }

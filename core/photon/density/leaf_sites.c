@@ -27,7 +27,7 @@ struct orl_leaf_sites {
     float reach2; /* squared cells: maximum distance of a leaf that is used */
     struct orl_zorder order;
     struct orl_leaf_center *sites;
-    struct neighbours *neighbours; /* in `room` below, aligned to a cache line */
+    struct neighbours *neighbours; /* in `memory` below, aligned to a cache line */
     void *memory;
 };
 

@@ -1,8 +1,10 @@
 /*
- * The point of a leaf of a map at which an estimate for it can be made: the centre of its photons.
- * It is not a photon's own position, because density there is known to be higher (the photon
- * itself) or lower (stratified photons keep apart). Only if the centre is not on the surface is a
- * photon's position used; that photon is then excluded from the estimate.
+ * Leaves of a map as places: the point of a leaf at which its estimate is made, and its neighbours.
+ *
+ * The point of a leaf is the centre of its photons. It is not a photon's own position, because
+ * density there is known to be higher (the photon itself) or lower (stratified photons keep apart).
+ * Only if the centre is not on the surface is a photon's position used; that photon is then
+ * excluded from the estimate.
  */
 #ifndef ORL_PHOTON_DENSITY_LEAF_SITES_H
 #define ORL_PHOTON_DENSITY_LEAF_SITES_H
@@ -21,7 +23,8 @@ struct orl_leaf_center {
     bool at_photon;
     /* index in the leaf of the photon at the point or in the middle of the leaf */
     uint8_t photon;
-    uint32_t facet; /* the facet that it lies on, once settled; UINT32_MAX: none */
+    /* the facet that it lies on, set by orl_leaf_center_find_facet; UINT32_MAX: none */
+    uint32_t facet;
 };
 
 struct orl_leaf_center orl_leaf_center_make(const struct orl_photon_map *map, uint64_t leaf);
@@ -42,8 +45,8 @@ struct orl_vec3 orl_leaf_center_point(const struct orl_photon_map *map,
 
 /*
  * Places the query at the leaf's point, on the surface if there is one. Returns true if there is
- * one; then ret_surface_point, which the query refers to, is filled in. If world is NULL, there is
- * none.
+ * one; then ret_surface_point, which the query refers to, is filled in. If lit_scene is NULL, there
+ * is none.
  */
 bool orl_leaf_center_set_query(const struct orl_photon_map *map, const struct orl_leaf_center *site,
                                uint64_t leaf, const struct orl_lit_scene *lit_scene,
@@ -51,9 +54,9 @@ bool orl_leaf_center_set_query(const struct orl_photon_map *map, const struct or
                                struct orl_surface_point *ret_surface_point);
 
 /*
- * Positions of a map's leaves (leaf_center.h), their neighbours, and the leaves whose estimate may
- * be used at a point. Neighbours are searched at the first request and stored. The result does not
- * depend on which thread is first, so threads may query at the same time.
+ * Positions of a map's leaves, their neighbours, and the leaves whose estimate may be used at a
+ * point. Neighbours are searched at the first request and stored. The result does not depend on
+ * which thread is first, so threads may query at the same time.
  *
  * Lengths are in cells of the map (`orl_box_locate`).
  */
@@ -66,13 +69,13 @@ struct orl_near_leaf {
     uint32_t leaf;
 };
 
-/* Builds the sites. No leaf is used beyond max_radius (metres). Map and world are borrowed.
- * Returns NULL if out of memory or the crew is cancelled. */
+/* Builds the sites. No leaf is used beyond max_radius (metres). Map and lit scene are borrowed.
+ * Returns NULL if out of memory or the pool is cancelled. */
 struct orl_leaf_sites *orl_leaf_sites_new(const struct orl_photon_map *map,
                                           const struct orl_lit_scene *lit_scene, double max_radius,
                                           struct orl_thread_pool *pool);
 void orl_leaf_sites_free(struct orl_leaf_sites *sites);
-/* Replaces the map and the world, as orl_leaf_irradiance_rebind does. */
+/* Replaces the map and the lit scene, as orl_leaf_irradiance_rebind does. */
 void orl_leaf_sites_rebind(struct orl_leaf_sites *sites, const struct orl_photon_map *map,
                            const struct orl_lit_scene *lit_scene);
 uint64_t orl_leaf_sites_bytes(const struct orl_leaf_sites *sites); /* memory, bytes */
@@ -81,8 +84,8 @@ const struct orl_leaf_center *orl_leaf_sites_of(const struct orl_leaf_sites *sit
 
 /*
  * Finds the leaf whose site is nearest to the point. Candidates are the neighbours of the leaf to
- * which the point belongs in the map's order (zorder.h). Returns false if that leaf is on another
- * sheet of surface.
+ * which the point belongs in the map's order (map_layout.h). Returns false if that leaf is on
+ * another sheet of surface.
  */
 bool orl_leaf_sites_nearest(const struct orl_leaf_sites *sites, struct orl_vec3 point,
                             struct orl_vec3 normal, struct orl_near_leaf *ret_leaf);
@@ -103,22 +106,5 @@ bool orl_leaf_sites_cover(const struct orl_leaf_sites *sites, struct orl_near_le
  */
 bool orl_leaf_sites_sample(const struct orl_leaf_sites *sites, uint32_t leaf,
                            struct orl_random *random, struct orl_leaf_center *ret_place);
-
-/*
- * Near-field occlusion test: places between slats, in a mug, or under a low shelf, where a density
- * estimate is as wide as the gap. There the same objects occlude both the light and the viewer, at
- * the same scale. For example, only the edge of a slat's underside is visible; it is darker or
- * brighter than the slat. An estimate averages over the whole slat and is wrong by that difference,
- * whatever its number of photons. Light is neither created nor lost, but the visible part is not
- * the averaged part. Readers of densities must continue the path from there instead.
- *
- * Threads: a pure function of its arguments.
- */
-
-/*
- * Returns true if surfaces nearer than twice `radius` block at least 3/16 of the light of a uniform
- * sky on the surface point, as sampled by rays. Panes do not block.
- */
-bool orl_near_occlusion_test(const struct orl_surface_point *surface_point, double radius);
 
 #endif

@@ -1,5 +1,8 @@
 /*
- * Sums over leaves of a map, or halves of leaves: the centre of their photons, and their flux in
+ * Sums of the photons around a point in three nested discs, by whole leaves where possible: sums
+ * over leaves, the search of a disc, and the discs.
+ *
+ * Sums over leaves, or halves of leaves, hold the centre of their photons, and their flux in
  * all and by batch. They serve estimates that are wide enough to treat sixteen photons as one. In
  * Morton order some runs of sixteen lie in two places far apart, or on two planes: such a leaf is
  * two patches, any other is one.
@@ -25,7 +28,7 @@ enum {
     ORL_FLUX_SUMS = 24                             /* the rest is 0 */
 };
 
-enum { ORL_NO_PLANE = 1 << 16 }; /* not a code of a normal (normal_code.h) */
+enum { ORL_NO_PLANE = 1 << 16 }; /* not a code of a normal (quantization.h) */
 enum { ORL_PATCHES = 2, ORL_LANES = ORL_PATCHES * ORL_MAP_FANOUT };
 
 /*
@@ -70,8 +73,8 @@ uint64_t orl_leaf_sums_bytes(const struct orl_leaf_sums *sums); /* memory, bytes
 void orl_leaf_sums_done(struct orl_leaf_sums *sums); /* a struct that is all zero is allowed */
 
 /*
- * Search for the photons around a point, by whole leaves where possible: the first half of
- * nested_discs.h, which explains it.
+ * Search for the photons around a point, by whole leaves where possible: the first step of
+ * orl_nested_discs_gather, below.
  */
 
 enum { ORL_DISC_SEARCH_CAPACITY = 2 * ORL_SEARCH_MOST };
@@ -80,14 +83,14 @@ struct orl_disc_search {
     const struct orl_leaf_sums *sums;
     const struct orl_density_query *query;
     const struct orl_footprint *footprint;   /* NULL: the whole disc */
-    struct orl_whole_patches *whole_patches; /* patches found (leaf_sums.h) */
+    struct orl_whole_patches *whole_patches; /* patches found */
     struct orl_search_candidate *single;     /* single photons found */
     double cell;
     float at[3];           /* query point, in cells */
     float direction[3];    /* the query's normal */
     float radius2, radius; /* cells */
     float flat2; /* squared cells: photons nearer than this lie in the surface point's plane */
-    /* In cells: photons within this radius and within these lines (footprint_side.h) are in the
+    /* In cells: photons within this radius and within these lines (orl_footprint_bound) are in the
      * footprint. */
     float bound, lines[ORL_BOUND_LINES][3], offsets[ORL_BOUND_LINES];
     uint32_t n_lines;
@@ -125,12 +128,11 @@ uint32_t orl_disc_search_count(const struct orl_disc_search *disc_search);
  * Sums of the photons around a point, in three discs that each have half the area of the next. The
  * photons are the nearest of the footprint, about query->k of them, or all within max_radius.
  *
- * Uses many more photons than density_search.h, so most are read as whole patches: photons of a
- * leaf on the point's plane count together (leaf_sums.h). The share of a patch within a disc is
- * computed as if its photons were spread evenly along the radius. In even light that share is right
- * on average. It scatters far less than sixteen photons that enter and leave at once. Leaves that
- * are wide relative to the discs, not flat, or cut by the footprint's border are split into
- * photons.
+ * Uses many more photons than orl_density_estimate, so most are read as whole patches: photons of a
+ * leaf on the point's plane count together. The share of a patch within a disc is computed as if
+ * its photons were spread evenly along the radius. In even light that share is right on average. It
+ * scatters far less than sixteen photons that enter and leave at once. Leaves that are wide
+ * relative to the discs, not flat, or cut by the footprint's border are split into photons.
  *
  * The radius is the one that holds k photons; it is found by counting, in steps of 1/512 of the
  * area searched.
@@ -138,7 +140,7 @@ uint32_t orl_disc_search_count(const struct orl_disc_search *disc_search);
 
 enum { ORL_NESTED_DISCS = 3 };
 
-/* Sums over photons (leaf_sums.h), also weighted by x and y (moments.h), in metres. */
+/* Sums over photons, also weighted by x and y as in struct orl_moments, in metres. */
 struct orl_nested_disc {
     float flux_sums[ORL_FLUX_SUMS], by_x[ORL_FLUX_SUMS], by_y[ORL_FLUX_SUMS];
 };

@@ -27,7 +27,8 @@ static uint8_t tag_of(const struct orl_lit_scene *lit_scene, double clearance)
     return code > 0 ? (uint8_t)orl_smaller(code, 255) : 0;
 }
 
-double orl_precomputed_clearance(const struct orl_lit_scene *lit_scene, uint32_t tag)
+/* Returns the distance around a record within which there is no wall, from its tag. */
+static double clearance_of_tag(const struct orl_lit_scene *lit_scene, uint32_t tag)
 {
     return tag == 0 ? 0 : lit_scene->geometry->radius * exp2(((double)(tag & 255U) - 255) / 8);
 }
@@ -56,7 +57,7 @@ static struct orl_precomputed_note note_of(const struct orl_density *density)
     return note;
 }
 
-/* Initial values passed from record to record of a chunk (density_search.h). */
+/* Initial values passed from record to record of a chunk (struct orl_density_query). */
 struct hint {
     double disc;
     bool cut;
@@ -311,8 +312,8 @@ static void add_to_fit(struct fit *fit, double weight, double x, double y, struc
 
 /*
  * Returns the plane's value at the point. Records are denser where there is more light, so their
- * mean is too high on every slope; beside walls all are on one side. A ridge term keeps the plane
- * level if records hardly determine a slope.
+ * mean is too high on every slope; beside walls all are on one side. A ridge term levels the plane
+ * if records hardly determine a slope.
  */
 static struct orl_rgb fit_value(const struct fit *fit, struct value_errors *ret_errors)
 {
@@ -357,7 +358,7 @@ static void add_record(const struct orl_photon_map *map,
     const double share = distance / radius;
     const struct orl_vec3 at = orl_v3(record.position[0], record.position[1], record.position[2]);
     const struct orl_vec3 way = orl_sub(at, surface_point->point);
-    if (distance > orl_precomputed_clearance(surface_point->lit_scene, record.tag) &&
+    if (distance > clearance_of_tag(surface_point->lit_scene, record.tag) &&
         !orl_surface_point_unoccluded(surface_point, at))
         return;
     const double bell = orl_larger(1 - share * share, 0);

@@ -7,12 +7,12 @@
  * The estimate is that of adaptive_density.h, from a map without photons of the light that shadow
  * rays and the caustic map count (omit.counted_light).
  *
- * There is one record for every 32 photons, at the centre of a leaf (leaf_center.h) and on the
+ * There is one record for every 32 photons, at the centre of a leaf (leaf_sites.h) and on the
  * surface itself. One record serves 64 or 128 photons if they lie on one plane, within a disc of
  * about 2048 photons over which light is even. There the estimate hardly differs between records,
  * because they share most of their photons. The tag codes the distance within which there is no
- * wall (orl_precomputed_clearance). The note holds the parts of the emission batches (batches.h)
- * and the estimated bias.
+ * wall (clearance_of_tag). The note holds the parts of the emission batches (map_layout.h) and the
+ * estimated bias.
  *
  * A look-up fits a plane to the nearest records of the same sheet that are not occluded. Weights
  * fall to zero, with zero slope, at the distance of the first record not used. So the result has no
@@ -20,7 +20,7 @@
  * as photons, so a mean would be biased to the bright side.
  *
  * Determinism: the records depend only on the global map and the scene. Threads: records are made
- * by a crew; look-ups may run in any thread.
+ * by a thread pool; look-ups may run in any thread.
  * References: Christensen 1999, Journal of Graphics Tools 4 (precomputed irradiance); Fan and
  * Gijbels 1996, chapter 3 (local linear fits).
  */
@@ -37,7 +37,7 @@ struct orl_precomputed_build_args {
     const struct orl_photon_map *global;
     const struct orl_lit_scene *lit_scene;
     struct orl_thread_pool *pool;
-    struct orl_search *searches; /* one per crew member */
+    struct orl_search *searches; /* one per thread of the pool */
     atomic_bool *cancel;
     void (*progress)(void *ctx, double fraction);
     void *ctx;
@@ -65,9 +65,6 @@ void orl_precomputed_done(
  */
 int orl_precomputed_build(const struct orl_precomputed_build_args *args,
                           struct orl_precomputed *ret_records, struct orl_error *err);
-
-/* Returns the distance around a record within which there is no wall, from its tag. */
-double orl_precomputed_clearance(const struct orl_lit_scene *lit_scene, uint32_t tag);
 
 /*
  * Returns the irradiance at a point of a surface, with its parts and standard error. found is 1, or

@@ -13,8 +13,8 @@ static const double least_share = 0.25;
 
 struct orl_texels {
     const struct orl_lit_scene *lit_scene;
-    struct orl_planes planes;     /* planes of the world's facets */
-    struct orl_facet_grid *sides; /* per facet: back, front; a square is a texel */
+    struct orl_planes planes;     /* planes of the scene's facets */
+    struct orl_facet_grid *sides; /* per facet: back, front; a cell is a texel */
     struct orl_texel *texels;
     bool *cut; /* per texel: an object stands on it */
     uint32_t count;
@@ -218,7 +218,7 @@ static void find_cuts(void *arg, size_t index, uint32_t member)
     }
 }
 
-/* Fills the texels. Returns false if the crew is cancelled. */
+/* Fills the texels. Returns false if the pool is cancelled. */
 static bool fill_texels(struct texel_builder *m, struct orl_thread_pool *pool)
 {
     const size_t facets = m->texels->lit_scene->geometry->n_facets;

@@ -32,8 +32,8 @@ double orl_parallel_beam_sample(const struct orl_geometry *g, struct orl_vec3 to
     return total;
 }
 
-/* Sky patches: an equal-area cylindrical projection with 16 x 16 cells. A sun's light is
- * parallel, so its tables are finer. */
+/* Sky patches: an equal-area cylindrical projection with 16 x 16 cells. A sun's light is parallel,
+ * so its maps are finer. */
 enum {
     PATCHES_X = 16,
     PATCHES_Y = 16,
@@ -46,7 +46,7 @@ enum { MOST_PANES = 16, SEGMENTS = 3 };
 static const double importance_share = 0.9, beside_port = 0.2;
 static const double beside_others = 0.25, dimmest_share = 1e-3;
 /* Minimum importance of places whose photons all leave at once. These photons still light the
- * surface where they land, but make no caustic and no virtual lamp. */
+ * surface where they land, but make no caustic and no virtual point light. */
 static const double least_importance = 0.002, least_importance_lamp = 1e-4,
                     least_importance_caustic = 5e-4;
 
@@ -213,10 +213,10 @@ static double mean_around(const double *sums, size_t side, size_t x, size_t y, s
 }
 
 /*
- * Importance for virtual lamps. A lamp lights a place with some probability or not at all; the
- * variance is least if photons are distributed by the square root of that probability. A cell's few
- * photons estimate a small probability badly, so the largest mean of several neighbourhoods is
- * used.
+ * Importance for virtual point lights. Such a light reaches a place with some probability or not at
+ * all; the variance is least if photons are distributed by the square root of that probability. A
+ * cell's few photons estimate a small probability badly, so the largest mean of several
+ * neighbourhoods is used.
  */
 static void weigh_cells(struct pilot *pilot, double *sums)
 {

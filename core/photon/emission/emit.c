@@ -5,6 +5,8 @@
 #include "photon/map/map.h"
 #include "scene/material/scatter.h"
 
+/* ---- Emissions that pass no port ------------------------------------------------------------- */
+
 /* Samples a direction uniformly over a spotlight's cone. Returns the flux for radiance 1 from a
  * unit of area. */
 static double spot_direction(const struct orl_material *spot, struct orl_vec3 normal,
@@ -17,8 +19,10 @@ static double spot_direction(const struct orl_material *spot, struct orl_vec3 no
     return 2 * ORL_PI * (1 - spot->cos_cone) * fmax(orl_dot(*ret_direction, normal), 0);
 }
 
-bool orl_emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *stratum,
-                        const double *u, struct orl_photon_ray *ret_photon_ray)
+/* Fills in the members of a photon ray that depend on the emitter; u: five numbers in [0,1) as for
+ * orl_emission_sample_stratum. Returns false if no photon is emitted. */
+static bool emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *stratum,
+                           const double *u, struct orl_photon_ray *ret_photon_ray)
 {
     const struct orl_lit_scene *lit_scene = e->lit_scene;
     const struct orl_emitter *emitter = &lit_scene->emitters[stratum->port];
@@ -48,8 +52,10 @@ bool orl_emit_from_lamp(const struct orl_emission *e, const struct orl_stratum *
     return measure > 0;
 }
 
-bool orl_emit_from_sky(const struct orl_emission *e, const struct orl_stratum *stratum,
-                       bool caustic, const double *u, struct orl_photon_ray *ret_photon_ray)
+/* Fills in the members of a photon ray for light from the sky of an open scene; u and the result
+ * are as for emit_from_lamp. */
+static bool emit_from_sky(const struct orl_emission *e, const struct orl_stratum *stratum,
+                          bool caustic, const double *u, struct orl_photon_ray *ret_photon_ray)
 {
     const struct orl_lit_scene *lit_scene = e->lit_scene;
     struct orl_vec3 towards;
@@ -81,6 +87,8 @@ bool orl_emit_from_sky(const struct orl_emission *e, const struct orl_stratum *s
     return orl_rgb_max(ret_photon_ray->flux) > 0;
 }
 
+/* ---- Emissions through ports ----------------------------------------------------------------- */
+
 _Static_assert((int)ORL_SOBOL_BLOCK == (int)ORL_MAP_BATCHES, "a point of each batch");
 
 /* Cosine of half an angle: rays of a sun with a smaller angle have about one direction. */
@@ -96,8 +104,8 @@ static struct orl_hit port_hit(const struct orl_lit_scene *lit_scene, const stru
                             .front = port->outside_is_front};
 }
 
-/* Light with a flux that arrives at a port from the direction `outwards`. passage: sampler for
- * the pane, or NULL. */
+/* Light with a flux that arrives at a port from the direction `outwards`. sun_bsdf_table: sampler
+ * of the pane's transmission, or NULL. */
 struct port_arrival {
     const struct orl_port *port;
     const struct orl_sun_bsdf_table *sun_bsdf_table;
@@ -112,7 +120,7 @@ struct port_arrival {
 /* Stage of an emission. */
 enum stage { NOT_EMITTED, EMITTED, AT_PORT, NEEDS_RADIANCE };
 
-/* Sets up the BSDF query for the pane. Returns false if its passage samples it instead. */
+/* Sets up the BSDF query for the pane. Returns false if the sun BSDF table samples it instead. */
 static bool set_bsdf_query(const struct orl_lit_scene *lit_scene, struct port_arrival *a,
                            struct orl_random *random, double ret_u[3],
                            struct orl_bsdf_query *ret_draw)
@@ -263,11 +271,10 @@ static enum stage sample_emission(const struct orl_emission *e, const struct orl
         return sample_port_lamp(e, stratum, point + 3, start, random, ret_port_arrival,
                                 ret_photon_ray);
     case ORL_STRATUM_EMITTER:
-        return orl_emit_from_lamp(e, stratum, point, ret_photon_ray) ? EMITTED : NOT_EMITTED;
+        return emit_from_lamp(e, stratum, point, ret_photon_ray) ? EMITTED : NOT_EMITTED;
     case ORL_STRATUM_OPEN_DOME:
     case ORL_STRATUM_OPEN_SUN:
-        return orl_emit_from_sky(e, stratum, caustic, point, ret_photon_ray) ? EMITTED
-                                                                             : NOT_EMITTED;
+        return emit_from_sky(e, stratum, caustic, point, ret_photon_ray) ? EMITTED : NOT_EMITTED;
     }
     return NOT_EMITTED;
 }

@@ -4,20 +4,21 @@
  * emission samples a stratum by its flux, then a point and a direction by importance. It carries
  * flux / probability, so that all photons have about the same flux.
  *
- * From a port: a point uniform over the pane, and a direction outwards from a table of the light
- * that arrives there. A pilot of exterior paths makes the table. A tenth of cosine-weighted
- * directions is mixed in, so that light that the pilot missed is not lost. A path finds the
- * radiance that really arrives, then the pane's transmission is sampled. Suns, their images in flat
- * mirrors outside, and lamps outside: a point on the disc or lamp and one shadow ray.
+ * From a port: a point uniform over the pane, and a direction outwards from a distribution of the
+ * light that arrives there. A pilot of exterior paths makes the distribution. A tenth of
+ * cosine-weighted directions is mixed in, so that light that the pilot missed is not lost. A path
+ * finds the radiance that really arrives, then the pane's transmission is sampled. Suns, their
+ * images in flat mirrors outside, and lamps outside: a point on the disc or lamp and one shadow
+ * ray.
  *
  * If only a small part of the pane leads to a mirror, a lens or a lobe, caustic photons start there
- * (caustic_targets.h).
+ * (strata/caustic_pilot.c).
  *
  * From a local emitter: a point uniform by area, a direction by the cosine or, for narrow
  * spotlights, uniform over the cone.
  *
  * From the open sky: a direction by the domes' radiance, a point on the scene's box by an
- * importance map (emission_importance.h).
+ * importance map (emit_sampling.h).
  *
  * The first five random numbers of an emission and its roulette number are a scrambled Sobol point
  * by its index. Each batch (index mod 16) has its own sequence, independent of the others, so the
@@ -34,7 +35,7 @@ enum orl_stratum_kind {
     ORL_STRATUM_PORT_DOME,
     ORL_STRATUM_PORT_SUN,
     ORL_STRATUM_PORT_IMAGE, /* a sun's image in mirrors outside */
-    ORL_STRATUM_PORT_LAMP,  /* one lamp outside, or all of them (port_lamp.h) */
+    ORL_STRATUM_PORT_LAMP,  /* one lamp outside, or all of them (port_emission.h) */
     ORL_STRATUM_EMITTER,
     ORL_STRATUM_OPEN_DOME,
     ORL_STRATUM_OPEN_SUN,
@@ -52,25 +53,24 @@ struct orl_distribution_2d {
 struct orl_stratum {
     enum orl_stratum_kind kind;
     uint32_t port;       /* index of the port, or of the emitter */
-    uint32_t sun, image; /* indices of the sun and of its node in world.images */
+    uint32_t sun, image; /* indices of the sun and of its node in lit_scene.images */
     uint32_t lamp;       /* a lamp that the port sees: index of the emitter, or ORL_ANY_LAMP */
     double flux_w;       /* luma, estimated */
     double importance;   /* open sky: mean of its importance maps; otherwise 1 */
-    /* mean albedo where its light lands first, if no photon is stored there
-     * (first_reflection.h); otherwise 1 */
+    /* mean albedo of its first hits, if no photon is stored there (strata/strata.c); otherwise 1 */
     double reflected;
     double share; /* probability for global photons */
     double share_caustic;
     double cdf, cdf_caustic; /* sums of the shares of the strata before it */
     struct orl_distribution_2d
-        place; /* sun in a port: start of caustic photons (caustic_targets.h) */
-    /* Data for a sun in a port (port_sun.h). */
-    struct orl_shadow_boxes *shadow_boxes; /* owned; NULL: objects may shade any part of the pane */
+        place; /* sun in a port: start of caustic photons (strata/caustic_pilot.c) */
+    /* Data for a sun in a port (port_emission.h). */
+    struct orl_shadow_boxes *shadow_boxes; /* owned; NULL: any part of the pane may be in shadow */
     const struct orl_sun_bsdf_table *sun_bsdf_table; /* borrowed; NULL: none */
 };
 
-/* Use of global photons: stored where they land, or as virtual lamps, whose importance is the
- * light that they reflect. */
+/* Use of global photons: stored where they land, or as virtual point lights, whose importance is
+ * the light that they reflect. */
 enum orl_photon_use { ORL_PHOTONS_FOR_MAPS, ORL_PHOTONS_FOR_VPLS };
 
 struct orl_emission {
@@ -83,7 +83,7 @@ struct orl_emission {
     struct orl_distribution_2d *port_distributions;
     /* open scenes: over the sphere, equal-area cylindrical projection */
     struct orl_distribution_2d dome_distribution;
-    /* open scenes: importance maps (emission_importance.h) */
+    /* open scenes: importance maps (emit_sampling.h) */
     struct orl_distribution_2d *sun_importance, *sun_caustic_importance, *dome_importance;
     struct orl_sun_bsdf_table *
         *sun_bsdf_tables; /* owned: samplers of transmission through ports, for suns */
@@ -134,7 +134,7 @@ struct orl_photon_ray {
     bool parallel;       /* straight from the first sun: its rays have about one direction */
     struct orl_rgb
         medium_transmissivity; /* transmissivity of the medium behind the port (scatter.h) */
-    double focus;              /* focus of a spotlight (lamp.c of the scene); otherwise 0 */
+    double focus;              /* focus of a spotlight (scene/material/lamp.c); otherwise 0 */
     double lamp_distance;      /* from a port: the distance from the lamp */
     /* roulette number in [0,1): the photon dies when its survival probability falls to it
      * (trace.h) */
@@ -143,7 +143,7 @@ struct orl_photon_ray {
     double reflected;
 };
 
-/* Builds the strata and their tables. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+/* Builds the strata and their distributions. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_emission_new(const struct orl_lit_scene *lit_scene, enum orl_photon_use use, uint64_t seed,
                      struct orl_thread_pool *pool, struct orl_emission **ret_emission,
                      struct orl_error *err);

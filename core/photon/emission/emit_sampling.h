@@ -1,6 +1,6 @@
 /*
- * Piecewise-constant distributions over the unit square: rows are sampled by their sums, then cells
- * in a row.
+ * Sampling for emissions that pass no port: piecewise-constant distributions, which ports use, too;
+ * a parallel beam as wide as the scene; importance maps of the open sky.
  */
 #ifndef ORL_PHOTON_EMISSION_EMIT_SAMPLING_H
 #define ORL_PHOTON_EMISSION_EMIT_SAMPLING_H
@@ -9,8 +9,13 @@
 #include "scene/geometry/geometry.h"
 
 /*
- * Makes the table from side_x * side_y values (row by row), mixed with floor_share of uniform.
- * Returns 0, or ORL_ERR_NOMEM, in which case the table is empty.
+ * Piecewise-constant distributions over the unit square: rows are sampled by their sums, then cells
+ * in a row.
+ */
+
+/*
+ * Makes the distribution from side_x * side_y values (row by row), mixed with floor_share of
+ * uniform. Returns 0, or ORL_ERR_NOMEM, in which case the distribution is empty.
  */
 int orl_distribution_2d_init(struct orl_distribution_2d *distribution, uint32_t side_x,
                              uint32_t side_y, const double *values, double floor_share);
@@ -21,8 +26,8 @@ void orl_distribution_2d_done(struct orl_distribution_2d *distribution);
 double orl_distribution_2d_sample(const struct orl_distribution_2d *distribution, const double u[2],
                                   double ret_point[2]);
 
-/* Samples the table for many pairs of numbers, as orl_distribution_2d_sample does for one; fastest
- * in groups of ORL_DISTRIBUTION_2D_LANES. */
+/* Samples the distribution for many pairs of numbers, as orl_distribution_2d_sample does for one;
+ * fastest in groups of ORL_DISTRIBUTION_2D_LANES. */
 enum { ORL_DISTRIBUTION_2D_LANES = 16 };
 void orl_distribution_2d_sample_many(const struct orl_distribution_2d *distribution,
                                      const double (*u)[2], size_t n, double (*ret_points)[2],
@@ -40,11 +45,11 @@ double orl_parallel_beam_sample(const struct orl_geometry *geometry, struct orl_
 /*
  * Importance map for photons from the open sky. Over a city block all but a few photons would light
  * the ground and leave; the map sends more to where light stays. For each sun and each patch of the
- * dome it is a table over the scene's box. A pilot estimates for each cell the share of paths that
- * hit surfaces three times more. For caustic photons it is the share of light that is deflected, by
- * the first surface or behind panes. For virtual lamps the importance is the square root of that
- * share, blurred, because a lamp's contribution is either that share or zero. A tenth of the
- * photons is distributed uniformly, so that no light is lost.
+ * dome it is a distribution over the scene's box. A pilot estimates for each cell the share of
+ * paths that hit surfaces three times more. For caustic photons it is the share of light that is
+ * deflected, by the first surface or behind panes. For virtual point lights the importance is the
+ * square root of that share, blurred, because a light's contribution is either that share or zero.
+ * A tenth of the photons is distributed uniformly, so that no light is lost.
  */
 
 /* Builds the importance maps of an emission whose strata are listed. Returns 0, ORL_ERR_NOMEM or
@@ -56,22 +61,10 @@ void orl_emission_importance_done(struct orl_emission *emission);
 /* Returns the mean importance of the dome's photons from that direction; 1 if there is no map. */
 double orl_emission_importance_mean(const struct orl_emission *emission, struct orl_vec3 towards);
 
-/* Returns the table for light from that direction; NULL if there is none. */
+/* Returns the distribution for light from that direction; NULL if there is none. */
 const struct orl_distribution_2d *orl_emission_importance_find(const struct orl_emission *emission,
                                                                const struct orl_stratum *stratum,
                                                                bool caustic,
                                                                struct orl_vec3 towards);
-
-/*
- * Emissions that pass no port: from local emitters, and from the sky of an open scene. Their
- * photons fly as they start (emit.h).
- */
-
-/* Fill in the members of a photon ray that depend on the emitter; u: five numbers in [0,1) as for
- * orl_emission_sample_stratum. Return false if no photon is emitted. */
-bool orl_emit_from_lamp(const struct orl_emission *emission, const struct orl_stratum *stratum,
-                        const double *u, struct orl_photon_ray *ret_photon_ray);
-bool orl_emit_from_sky(const struct orl_emission *emission, const struct orl_stratum *stratum,
-                       bool caustic, const double *u, struct orl_photon_ray *ret_photon_ray);
 
 #endif

@@ -74,7 +74,7 @@ void orl_port_starts(const struct orl_emission *emission, const struct orl_strat
         sample_dome(emission, stratum, n, &c);
     else if (stratum->kind == ORL_STRATUM_PORT_LAMP)
         for (size_t i = 0; i < n; i++)
-            /* the direction depends on the point; port_lamp.c samples it */
+            /* the direction depends on the point; orl_port_lamp_arriving samples it */
             c.out[i] = lit_scene->ports[stratum->port].outward;
     else
         sample_sun(emission, stratum, caustic, n, &c);

@@ -1,13 +1,18 @@
 /*
- * Sampling of points on a port and directions of their light, for emissions of one stratum: the
- * part of an emission (emit.h) that traces no rays. Several at once take hardly longer than one,
- * because their table look-ups overlap.
+ * Light that enters by ports: starts of emissions on the pane, lamps outside, and suns with their
+ * shadow boxes and BSDF tables.
  */
 #ifndef ORL_PHOTON_EMISSION_PORT_EMISSION_H
 #define ORL_PHOTON_EMISSION_PORT_EMISSION_H
 
 #include "light/direct.h"
 #include "photon/emission/emit.h"
+
+/*
+ * Sampling of points on a port and directions of their light, for emissions of one stratum: the
+ * part of an emission (emit.h) that traces no rays. Several at once take hardly longer than one,
+ * because their table look-ups overlap.
+ */
 
 enum { ORL_STARTS_AT_ONCE = 16 };
 
@@ -63,9 +68,9 @@ struct orl_rgb orl_port_lamp_arriving(const struct orl_emission *emission,
 double orl_emitter_focus(const struct orl_lit_scene *lit_scene, uint32_t emitter);
 
 /*
- * Precomputed data for a sun in a port. Shades: parts of the pane where objects outside may block
- * the sun, so that emissions from other parts need no shadow ray. Passages: tables of the
- * directions to which the pane scatters the sun's light (scene/material/sun_bsdf_table.h).
+ * Precomputed data for a sun in a port. Shadow boxes: parts of the pane where objects outside may
+ * block the sun, so that emissions from other parts need no shadow ray. Sun BSDF tables: the
+ * directions to which the pane scatters the sun's light (scene/material/kinds.h).
  *
  * Facets beyond the pane's plane are projected onto it along the sun's rays, from all over its
  * disc. The bounding boxes of projections on the pane are stored. This is exact geometry, not a
@@ -74,7 +79,7 @@ double orl_emitter_focus(const struct orl_lit_scene *lit_scene, uint32_t emitter
 
 enum { ORL_MOST_SHADOW_BOXES = 32 };
 
-/* Boxes in the plane of a pane, with two axes in world coordinates. */
+/* Boxes in the plane of a pane, with two axes in moved coordinates. */
 struct orl_shadow_boxes {
     struct orl_vec3 axis[2];
     size_t count;
@@ -98,7 +103,7 @@ static inline bool orl_shadow_boxes_contain(const struct orl_shadow_boxes *shado
     return false;
 }
 
-/* Builds the data for all strata of suns in ports. Returns 0, ORL_ERR_NOMEM or, if the crew is
+/* Builds the data for all strata of suns in ports. Returns 0, ORL_ERR_NOMEM or, if the pool is
  * cancelled, ORL_ERR_CANCELLED. */
 int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_thread_pool *pool);
 void orl_port_sun_done(struct orl_emission *emission);

@@ -13,8 +13,7 @@ static const double most_tests = 2e7;
  * float coordinates. */
 static const double margin = 1e-6;
 
-/* ---- Shadow boxes
- * ---------------------------------------------------------------------------------- */
+/* ---- Shadow boxes ---------------------------------------------------------------------------- */
 
 /* Projection onto the plane of a port, along the rays of a sun. */
 struct shadow_projection {
@@ -170,8 +169,8 @@ static bool cast_placed(const struct shadow_projection *c, const struct orl_shad
     return true;
 }
 
-/* Lists the boxes on the pane. Returns false if there are too many, rays are nearly parallel to
- * the pane, or the crew is cancelled. */
+/* Lists the boxes on the pane. Returns false if there are too many, rays are nearly parallel to the
+ * pane, or the pool is cancelled. */
 static bool cast_shadow_boxes(const struct orl_lit_scene *lit_scene, const struct orl_port *port,
                               const struct orl_sun *sun, const struct orl_thread_pool *pool,
                               struct orl_shadow_boxes *shadow_boxes)
@@ -225,12 +224,12 @@ static int find_shadow_boxes(struct orl_emission *e, struct orl_stratum *s,
     return orl_thread_pool_cancelled(pool) ? ORL_ERR_CANCELLED : 0;
 }
 
-/* ---- Passages -------------------------------------------------------------------------------- */
+/* ---- Sun BSDF tables ------------------------------------------------------------------------- */
 
-/* Finds or makes the passage of a port; ports of one wall share it. */
-static int find_passage(struct orl_emission *e, const struct orl_material *material,
-                        struct orl_vec3 normal, const struct orl_sun *sun,
-                        const struct orl_sun_bsdf_table **ret_table)
+/* Finds or makes the sun BSDF table of a port; ports of one wall share it. */
+static int find_sun_bsdf_table(struct orl_emission *e, const struct orl_material *material,
+                               struct orl_vec3 normal, const struct orl_sun *sun,
+                               const struct orl_sun_bsdf_table **ret_table)
 {
     const double half = acos(fmin(sun->cos_half_angle, 1));
     for (size_t i = 0; i < e->n_sun_bsdf_tables; i++) {
@@ -277,8 +276,8 @@ int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_thread_
         if (look || lit_scene->ports[s->port].clear)
             code = find_shadow_boxes(emission, s, pool);
         if (code == 0)
-            code = find_passage(emission, &lit_scene->materials[facet->material], facet->normal,
-                                &lit_scene->suns[s->sun], &s->sun_bsdf_table);
+            code = find_sun_bsdf_table(emission, &lit_scene->materials[facet->material],
+                                       facet->normal, &lit_scene->suns[s->sun], &s->sun_bsdf_table);
     }
     return code;
 }

@@ -8,15 +8,16 @@
  *            x, y, z: 20 bits each, cells of header.cell from header.low
  *   fluxes   per photon: shared-exponent RGB (9-9-9-5) in units of header.flux_unit
  *   normals  per photon: octahedral, 8 + 8 bits, the side that was lit
- *   tags     per photon: its class; for precomputed records the clear radius
- * (precomputed_irradiance.h) boxes    per group of 8 siblings, from the leaves up: 6 x 8 floats,
- * lows then highs, and 8 masks of the bins (normal_code.h) that the normals inside fall into notes
- * header.note_bytes per photon: notes of precomputed records (precomputed_irradiance.h); else none
+ *   tags     per photon: its class; for precomputed records (precomputed_irradiance.h) the
+ *            clear radius
+ *   boxes    per group of 8 siblings, from the leaves up: 6 x 8 floats, lows then highs, and
+ *            8 masks of the bins (quantization.h) of the normals inside
+ *   notes    header.note_bytes per photon: notes of precomputed records; else none
  *
  * A photon takes 16 bytes, and about 2 for the boxes. Photons are sorted by the bin of their
  * normal, then in Morton order, so that a leaf is a patch of one sheet of surface. Ties are sorted
  * by a hash of their words. So the file is a function of the set of photons, not of their order: a
- * map that is extended (map_encode.h) equals one made at once. The batch (emission index mod 16) is
+ * map that is extended (write_map.h) equals one made at once. The batch (emission index mod 16) is
  * for error estimates. The cell size is the scene's radius times a power of two, as small as the
  * map's bounds allow: 0.1 to 0.2 mm for 100 m.
  *
@@ -61,7 +62,7 @@ enum orl_photon_class {
 struct orl_photon {
     float position[3]; /* moved coordinates */
     float flux[3];     /* W, before the division by the number emitted */
-    uint16_t normal;   /* orl_normal_encode of the lit side (normal_code.h) */
+    uint16_t normal;   /* orl_normal_encode of the lit side (quantization.h) */
     uint8_t batch;
     uint8_t tag;    /* an orl_photon_class; for records see precomputed_irradiance.h */
     uint32_t facet; /* the facet that it landed on; not stored in maps */
@@ -72,7 +73,7 @@ struct orl_map_header {
     uint32_t version;
     uint32_t byte_order; /* 0x01020304 in the writer's byte order */
     uint64_t count;      /* photons */
-    uint64_t emitted;    /* number of paths started; fluxes are divided by it */
+    uint64_t emitted;    /* number of emissions; fluxes are divided by it */
     uint64_t target;     /* requested number of photons; 0: not a matter of counts */
     double low[3], cell; /* corner of cell (0,0,0); edge of a cell */
     double flux_unit;    /* W, after the division by emitted */
@@ -81,12 +82,12 @@ struct orl_map_header {
     uint64_t places, fluxes, normals, tags, boxes, size; /* byte offsets; size of the file */
     uint32_t levels;
     uint32_t note_bytes;
-    int32_t flux_exponent; /* exponent of the unit before the division (flux.h) */
+    int32_t flux_exponent; /* exponent of the unit before the division (quantization.h) */
     uint32_t reserved;     /* 0 */
     char kind[16];
     /* digest shared by maps that differ in the target only (run.h); "": none */
     char family[ORL_MAP_FAMILY];
-    /* base/io/checksum.h: checksum of all bytes after the header */
+    /* base/io/checked_file.h: checksum of all bytes after the header */
     unsigned char body_checksum[ORL_MAP_CHECKSUM];
     unsigned char header_checksum[ORL_MAP_CHECKSUM]; /* checksum of all bytes before this field */
 };
@@ -98,12 +99,11 @@ struct orl_map_build {
     const char *kind;
     const char *family; /* NULL: none */
     uint64_t target;
-    /* number of paths started for all photons, with those of the earlier map */
+    /* number of emissions for all photons, with those of the earlier map */
     uint64_t emitted;
     uint64_t seed; /* seed of the dither that keeps mean fluxes exact */
     double extent; /* the scene's radius; 0: as if 1 */
-    /* map of the same family with the photons emitted first, all of which are taken over; NULL:
-     * none */
+    /* map of the same family with the photons emitted first, which are all included; NULL: none */
     const struct orl_photon_map *earlier;
     const void *notes; /* note_bytes per photon, in the photons' order; NULL: none */
     uint32_t note_bytes;
@@ -116,7 +116,7 @@ struct orl_map_build {
  * Packs and sorts the photons, together with those of the earlier map, and writes the file without
  * syncing it. The photons must be in the order of emission, because the dither of fluxes depends on
  * it. Takes at most 50 bytes a photon, with the file, in addition to the photons' 32 bytes; with
- * `spend` the 50 include those.
+ * free_photons the 50 include those.
  */
 int orl_photon_map_write(const char *path, const struct orl_photon *photons, size_t count,
                          const struct orl_map_build *build, struct orl_thread_pool *pool,

@@ -197,7 +197,8 @@ void orl_map_encode_cell(const struct orl_map_encoder *encoder, size_t index, ui
     cell_at(encoder, at, ret_cell);
 }
 
-uint16_t orl_map_encode_normal(const struct orl_map_encoder *encoder, size_t index)
+/* Returns the coded normal of a photon. */
+static uint16_t normal_of(const struct orl_map_encoder *encoder, size_t index)
 {
     return index < encoder->n_earlier ? encoder->earlier->normals[index]
                                       : encoder->photons[index - encoder->n_earlier].normal;
@@ -216,7 +217,7 @@ static uint32_t new_flux(const struct orl_map_encoder *p, size_t index)
 struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *encoder, size_t index)
 {
     const struct orl_photon_map *map = encoder->earlier;
-    struct orl_photon_words words = {.normal = orl_map_encode_normal(encoder, index)};
+    struct orl_photon_words words = {.normal = normal_of(encoder, index)};
     uint32_t batch, cell[3];
     if (index < encoder->n_earlier) {
         const uint64_t word = index / ORL_MAP_LEAF * ORL_LEAF_WORDS + index % ORL_MAP_LEAF;
@@ -236,7 +237,7 @@ struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *encod
     return words;
 }
 
-/* orl_map_encode_words for many photons: each step loops over all of them, so that it can be
+/* Encoding of many photons at once: each step loops over all of them, so that it can be
  * vectorised. */
 
 enum { N = ORL_ENCODED_AT_ONCE };

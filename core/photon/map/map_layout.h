@@ -1,4 +1,7 @@
-/* Layout of a photon map's words, shared by the writer and the search. */
+/*
+ * A photon map in memory: its words, the order of its photons (Z-order), the traversal of its
+ * bounding-box hierarchy, and sums by batch of emission. The writer and the searches share it.
+ */
 #ifndef ORL_PHOTON_MAP_MAP_LAYOUT_H
 #define ORL_PHOTON_MAP_MAP_LAYOUT_H
 
@@ -59,7 +62,7 @@ static inline void orl_position_unpack(uint32_t a, uint32_t b, uint32_t ret_cell
 }
 
 /*
- * The order of a map's photons: by the bin of their normal (normal_code.h), then along the Morton
+ * The order of a map's photons: by the bin of their normal (quantization.h), then along the Morton
  * curve. The code of a point finds the leaf whose photons are around it, without a search of boxes.
  *
  * Threads: an index is immutable once made.

@@ -1,9 +1,10 @@
 /*
- * Normals in two bytes, and bins of normals.
+ * Quantized normals and fluxes of photons: a normal in two bytes, the flux of three channels in one
+ * word.
  *
  * A normal is coded octahedrally (Cigolle et al. 2014) in 8 + 8 bits; the axes are exact. For
  * culling, codes fall into 25 bins, a 5 x 5 grid over the code's square. Photons of a map are
- * sorted by bin, and each node of its hierarchy has a mask of the bins inside. A query visits only
+ * sorted by bin, and each node of its hierarchy has a mask of the bins inside. A query tests only
  * nodes that hold normals within 30 degrees of its own.
  */
 #ifndef ORL_PHOTON_MAP_QUANTIZATION_H

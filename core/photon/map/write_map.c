@@ -18,6 +18,10 @@
 #include "photon/map/quantization.h"
 #include "photon/map/write_map.h"
 
+/* ---- Boxes of the hierarchy: those of leaves, then level by level above ---------------------- */
+
+enum { BOXED_AT_ONCE = ORL_MAP_LEAF * ORL_MAP_FANOUT };
+
 static void clear_group(struct orl_map_group *group)
 {
     for (int c = 0; c < ORL_MAP_FANOUT; c++) {
@@ -68,8 +72,12 @@ static inline void box_leaf(const uint32_t *words, const uint16_t *normals, uint
     group->normal_bins[child] = normal_bins;
 }
 
-ORL_FOR_WIDE_VECTORS void orl_box_leaves(const struct orl_map_layout *layout, char *file,
-                                         uint64_t first, uint64_t end)
+/*
+ * Computes the boxes of the leaves of photons first to end. Both are multiples of BOXED_AT_ONCE,
+ * except for the last end. `file` is the map's, with places and normals filled in.
+ */
+ORL_FOR_WIDE_VECTORS static void box_leaves(const struct orl_map_layout *layout, char *file,
+                                            uint64_t first, uint64_t end)
 {
     struct orl_map_group *groups = (void *)(file + layout->boxes);
     const uint32_t *places = (const void *)(file + layout->places);
@@ -87,7 +95,8 @@ ORL_FOR_WIDE_VECTORS void orl_box_leaves(const struct orl_map_layout *layout, ch
     }
 }
 
-void orl_box_nodes(const struct orl_map_layout *layout, char *file)
+/* Computes the boxes of all levels above the leaves, whose boxes must exist. */
+static void box_nodes(const struct orl_map_layout *layout, char *file)
 {
     struct orl_map_group *groups = (void *)(file + layout->boxes);
     for (uint32_t level = 1; level < layout->levels; level++) {
@@ -122,7 +131,7 @@ struct writer {
 };
 
 enum { CHUNK = 1 << 15, AHEAD = 24 };
-_Static_assert((int)CHUNK % (int)ORL_BOXED_AT_ONCE == 0, "a chunk has its groups for itself");
+_Static_assert((int)CHUNK % (int)BOXED_AT_ONCE == 0, "a chunk has its groups for itself");
 
 static size_t chunks_of(const struct writer *w)
 {
@@ -210,7 +219,7 @@ static void pack_chunk(void *arg, size_t chunk, uint32_t member)
                    (const char *)w->build->notes + (size_t)w->items[i].index * noted, noted);
     }
     w->flux_sums[chunk] = sum;
-    orl_box_leaves(&w->layout, w->file, chunk * CHUNK, end);
+    box_leaves(&w->layout, w->file, chunk * CHUNK, end);
 }
 
 /* Returns the mean of the brightest channels, in the units of the map's words. */
@@ -308,7 +317,7 @@ static int fill_file(struct writer *w, struct orl_thread_pool *pool, struct orl_
     const int code = orl_parallel_try(pool, chunks_of(w), pack_chunk, w);
     if (code < 0)
         return orl_error_set(err, code, "cancelled while writing a photon map");
-    orl_box_nodes(&w->layout, w->file);
+    box_nodes(&w->layout, w->file);
     fill_header(w);
     return 0;
 }

@@ -1,6 +1,6 @@
 /*
- * Encoding of photons as the words of a map: first those of an earlier, smaller map, if there is
- * one, then new ones.
+ * The steps of writing a map: encoding of photons as words, and sorting of the words. Photons of an
+ * earlier, smaller map come first, if there is one.
  *
  * A photon's words depend on the photon, its index in the order of emission, and two sizes that fit
  * all photons of the map: the edge of a cell and the step of the faintest flux. Both are powers of
@@ -50,10 +50,9 @@ int orl_map_encode_init(struct orl_map_encoder *encoder, const struct orl_photon
                         const struct orl_photon *photons, size_t n, uint64_t seed, double extent,
                         struct orl_thread_pool *pool);
 
-/* Compute a photon's cell, normal or words. Indices below n_earlier are the earlier map's
- * photons, in that map's order. */
+/* Compute a photon's cell or words. Indices below n_earlier are the earlier map's photons, in that
+ * map's order. */
 void orl_map_encode_cell(const struct orl_map_encoder *encoder, size_t index, uint32_t ret_cell[3]);
-uint16_t orl_map_encode_normal(const struct orl_map_encoder *encoder, size_t index);
 struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *encoder, size_t index);
 
 /*
@@ -71,25 +70,12 @@ void orl_map_encode_words_many(const struct orl_map_encoder *encoder, size_t fir
  */
 
 struct orl_sort_item {
-    uint64_t code;  /* zorder.h */
+    uint64_t code;  /* orl_zorder_code (map_layout.h) */
     uint32_t index; /* index of the photon's words */
 };
 
 /* Sorts items in place. Returns 0, ORL_ERR_NOMEM or an error of orl_parallel_try. */
 int orl_sort_photons(struct orl_sort_item *items, size_t count,
                      const struct orl_photon_words *words, struct orl_thread_pool *pool);
-
-/* Builds the boxes of a map's hierarchy (map.h): those of leaves, then level by level above. */
-
-enum { ORL_BOXED_AT_ONCE = ORL_MAP_LEAF * ORL_MAP_FANOUT };
-
-/*
- * Computes the boxes of the leaves of photons first to end. Both are multiples of
- * ORL_BOXED_AT_ONCE, except for the last end. `file` is the map's, with places and normals filled
- * in.
- */
-void orl_box_leaves(const struct orl_map_layout *layout, char *file, uint64_t first, uint64_t end);
-/* Computes the boxes of all levels above the leaves, whose boxes must exist. */
-void orl_box_nodes(const struct orl_map_layout *layout, char *file);
 
 #endif

@@ -1,4 +1,4 @@
-/* Caustic photons' share of the light where they land (orl_photon_pilot_contrast). */
+/* Pilot of caustic photons: their yield and cost, and their contrast where they land. */
 #include "photon/shooting/shoot.h"
 
 #include <stdlib.h>
@@ -7,6 +7,8 @@
 #include "base/sampling/sampling.h"
 #include "photon/map/quantization.h"
 #include "photon/tracing/trace.h"
+
+/* ---- Contrast -------------------------------------------------------------------------------- */
 
 /* Levels of cubes, from the scene's own to 1/16384 of its width; minimum number of photons in a
  * cube. */
@@ -119,6 +121,8 @@ int orl_photon_pilot_contrast(const struct orl_photon *caustic, size_t n_caustic
     *ret_contrast = all > 0 ? sum / all : 1;
     return 0;
 }
+
+/* ---- Yield and cost -------------------------------------------------------------------------- */
 
 /*
  * Emissions are divided into chunks, and chunks into rounds: one round of global photons, as many

@@ -24,10 +24,10 @@ static const double most_emitted_per_photon = 64, emitted_anyway = 2e6;
 struct batch_queue {
     struct orl_deposits *batches; /* batches of a round */
     size_t *offsets;              /* offsets of the batches' photons in `photons` */
-    size_t allocated;             /* allocated length of batches and places */
-    /* batches kept so far, with those of an earlier shot; batches being traced */
+    size_t allocated;             /* allocated length of batches and offsets */
+    /* batches stored so far, with those of an earlier shot; batches being traced */
     size_t n_done, n_round;
-    struct orl_photon *photons; /* photons of this shot's batches that are kept, in order */
+    struct orl_photon *photons; /* photons of this shot's stored batches, in order */
     size_t count, capacity;
     struct orl_health health;
     uint64_t stored, rays;
@@ -183,8 +183,8 @@ static void move_batch(void *arg, size_t index, uint32_t member)
                batch->count * sizeof *batch->photons);
 }
 
-/* Returns true if the batches kept are enough. Called batch by batch, so that the result does
- * not depend on rounds. */
+/* Returns true if the stored batches are enough. Called batch by batch, so that the result does not
+ * depend on rounds. */
 static bool is_finished(const struct batch_queue *batch_queue, uint64_t target)
 {
     const uint64_t emitted = emitted_before(batch_queue->n_done);
@@ -194,7 +194,7 @@ static bool is_finished(const struct batch_queue *batch_queue, uint64_t target)
            (double)emitted > most_emitted_per_photon * (double)target + emitted_anyway;
 }
 
-/* Keeps the round's batches up to the one that finishes, and drops the rest. Returns 0 or
+/* Stores the round's batches up to the one that finishes, and drops the rest. Returns 0 or
  * ORL_ERR_NOMEM. */
 static int keep_round(struct batch_queue *batch_queue, uint64_t target,
                       struct orl_thread_pool *pool)
@@ -219,7 +219,7 @@ static int keep_round(struct batch_queue *batch_queue, uint64_t target,
     return code;
 }
 
-/* Drops the photons of a cancelled round, but keeps its counters. */
+/* Drops the photons of a cancelled round, but not its counters. */
 static void drop_round(struct batch_queue *batch_queue)
 {
     for (size_t i = 0; i < batch_queue->n_round; i++) {

@@ -46,7 +46,7 @@ struct orl_shoot_env {
     uint64_t seed;
     struct orl_thread_pool *pool;
     atomic_bool *cancel;
-    bool unsampled_only; /* only for pilots (photon_pilot.h): as in orl_deposits */
+    bool unsampled_only; /* only for pilots (orl_photon_pilot_run): as in orl_deposits */
     void (*progress)(void *ctx, double fraction);
     void *ctx;
 };
@@ -61,14 +61,10 @@ size_t orl_shoot_chunk(const struct orl_shoot_env *env, enum orl_map_kind kind, 
 
 /*
  * Fills shots[kind]. Returns 0, ORL_ERR_CANCELLED, ORL_ERR_NOMEM, or ORL_ERR_CORRUPT if no shot
- * stops at had_emitted; on failure photons are freed.
+ * stops at earlier_emitted; on failure photons are freed.
  */
 int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KINDS],
               struct orl_error *err);
-
-struct orl_deposits;
-size_t orl_shoot_chunk(const struct orl_shoot_env *env, enum orl_map_kind kind, uint64_t first,
-                       uint64_t n, struct orl_deposits *deposits);
 
 /*
  * Pilot of caustic photons before there is any map: their contribution and their cost.
@@ -92,7 +88,7 @@ struct orl_photon_pilot {
     uint64_t emitted[ORL_SHOT_KINDS], stored[ORL_SHOT_KINDS];
     double yield[ORL_SHOT_KINDS]; /* photons stored per emission */
     double rays[ORL_SHOT_KINDS];  /* rays per emission */
-    /* seconds per emission, with the whole crew; NaN: no clock */
+    /* seconds per emission, with the whole pool; NaN: no clock */
     double emission_s[ORL_SHOT_KINDS];
     /* caustic flux over the flux of all light that lands, reflected light included */
     double share;

@@ -8,6 +8,19 @@
 #include "photon/tracing/trace.h"
 #include "scene/material/scatter.h"
 
+/* ---- Targets of caustics --------------------------------------------------------------------- */
+
+/*
+ * Importance of points on a window for caustics: where a sun's light continues to a mirror, a lens
+ * or a lobe. A mirror of a square centimetre behind a window of three square metres gets one photon
+ * in 30 000. That is too few for a caustic, and a pilot easily finds none. So the search is
+ * reversed: rays from points on every such facet are traced towards the sun, and the points where
+ * they pass a window are recorded. If only a small part of the window leads to targets, nine in ten
+ * caustic photons start there.
+ */
+
+enum { TARGET_SIDE = 64, TARGET_CELLS = TARGET_SIDE * TARGET_SIDE };
+
 enum { MOST_RAYS = 1 << 17, MOST_A_FACET = 1024, LEAST_A_FACET = 4, MOST_PANES = 64 };
 static const double uniform_share = 0.1; /* share of photons that start anywhere on the pane */
 /* if a larger share of the cells leads to targets, photons start anywhere */
@@ -69,10 +82,18 @@ static int32_t find_exit_port(const struct orl_lit_scene *lit_scene, struct orl_
     return ORL_NO_PORT;
 }
 
+/* Returns the cell of the two numbers that sample a point on a facet. */
+static size_t target_cell(const double u[2])
+{
+    const size_t x = (size_t)(u[0] * TARGET_SIDE), y = (size_t)(u[1] * TARGET_SIDE);
+    const size_t last = TARGET_SIDE - 1;
+    return (y < last ? y : last) * TARGET_SIDE + (x < last ? x : last);
+}
+
 static int add_watts(double **target_flux, size_t cell, double watts)
 {
     if (!*target_flux)
-        *target_flux = calloc(ORL_CAUSTIC_TARGET_CELLS, sizeof **target_flux);
+        *target_flux = calloc(TARGET_CELLS, sizeof **target_flux);
     if (!*target_flux)
         return ORL_ERR_NOMEM;
     (*target_flux)[cell] += watts;
@@ -100,14 +121,19 @@ static int trace_from_facet(const struct orl_emission *e, uint32_t facet, uint32
             continue;
         struct orl_facet own;
         invert_facet_sample(g, orl_facet_get_own(g, hit.facet, &own), hit.point, at);
-        code = add_watts(&target_flux[of_port[port]], orl_caustic_target_cell(at),
+        code = add_watts(&target_flux[of_port[port]], target_cell(at),
                          share * orl_luma(lit_scene->suns[sun].irradiance) *
                              fabs(orl_dot(towards, normal)) * orl_facet_area(g, facet) / samples);
     }
     return code;
 }
 
-int orl_caustic_target_find(const struct orl_emission *emission, const struct orl_thread_pool *pool,
+/*
+ * Adds to target_flux[stratum], for suns in ports, the flux through each cell that reaches such
+ * facets, in watts of luma. Allocates entries that are NULL if they get any flux. pool: polled for
+ * cancellation. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ */
+static int find_target_flux(const struct orl_emission *emission, const struct orl_thread_pool *pool,
                             double **target_flux)
 {
     const struct orl_lit_scene *lit_scene = emission->lit_scene;
@@ -139,16 +165,20 @@ int orl_caustic_target_find(const struct orl_emission *emission, const struct or
     return code;
 }
 
-int orl_caustic_target_build(struct orl_stratum *stratum, const double *target_flux)
+/* Makes a stratum's distribution of starts from that flux; leaves it empty if most of the pane
+ * leads to targets. Returns 0 or ORL_ERR_NOMEM. */
+static int build_target_distribution(struct orl_stratum *stratum, const double *target_flux)
 {
     size_t cells = 0;
-    for (size_t i = 0; i < ORL_CAUSTIC_TARGET_CELLS; i++)
+    for (size_t i = 0; i < TARGET_CELLS; i++)
         cells += target_flux[i] > 0;
-    if (cells == 0 || (double)cells > most_cells * ORL_CAUSTIC_TARGET_CELLS)
+    if (cells == 0 || (double)cells > most_cells * TARGET_CELLS)
         return 0;
-    return orl_distribution_2d_init(&stratum->place, ORL_CAUSTIC_TARGET_SIDE,
-                                    ORL_CAUSTIC_TARGET_SIDE, target_flux, uniform_share);
+    return orl_distribution_2d_init(&stratum->place, TARGET_SIDE, TARGET_SIDE, target_flux,
+                                    uniform_share);
 }
+
+/* ---- Pilot ----------------------------------------------------------------------------------- */
 
 enum {
     CAUSTIC_EMISSIONS = 1 << 17,
@@ -164,7 +194,7 @@ struct pilot {
     uint64_t seed;
     uint32_t emissions, open_emissions; /* per stratum; per stratum of a sun on the whole scene */
     double *yield;                      /* per stratum: caustic flux deposited per emission */
-    /* for some strata: flux by the cell of the port where it would start (caustic_targets.h) */
+    /* for some strata: flux by the cell of the port where it would start (find_target_flux) */
     double **target_flux;
 };
 
@@ -220,15 +250,15 @@ static int find_targets(struct pilot *pilot, const struct orl_thread_pool *pool)
     pilot->target_flux = calloc(e->n_strata + 1, sizeof *pilot->target_flux);
     if (!pilot->target_flux)
         return ORL_ERR_NOMEM;
-    code = orl_caustic_target_find(e, pool, pilot->target_flux);
+    code = find_target_flux(e, pool, pilot->target_flux);
     for (size_t i = 0; i < e->n_strata && code == 0; i++) {
         double sum = 0;
         if (!pilot->target_flux[i])
             continue;
-        for (size_t k = 0; k < ORL_CAUSTIC_TARGET_CELLS; k++)
+        for (size_t k = 0; k < TARGET_CELLS; k++)
             sum += pilot->target_flux[i][k];
         if (!pane_scatters(e, &e->strata[i]))
-            code = orl_caustic_target_build(&e->strata[i], pilot->target_flux[i]);
+            code = build_target_distribution(&e->strata[i], pilot->target_flux[i]);
         if (e->strata[i].place.weight)
             pilot->yield[i] = fmax(pilot->yield[i], sum);
     }

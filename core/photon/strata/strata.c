@@ -7,6 +7,21 @@
 #include "photon/strata/strata.h"
 #include "scene/material/scatter.h"
 
+/* ---- First reflection ------------------------------------------------------------------------ */
+
+/*
+ * Emission of light whose first hit is not stored in the map. Shadow rays and caustic photons count
+ * the direct light of suns and lamps, and maps that are viewed directly begin with its first
+ * reflection (omit.counted_light). If all of it were emitted as photons of equal flux, most would
+ * end on that first surface without leaving a photon.
+ *
+ * So such strata emit fewer photons with more flux each. The factor is the mean albedo of the
+ * surfaces of their first hits, weighted by the reflected light. At the first reflection a photon
+ * survives with a probability of its albedo over that mean, and its flux is multiplied by the mean.
+ * So the photons that it deposits have the same flux as others. On brighter surfaces it always
+ * survives, and has more flux. Any value is unbiased; a good one is efficient.
+ */
+
 enum { EMISSIONS = 1 << 15, MOST_EMISSIONS = 1 << 10, LEAST_EMISSIONS = 64, MOST_BOUNCES = 16 };
 
 /* Lower bound, so that the few bright surfaces of a dark scene are not lit by a handful of heavy
@@ -19,7 +34,7 @@ struct reflection_pilot {
     uint32_t emissions;
 };
 
-/* Finds the flux that lands on a diffuse surface first, and that surface's albedo. Returns false
+/* Finds the flux that reaches the first diffuse surface, and that surface's albedo. Returns false
  * if the photon never hits one. */
 static bool find_first_diffuse_hit(const struct orl_lit_scene *lit_scene,
                                    const struct orl_photon_ray *photon_ray,
@@ -51,7 +66,7 @@ static void estimate_reflected(void *arg, size_t index, uint32_t member)
     const struct reflection_pilot *reflection_pilot = arg;
     const struct orl_emission *e = reflection_pilot->emission;
     struct orl_stratum *stratum = &e->strata[index];
-    struct orl_health ignored = {0}; /* counters of reflection_pilot emissions are discarded */
+    struct orl_health ignored = {0}; /* counters of pilot emissions are discarded */
     double reflected = 0, squares = 0;
     (void)member;
     for (uint32_t i = 0; i < reflection_pilot->emissions && orl_stratum_is_direct(e, stratum);
@@ -72,8 +87,12 @@ static void estimate_reflected(void *arg, size_t index, uint32_t member)
         stratum->reflected = fmin(fmax(squares / reflected, least_reflected), 1);
 }
 
-int orl_first_reflection_prepare(struct orl_emission *emission, uint64_t seed,
-                                 struct orl_thread_pool *pool)
+/*
+ * Sets `reflected` of all strata by pilot emissions; 1 if all light is stored. Returns 0 or
+ * ORL_ERR_CANCELLED.
+ */
+static int set_first_reflection(struct orl_emission *emission, uint64_t seed,
+                                struct orl_thread_pool *pool)
 {
     const size_t each = EMISSIONS / (emission->n_strata + 1);
     struct reflection_pilot reflection_pilot = {
@@ -89,16 +108,19 @@ int orl_first_reflection_prepare(struct orl_emission *emission, uint64_t seed,
                : 0;
 }
 
+/* ---- Strata ---------------------------------------------------------------------------------- */
+
 /*
- * Pilots. Paths are distributed over the ports, so that a building of a thousand windows costs no
- * more than a room: few ports have fine tables, many have coarse ones.
+ * Pilots of light at ports. Paths are distributed over the ports, so that a building of a thousand
+ * windows costs no more than a room: few ports have fine distributions, many have coarse ones.
  */
 enum { PILOT_PATHS = 1 << 18, PATHS_A_CELL = 16, FINEST_SIDE = 32, COARSEST_SIDE = 4 };
 enum { DOME_SIDE_X = 128, DOME_SIDE_Y = 64 };
 enum { IMAGE_EMISSIONS = 256, LAMP_EMISSIONS = 1 << 16, LEAST_EMISSIONS_OF_LAMP = 8 };
 /* lower bound of a lamp's estimated flux, as a share of the unobstructed flux */
 static const double least_of_open = 0.01;
-static const double floor_share = 0.1; /* share of cosine-weighted directions in every table */
+/* share of cosine-weighted directions in every distribution */
+static const double floor_share = 0.1;
 /* Bounds on the share of photons that start at the sky of an open scene: with ports, and with
  * lamps only. */
 static const double least_open = 0.25, most_open = 0.75, most_open_beside_lamps = 0.9;
@@ -120,7 +142,7 @@ static double transmitted_luma(const struct orl_lit_scene *lit_scene, const stru
     return orl_luma(orl_material_albedo(m, &hit, outwards, ORL_LOBE_TRANSMITTED));
 }
 
-/* Fills one cell of one port's table with the mean of the transmitted light. */
+/* Fills one cell of one port's distribution with the mean of the transmitted light. */
 static void fill_cell(void *arg, size_t index, uint32_t member)
 {
     struct pilot *pilot = arg;
@@ -177,8 +199,8 @@ static double box_area(const struct orl_geometry *g, struct orl_vec3 d)
     return fabs(d.x) * s.y * s.z + fabs(d.y) * s.x * s.z + fabs(d.z) * s.x * s.y;
 }
 
-/* Builds the table of dome directions by radiance and projected area of the scene; if guided,
- * also by the importance of light from there. */
+/* Builds the distribution of dome directions by radiance and projected area of the scene; if
+ * by_importance, also by the importance of light from there. */
 static int build_dome_distribution(struct orl_emission *e, bool by_importance)
 {
     double *values = malloc(sizeof *values * DOME_SIDE_X * DOME_SIDE_Y);
@@ -213,8 +235,8 @@ static struct orl_stratum stratum_of(enum orl_stratum_kind kind, size_t port, si
     return (struct orl_stratum){.kind = kind, .port = (uint32_t)port, .sun = (uint32_t)sun};
 }
 
-/* Returns the flux of a sun through a port, without shadows. Flights find the part that is not
- * in shadow. */
+/* Returns the flux of a sun through a port, without shadows. Emissions find the part that is not in
+ * shadow. */
 static double port_sun_flux(const struct orl_lit_scene *lit_scene, const struct orl_port *port,
                             const struct orl_sun *sun)
 {
@@ -449,7 +471,7 @@ int orl_emission_new(const struct orl_lit_scene *lit_scene, enum orl_photon_use 
     if (code == 0 && lit_scene->open)
         code = set_sky_importance(e);
     if (code == 0)
-        code = orl_first_reflection_prepare(e, seed, pool);
+        code = set_first_reflection(e, seed, pool);
     if (code == 0) {
         set_shares(e);
         code = orl_caustic_pilot(e, seed, pool);

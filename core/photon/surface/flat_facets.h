@@ -1,8 +1,8 @@
 /*
- * Flat facets and their triangles in coordinates of their own planes: x along the frame's u and y
- * along v, from the minimum of each.
+ * Flat facets in coordinates of their planes: a grid of rectangles over each, and the photons that
+ * landed on them. Coordinates are x along the frame's u and y along v, from the minimum of each.
  *
- * Threads: constant once built, except `has`, which the owner may clear.
+ * Threads: planes are constant once built, except is_flat, which the owner may clear.
  */
 #ifndef ORL_PHOTON_SURFACE_FLAT_FACETS_H
 #define ORL_PHOTON_SURFACE_FLAT_FACETS_H
@@ -26,7 +26,7 @@ struct orl_plane {
     struct orl_frame frame;
     struct orl_vec3 origin; /* the facet's corner of minimum x and y */
     double wide, high;
-    uint32_t first, triangles; /* range in planes.flats */
+    uint32_t first, triangles; /* range in planes.plane_triangles */
 };
 
 /* The planes of all facets of the scene's own (not instanced). */
@@ -81,7 +81,7 @@ static inline bool orl_plane_triangle_contains(const struct orl_plane_triangle *
 
 /* Grid; cells are numbered row by row from `first` on. */
 struct orl_facet_grid {
-    uint32_t first, columns, rows; /* empty grid: across is 0 */
+    uint32_t first, columns, rows; /* empty grid: columns is 0 */
     double width, height;          /* size of one cell */
 };
 
@@ -111,7 +111,7 @@ uint32_t orl_facet_grid_fullest(const struct orl_facet_grid *grid, const float *
  * traced, too: if it hits another facet than the one that holds the photon, the two coincide.
  *
  * Determinism: chunks of leaves are functions of the map and the scene. Threads: the work is done
- * by a crew.
+ * by a thread pool.
  */
 
 #define ORL_NO_FACET_SIDE UINT32_MAX

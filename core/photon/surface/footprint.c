@@ -6,7 +6,7 @@ enum { SECTORS = ORL_FOOTPRINT_SECTORS, FREE_RAYS = 8, MOST_FACETS = 48 };
 static const double cosine_45 = 0.7071067811865476;
 /* A sheet continues while its normal has turned by less; photons count up to 30 degrees. */
 static const double cosine_28 = 0.8829475928589269;
-/* The sheet also ends where chords do not fit the mean normal; surface_sheet.h allows a slope of
+/* The sheet also ends where chords do not fit the mean normal; orl_same_sheet allows a slope of
  * 0.05. */
 static const double bend = 0.04;
 /* Height of the upper rays above the surface, over the radius. */
@@ -385,7 +385,7 @@ static struct orl_wedge wedge_between(const struct spoke *a, const struct spoke 
             return wedge;
         }
     }
-    /* Keeps within the straight line through either end, whatever its direction. */
+    /* Limits the radius to the straight line through either end, whatever its direction. */
     wedge.radius =
         orl_smaller(radius, cos(2 * ORL_PI / SECTORS) * orl_smaller(a->length, b->length));
     return wedge;

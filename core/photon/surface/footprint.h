@@ -1,10 +1,13 @@
 /*
- * Test whether two points lie on the same sheet of surface. Their normals must be within 30 degrees
- * of each other. The chord between the points must be perpendicular to the mean normal, within 5 %
- * of its length and a few cells of rounding. If the coded normals are equal the tolerance is 3.5 %:
- * a code is off by at most 1 degree, and a curve turns by no more within one code. So a sheet 5 mm
- * above another is separate from it out to 14 cm. Exact on planes, spheres and cylinders; false
- * through walls, around corners and between parallel surfaces.
+ * The surface around a point: whether two points lie on one sheet, where a facet ends, and the
+ * footprint, the part of the surface that a density estimate may use, with its sides and moments.
+ *
+ * Two points lie on the same sheet of surface under two conditions. Their normals must be within 30
+ * degrees of each other. The chord between the points must be perpendicular to the mean normal,
+ * within 5 % of its length and a few cells of rounding. If the coded normals are equal the
+ * tolerance is 3.5 %: a code is off by at most 1 degree, and a curve turns by no more within one
+ * code. So a sheet 5 mm above another is separate from it out to 14 cm. Exact on planes, spheres
+ * and cylinders; false through walls, around corners and between parallel surfaces.
  */
 #ifndef ORL_PHOTON_SURFACE_FOOTPRINT_H
 #define ORL_PHOTON_SURFACE_FOOTPRINT_H
@@ -90,9 +93,9 @@ double orl_outline_clearance(const struct orl_lit_scene *lit_scene, uint32_t fac
  * is not low beside an edge or in a corner, and not lit through a wall that stands on the surface.
  *
  * A footprint is a star of 32 sectors in the tangent plane. Its rays end where the surface ends
- * (outline.h); they follow adjacent facets that continue it, flat or gently bent. They also end at
- * objects that stand on the surface or are close above it. A ray just above the surface, and a
- * higher one, test for surfaces steeper than 45 degrees to it. Between two rays that end on one
+ * (orl_outline_exit); they follow adjacent facets that continue it, flat or gently bent. They also
+ * end at objects that stand on the surface or are close above it. A ray just above the surface, and
+ * a higher one, test for surfaces steeper than 45 degrees to it. Between two rays that end on one
  * straight line, the line is the exact border; otherwise the nearer end is used for the sector. So
  * a footprint lies within the true surface, except for obstacles between rays, and omits little of
  * it.
@@ -156,8 +159,8 @@ bool orl_footprint_contains(const struct orl_footprint *footprint, struct orl_ve
 double orl_footprint_area(const struct orl_footprint *footprint, double radius);
 
 /*
- * Queries of footprints: the side of the border on which small spots lie, and radii at which a
- * footprint is a whole disc or has the area of one.
+ * Queries of footprints: the side of the border on which small clusters of photons lie, and radii
+ * at which a footprint is a whole disc or has the area of one.
  */
 
 enum orl_side { ORL_SIDE_INSIDE, ORL_SIDE_OUTSIDE, ORL_SIDE_BOTH };
@@ -168,8 +171,8 @@ struct orl_photon_cluster {
     double reach, rounding; /* rounding: that of the photons' positions */
 };
 
-/* Returns the side of the border on which all of a spot in the footprint's plane lies; BOTH if
- * that is uncertain. */
+/* Returns the side of the border on which a whole cluster of photons in the footprint's plane lies;
+ * BOTH if that is uncertain. */
 enum orl_side orl_footprint_side(const struct orl_footprint *footprint,
                                  const struct orl_photon_cluster *cluster);
 
@@ -196,8 +199,8 @@ double orl_footprint_equal_radius(const struct orl_footprint *footprint, double 
  * Moments of a footprint: the area of the surface around a point, and its distribution to either
  * side. They serve estimates without bias to the side with more area.
  *
- * Coordinates are those of the footprint (footprint.h): x and y along its frame's u and v, lengths
- * those of chords. Units: powers of metres, from the second on.
+ * Coordinates are those of the footprint: x and y along its frame's u and v, lengths those of
+ * chords. Units: powers of metres, from the second on.
  */
 
 struct orl_moments {

@@ -7,15 +7,15 @@ static bool has_border(const struct orl_wedge *wedge)
     return wedge->border.normal[0] != 0 || wedge->border.normal[1] != 0;
 }
 
-/* A spot in coordinates of the tangent plane. */
+/* A cluster of photons in coordinates of the tangent plane. */
 struct projected_cluster {
     const struct orl_photon_cluster *cluster;
     const struct orl_frame *frame;
     double x, y, distance;
 };
 
-/* Computes bounds on the signed distance of a spot's points to a line, from the spot's disc and
- * its box. */
+/* Computes bounds on the signed distance of a cluster's photons to a line, from the cluster's disc
+ * and its box. */
 static void over_line(const struct projected_cluster *projected_cluster,
                       const struct orl_line *line, double *ret_least, double *ret_most)
 {
@@ -141,7 +141,7 @@ static void add_part(struct orl_moments *m, double radius, double width, const d
     m->xy += r2 * r2 / 8 * (s1 * s1 - s0 * s0);
 }
 
-/* Adds the triangle between the point and a piece of a line, between two azimuths. */
+/* Adds the triangle between the point and a segment of a line, between two azimuths. */
 static void add_triangle(struct orl_moments *m, const struct orl_line *line, const double from[2],
                          const double to[2])
 {

@@ -4,8 +4,8 @@
 
 /*
  * Limits of curved facets: they end where their normal has turned by this angle, because sheets
- * (surface_sheet.h) end at 30 degrees. On spheres a chord is as good as an arc (equal areas);
- * around tubes an arc of 20 degrees is 0.5 % longer than its chord.
+ * (orl_same_sheet) end at 30 degrees. On spheres a chord is as good as an arc (equal areas); around
+ * tubes an arc of 20 degrees is 0.5 % longer than its chord.
  */
 static const double sine_14 = 0.2419218956, sine_20 = 0.3420201433;
 

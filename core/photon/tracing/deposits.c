@@ -1,3 +1,5 @@
+/* Results of traced photons: deposits on surfaces, and crossings through discs in free space, found
+ * by a hierarchy of discs. */
 #include "photon/tracing/trace.h"
 
 #include <math.h>
@@ -217,6 +219,8 @@ void orl_counting_discs_record(const struct orl_counting_discs *discs,
         }
     }
 }
+
+/* ---- Deposits -------------------------------------------------------------------------------- */
 
 bool orl_deposits_reserve(struct orl_deposits *deposits, size_t more)
 {

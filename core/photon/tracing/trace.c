@@ -4,6 +4,40 @@
 
 #include "light/path.h"
 
+/* ---- Path owner ------------------------------------------------------------------------------ */
+
+/*
+ * The estimator that is responsible for a caustic photon's path (partition of path space).
+ *
+ * Photons that sensors count in free space (orl_counting_discs) carry only light that the sensor
+ * does not sample itself. A sensor samples suns by their images in flat mirrors, and by the lobes
+ * of one pane.
+ *
+ * For backward paths (render/backward/backward.h), photons carry only light that paths find by
+ * chance. Paths sample suns and lamps, with their images, from all surfaces with lobes. They hit
+ * lights only by chance by way of curved or refracting surfaces, or of mirrors with more
+ * orientations than there are images.
+ */
+
+enum path_estimator {
+    ESTIMATOR_SHADOW_RAYS, /* straight so far */
+    /* by mirrors of the image classes, if the image is shown; lamps by one mirror */
+    ESTIMATOR_VIRTUAL_LIGHTS,
+    /* sensors: a sun by the lobes of one pane; paths: any light by any lobes */
+    ESTIMATOR_LOBES,
+    ESTIMATOR_NONE,
+};
+
+#define OWNER_NO_LAMP UINT32_MAX
+struct path_owner {
+    enum path_estimator estimator;
+    int16_t image;           /* the sun's image from which the photon comes; negative: none */
+    bool for_backward_paths; /* true: for backward paths; false: for a sensor */
+    /* light of a lamp by a mirror that has its image (light/virtual_lamps.h) */
+    bool lamp_has_image;
+    uint32_t lamp; /* the lamp's facet; OWNER_NO_LAMP for a sun */
+};
+
 /* Returns the image node in which a photon starts; for a sun it is the sun's own node. */
 static int16_t image_of(const struct orl_lit_scene *lit_scene,
                         const struct orl_photon_ray *photon_ray)
@@ -17,102 +51,101 @@ static int16_t image_of(const struct orl_lit_scene *lit_scene,
     return -1;
 }
 
-struct orl_path_owner orl_path_owner_init(const struct orl_lit_scene *lit_scene,
-                                          const struct orl_photon_ray *photon_ray,
-                                          bool for_backward_paths)
+static struct path_owner path_owner_init(const struct orl_lit_scene *lit_scene,
+                                         const struct orl_photon_ray *photon_ray,
+                                         bool for_backward_paths)
 {
     const struct orl_deflection deflection = photon_ray->deflection;
-    struct orl_path_owner path_owner = {.estimator = ORL_ESTIMATOR_SHADOW_RAYS,
-                                        .image = image_of(lit_scene, photon_ray),
-                                        .for_backward_paths = for_backward_paths,
-                                        .lamp = photon_ray->lamp ? photon_ray->lamp_facet
-                                                                 : ORL_OWNER_NO_LAMP};
+    struct path_owner path_owner = {.estimator = ESTIMATOR_SHADOW_RAYS,
+                                    .image = image_of(lit_scene, photon_ray),
+                                    .for_backward_paths = for_backward_paths,
+                                    .lamp =
+                                        photon_ray->lamp ? photon_ray->lamp_facet : OWNER_NO_LAMP};
     const bool by_sensor =
         !for_backward_paths && !photon_ray->lamp; /* sensors sample only suns by one pane's lobes */
     if ((deflection.mirror && deflection.lobe) || (deflection.lobe && !by_sensor))
-        path_owner.estimator = for_backward_paths ? ORL_ESTIMATOR_LOBES : ORL_ESTIMATOR_NONE;
+        path_owner.estimator = for_backward_paths ? ESTIMATOR_LOBES : ESTIMATOR_NONE;
     else if (deflection.mirror || deflection.lobe)
-        path_owner.estimator =
-            deflection.mirror ? ORL_ESTIMATOR_VIRTUAL_LIGHTS : ORL_ESTIMATOR_LOBES;
+        path_owner.estimator = deflection.mirror ? ESTIMATOR_VIRTUAL_LIGHTS : ESTIMATOR_LOBES;
     return path_owner;
 }
 
-static bool has_image(const struct orl_path_owner *path_owner,
-                      const struct orl_lit_scene *lit_scene)
+static bool has_image(const struct path_owner *path_owner, const struct orl_lit_scene *lit_scene)
 {
     return path_owner->lamp_has_image ||
            (path_owner->image >= 0 && lit_scene->images.nodes[path_owner->image].shown);
 }
 
-bool orl_path_owner_is_none(const struct orl_path_owner *path_owner,
-                            const struct orl_lit_scene *lit_scene)
+/* Returns true if no other estimator finds the photon in its current state. */
+static bool path_owner_is_none(const struct path_owner *path_owner,
+                               const struct orl_lit_scene *lit_scene)
 {
-    return path_owner->estimator == ORL_ESTIMATOR_NONE ||
-           (path_owner->estimator == ORL_ESTIMATOR_VIRTUAL_LIGHTS &&
-            !has_image(path_owner, lit_scene));
+    return path_owner->estimator == ESTIMATOR_NONE ||
+           (path_owner->estimator == ESTIMATOR_VIRTUAL_LIGHTS && !has_image(path_owner, lit_scene));
 }
 
 /* Handles a reflection by a mirror: updates the image. A lamp has images in its first mirror
  * only. */
-static enum orl_path_estimator estimator_after_mirror(struct orl_path_owner *path_owner,
-                                                      const struct orl_lit_scene *lit_scene,
-                                                      uint32_t facet)
+static enum path_estimator estimator_after_mirror(struct path_owner *path_owner,
+                                                  const struct orl_lit_scene *lit_scene,
+                                                  uint32_t facet)
 {
     const struct orl_virtual_suns *images = &lit_scene->images;
     const int16_t class = orl_virtual_suns_class(images, facet);
-    if (path_owner->lamp != ORL_OWNER_NO_LAMP) {
+    if (path_owner->lamp != OWNER_NO_LAMP) {
         path_owner->lamp_has_image =
-            path_owner->estimator == ORL_ESTIMATOR_SHADOW_RAYS &&
+            path_owner->estimator == ESTIMATOR_SHADOW_RAYS &&
             orl_virtual_lamps_contain(&lit_scene->virtual_lamps, path_owner->lamp, facet);
-        return path_owner->lamp_has_image ? ORL_ESTIMATOR_VIRTUAL_LIGHTS : ORL_ESTIMATOR_NONE;
+        return path_owner->lamp_has_image ? ESTIMATOR_VIRTUAL_LIGHTS : ESTIMATOR_NONE;
     }
     path_owner->image =
         class < 0 || path_owner->image < 0
             ? -1
             : images->next[(size_t)path_owner->image * images->n_mirrors + (size_t) class];
-    return path_owner->image < 0 ? ORL_ESTIMATOR_NONE : ORL_ESTIMATOR_VIRTUAL_LIGHTS;
+    return path_owner->image < 0 ? ESTIMATOR_NONE : ESTIMATOR_VIRTUAL_LIGHTS;
 }
 
 /* The first lobes on the light's path decide: backward paths that reach them sample lights from
  * there. */
-static enum orl_path_estimator estimator_for_paths(struct orl_path_owner *path_owner,
-                                                   const struct orl_lit_scene *lit_scene,
-                                                   const struct orl_hit *hit,
-                                                   enum orl_scatter_event event)
+static enum path_estimator estimator_for_paths(struct path_owner *path_owner,
+                                               const struct orl_lit_scene *lit_scene,
+                                               const struct orl_hit *hit,
+                                               enum orl_scatter_event event)
 {
-    if (path_owner->estimator == ORL_ESTIMATOR_LOBES || path_owner->estimator == ORL_ESTIMATOR_NONE)
+    if (path_owner->estimator == ESTIMATOR_LOBES || path_owner->estimator == ESTIMATOR_NONE)
         return path_owner->estimator;
     if (event == ORL_EVENT_MIRROR)
         return estimator_after_mirror(path_owner, lit_scene, hit->facet);
-    return event == ORL_EVENT_GLOSSY && !orl_path_owner_is_none(path_owner, lit_scene)
-               ? ORL_ESTIMATOR_LOBES
-               : ORL_ESTIMATOR_NONE;
+    return event == ORL_EVENT_GLOSSY && !path_owner_is_none(path_owner, lit_scene) ? ESTIMATOR_LOBES
+                                                                                   : ESTIMATOR_NONE;
 }
 
-static enum orl_path_estimator estimator_for_sensor(struct orl_path_owner *path_owner,
-                                                    const struct orl_lit_scene *lit_scene,
-                                                    const struct orl_hit *hit,
-                                                    enum orl_scatter_event event)
+static enum path_estimator estimator_for_sensor(struct path_owner *path_owner,
+                                                const struct orl_lit_scene *lit_scene,
+                                                const struct orl_hit *hit,
+                                                enum orl_scatter_event event)
 {
-    const bool straight =
-        path_owner->estimator == ORL_ESTIMATOR_SHADOW_RAYS && path_owner->image >= 0;
-    const bool lamp = path_owner->lamp != ORL_OWNER_NO_LAMP;
+    const bool straight = path_owner->estimator == ESTIMATOR_SHADOW_RAYS && path_owner->image >= 0;
+    const bool lamp = path_owner->lamp != OWNER_NO_LAMP;
     if (event == ORL_EVENT_MIRROR &&
-        (straight || lamp || path_owner->estimator == ORL_ESTIMATOR_VIRTUAL_LIGHTS))
+        (straight || lamp || path_owner->estimator == ESTIMATOR_VIRTUAL_LIGHTS))
         return estimator_after_mirror(path_owner, lit_scene, hit->facet);
     if (event == ORL_EVENT_GLOSSY && straight &&
         orl_material_transmits_lobes(orl_lit_scene_material(lit_scene, hit)))
-        return ORL_ESTIMATOR_LOBES;
-    return ORL_ESTIMATOR_NONE;
+        return ESTIMATOR_LOBES;
+    return ESTIMATOR_NONE;
 }
 
-void orl_path_owner_update(struct orl_path_owner *path_owner, const struct orl_lit_scene *lit_scene,
-                           const struct orl_hit *hit, enum orl_scatter_event event)
+/* Updates the state after an event at a hit, other than straight transmission. */
+static void path_owner_update(struct path_owner *path_owner, const struct orl_lit_scene *lit_scene,
+                              const struct orl_hit *hit, enum orl_scatter_event event)
 {
     path_owner->estimator = path_owner->for_backward_paths
                                 ? estimator_for_paths(path_owner, lit_scene, hit, event)
                                 : estimator_for_sensor(path_owner, lit_scene, hit, event);
 }
+
+/* ---- Tracing of a photon --------------------------------------------------------------------- */
 
 /* Parameters of a trace: the scene, and the photons that are wanted. */
 struct trace_params {
@@ -134,15 +167,14 @@ struct photon_state {
     bool crossed, outside, lamp;
     uint8_t batch;
     enum orl_photon_class class;
-    struct orl_path_owner found; /* used with discs or unsampled_only */
+    struct path_owner path_owner; /* used with discs or unsampled_only */
     uint32_t reflections;
     int bounces, unstored;
 };
 
 /*
  * Russian roulette: returns false if the survival probability has fallen to the photon's roulette
- * number. roulette_scale: factor by which the flux is reduced in addition (first_reflection.h);
- * or 1.
+ * number. roulette_scale: factor by which the flux is reduced in addition (strata/strata.c); or 1.
  */
 static bool survives_roulette(struct photon_state *c, struct orl_rgb weight, double roulette_scale)
 {
@@ -167,7 +199,7 @@ static bool roulette_ends_at(const struct photon_state *c, const struct orl_mate
 }
 
 /* Applies the path to a hit: absorption by the medium, and the spread of a spotlight's beam
- * (lamp.c). Returns false if the photon ends. */
+ * (scene/material/lamp.c). Returns false if the photon ends. */
 static bool attenuate_to_hit(struct photon_state *c, const struct orl_material *m,
                              const struct orl_hit *hit)
 {
@@ -210,7 +242,7 @@ static bool is_omitted(const struct orl_lit_scene *lit_scene, struct orl_deflect
 /* Returns true if no other estimator finds the photon in its current state; false outdoors. */
 static bool is_unsampled(const struct trace_params *t, const struct photon_state *c)
 {
-    return !c->outside && orl_path_owner_is_none(&c->found, t->lit_scene);
+    return !c->outside && path_owner_is_none(&c->path_owner, t->lit_scene);
 }
 
 /* Counts the photon in the discs on its way to the hit (NULL: none). */
@@ -280,7 +312,7 @@ static bool init_photon(const struct trace_params *t, const struct orl_photon_ra
     c->reflections = 0;
     c->bounces = c->unstored = 0;
     if (t->discs || t->unsampled_only)
-        c->found = orl_path_owner_init(t->lit_scene, photon_ray, t->unsampled_only);
+        c->path_owner = path_owner_init(t->lit_scene, photon_ray, t->unsampled_only);
     if (t->caustic && is_omitted(t->lit_scene, deflection))
         return false;
     deposits->health.photons++;
@@ -344,7 +376,7 @@ static bool apply_scatter(const struct trace_params *t, struct photon_state *c,
         return false;
     c->class = class_after(c->class, s->event);
     if ((t->discs || t->unsampled_only) && s->event != ORL_EVENT_STRAIGHT)
-        orl_path_owner_update(&c->found, t->lit_scene, hit, s->event);
+        path_owner_update(&c->path_owner, t->lit_scene, hit, s->event);
     if (s->event == ORL_EVENT_DIFFUSE || s->event == ORL_EVENT_GLOSSY)
         c->focus = 0;
     orl_path_spawn_ray(&c->path, t->lit_scene, hit, s);
@@ -386,7 +418,7 @@ struct photon_wavefront {
     struct orl_random *randoms;
     struct photon_state states[AT_ONCE];
     uint16_t active[AT_ONCE];
-    size_t n, n_parallel; /* number of active photons; those of the beam come first */
+    size_t n, n_parallel; /* number of active photons; those with parallel rays come first */
     struct orl_ray rays[AT_ONCE];
     struct orl_hit hits[AT_ONCE]; /* hits of the active photons, in their order */
     bool found[AT_ONCE];

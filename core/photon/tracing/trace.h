@@ -1,6 +1,9 @@
 /*
- * Discs in which photons in flight are counted, around sensors in free space where no photon lands.
- * Photons carry flux. So the flux through a disc on its lit side, divided by the disc's area, is
+ * Tracing of photons, and its results: deposits on surfaces, or crossings through discs in free
+ * space.
+ *
+ * Discs in which photons are counted surround sensors in free space, where no photon lands. Photons
+ * carry flux. So the flux through a disc on its lit side, divided by the disc's area, is
  * the irradiance there, whatever the photons' paths.
  *
  * A disc ends where an object stands on its plane. Its reach is stored by sectors; crossings beyond
@@ -94,7 +97,7 @@ struct orl_deposits {
      * pane, are not counted, because sensors sample them otherwise. */
     const struct orl_counting_discs *discs;
     struct orl_disc_crossings crossings;
-    /* Caustic photons: true keeps only those that backward paths (render/backward/backward.h)
+    /* Caustic photons: true selects only those that backward paths (render/backward/backward.h)
      * find by chance. Those that backward paths sample are neither deposited nor counted. */
     bool unsampled_only;
 };
@@ -113,64 +116,20 @@ void orl_deposits_count_capped(struct orl_deposits *deposits, struct orl_rgb flu
 struct orl_health orl_deposits_health(const struct orl_deposits *deposits);
 
 /*
- * The estimator that is responsible for a caustic photon's path (partition of path space).
- *
- * Photons that sensors count in flight (counting_discs.h) carry only light that the sensor does not
- * sample itself. A sensor samples suns by their images in flat mirrors, and by the lobes of one
- * pane.
- *
- * For backward paths (render/backward/backward.h), photons carry only light that paths find by
- * chance. Paths sample suns and lamps, with their images, from all surfaces with lobes. They hit
- * lights only by chance by way of curved or refracting surfaces, or of mirrors with more
- * orientations than there are images.
- */
-
-enum orl_path_estimator {
-    ORL_ESTIMATOR_SHADOW_RAYS, /* straight so far */
-    /* by mirrors of the image classes, if the image is shown; lamps by one mirror */
-    ORL_ESTIMATOR_VIRTUAL_LIGHTS,
-    /* sensors: a sun by the lobes of one pane; paths: any light by any lobes */
-    ORL_ESTIMATOR_LOBES,
-    ORL_ESTIMATOR_NONE,
-};
-
-#define ORL_OWNER_NO_LAMP UINT32_MAX
-struct orl_path_owner {
-    enum orl_path_estimator estimator;
-    int16_t image;           /* the sun's image from which the photon comes; negative: none */
-    bool for_backward_paths; /* true: for backward paths; false: for a sensor */
-    /* light of a lamp by a mirror that has its image (light/virtual_lamps.h) */
-    bool lamp_has_image;
-    uint32_t lamp; /* the lamp's facet; ORL_OWNER_NO_LAMP for a sun */
-};
-
-struct orl_path_owner orl_path_owner_init(const struct orl_lit_scene *lit_scene,
-                                          const struct orl_photon_ray *photon_ray,
-                                          bool for_backward_paths);
-
-/* Updates the state after an event at a hit, other than a straight passage. */
-void orl_path_owner_update(struct orl_path_owner *path_owner, const struct orl_lit_scene *lit_scene,
-                           const struct orl_hit *hit, enum orl_scatter_event event);
-
-/* Returns true if no other estimator finds the photon in its current state. */
-bool orl_path_owner_is_none(const struct orl_path_owner *path_owner,
-                            const struct orl_lit_scene *lit_scene);
-
-/*
  * Tracing of a photon from its port or emitter, from surface to surface, until it is absorbed,
- * leaves, or reaches the bounce limit. Deposits go to the caller (deposits.h).
+ * leaves, or reaches the bounce limit. Deposits go to the caller (struct orl_deposits).
  *
  * Global photons are deposited on every diffuse surface. Caustic photons are deposited on the first
  * diffuse surface, and only if they come from a directly sampled light (sun, lamp) and were
  * deflected on the way. That is exactly the light for which neither shadow rays nor gathered
  * diffuse radiance account. In sealed scenes no photon is deposited outside (light/lit_scene.h).
  *
- * Russian roulette keeps the flux: a photon survives a bounce with the luma of its weight (with a
- * higher probability before its first deposit, see first_reflection.h). One number, the photon's
- * roulette number, decides for its whole life: the photon dies when the product of the survival
- * probabilities falls to its roulette number. Roulette numbers are stratified (a Sobol dimension),
- * and so are the lengths of lives. Where walls absorb hardly anything and photons live for 10^4
- * bounces, a hundred photons light the room to within a per cent.
+ * Russian roulette conserves the mean flux: a photon survives a bounce with the luma of its weight
+ * (with a higher probability before its first deposit, see strata/strata.c). One number, the
+ * photon's roulette number, decides for its whole life: the photon dies when the product of the
+ * survival probabilities falls to its roulette number. Roulette numbers are stratified (a Sobol
+ * dimension), and so are the lengths of lives. Where walls absorb hardly anything and photons live
+ * for 10^4 bounces, a hundred photons light the room to within a per cent.
  *
  * Two limits end endless paths: the number of bounces, and the number of consecutive bounces
  * without a deposit (facing mirrors). Photons that are cut are counted, with their flux.

@@ -1,4 +1,5 @@
-/* One sample of the backward technique: the light at a place, and the paths that estimate it. */
+/* The backward technique: samples of a place (the light there, and the paths that estimate it),
+ * and the irradiance of sensors as their mean. */
 #include "render/backward/backward.h"
 
 #include "scene/built/scene.h"
@@ -18,7 +19,7 @@ static const double dimmest_lit = 0.02;
 
 /* State of a path since the last place where all parts of the light were estimated. */
 struct path_state {
-    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
+    struct orl_eye_path eye; /* must be first: the visitor receives a pointer to it */
     struct orl_tracer *tracer;
     double importance;           /* weight of the path's start in the sample, at most about 1 */
     uint32_t reflections;        /* number of diffuse reflections before the start */
@@ -154,7 +155,7 @@ static bool continue_outdoors(struct orl_eye_path *p)
     return orl_exterior_continue(p, w->tracer->health);
 }
 
-/* Handles scattering by mist, where suns and lamps have been sampled already. */
+/* Handles scattering by a volume, where suns and lamps have been sampled already. */
 static bool handle_volume_event(struct orl_eye_path *p)
 {
     struct path_state *w = path_state_of(p);
@@ -332,6 +333,8 @@ struct orl_rgb orl_backward_sample_irradiance(struct orl_tracer *tracer,
     const struct shade_point shade_point = {.place = *place, .importance = 1, .params = params};
     return light_at(tracer, &shade_point);
 }
+
+/* ---- Sensors --------------------------------------------------------------------------------- */
 
 enum { LAMPS_A_SAMPLE = 8 };
 /* Rays per strategy: for a sensor's sample, and for a surface that one of its rays meets. */

@@ -13,9 +13,9 @@
  * Views: both rays are followed where a ray splits (shade.h), and one sample is taken at every
  * diffuse surface that they meet. Branches of little weight undergo Russian roulette. A pixel's
  * samples fall into up to 16 groups of consecutive ones, each with its own virtual lights. Their
- * spread, smoothed over neighbours (error_map.h), gives the standard error. It is an overestimate:
- * the samples of all groups are stratified together, those of one group are not. With one sample a
- * pixel the error is unknown.
+ * spread, smoothed over neighbours (render/picture/false_color.h), gives the standard error. It is
+ * an overestimate: the samples of all groups are stratified together, those of one group are not.
+ * With one sample a pixel the error is unknown.
  *
  * Suns and lamps reached by a curved mirror, a dielectric or several mirrors have no shadow rays:
  * only a ray that hits the light by chance finds them. That is noise, not bias, but few jobs have
@@ -46,7 +46,7 @@ struct orl_backward {
     const atomic_bool *cancel;
 };
 
-/* Initialises all that depends on the world alone, without virtual lights. Returns 0 or
+/* Initialises all that depends on the lit scene alone, without virtual lights. Returns 0 or
  * ORL_ERR_NOMEM; call orl_backward_done in either case. */
 int orl_backward_init(struct orl_backward *backward, const struct orl_lit_scene *lit_scene,
                       struct orl_thread_pool *pool);
@@ -66,7 +66,7 @@ struct orl_sample_range {
 
 /*
  * Estimates the irradiance on a plane at a position, with unit normal, both in moved coordinates.
- * ret_groups receives each group's mean. Consecutive spans are together as well stratified as one,
+ * ret_groups receives each group's mean. Consecutive ranges are together as well stratified as one,
  * even if their virtual lights differ. Counts into health.
  */
 struct orl_estimate orl_backward_irradiance(const struct orl_backward *backward,

@@ -9,8 +9,8 @@
 #include "base/io/out_file.h"
 #include "base/text/stroke_font.h"
 #include "render/film/image_files.h"
-/* Widths of strokes, as a share of the letters' size. */
 
+/* Widths of strokes, as a share of the letters' size. */
 static const double usual_weight = 0.13, bold_weight = 0.17;
 /* Width of the rim about letters, page units. */
 static const double rim = 1.5;

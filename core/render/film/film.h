@@ -1,10 +1,4 @@
-/*
- * Views as Radiance defines them: -vt v (perspective), l (parallel), a (angular fisheye), h
- * (hemispherical fisheye), s (planispheric fisheye: stereographic) and c (cylindrical panorama),
- * with -vp -vd -vu -vh -vv -vs -vl -vo -va; and rpict's -x -y -pa -bv beside them.
- *
- * Image coordinates: x from the left, y from the bottom, both 0..1.
- */
+/* Views and films: rays through pixels, images in memory, and Radiance HDR files. */
 #ifndef ORL_RENDER_FILM_FILM_H
 #define ORL_RENDER_FILM_FILM_H
 
@@ -15,6 +9,13 @@
 #include <oriel/base/input_checks.h>
 #include <oriel/base/vec.h>
 
+/*
+ * Views as Radiance defines them: -vt v (perspective), l (parallel), a (angular fisheye), h
+ * (hemispherical fisheye), s (planispheric fisheye: stereographic) and c (cylindrical panorama),
+ * with -vp -vd -vu -vh -vv -vs -vl -vo -va; and rpict's -x -y -pa -bv beside them.
+ *
+ * Image coordinates: x from the left, y from the bottom, both 0..1.
+ */
 struct orl_view {
     char type;                            /* 'v', 'l', 'a', 'h', 's' or 'c' */
     struct orl_vec3 point, direction, up; /* direction is unit */
@@ -64,7 +65,8 @@ void orl_view_fit(const struct orl_view *view, double pixel_aspect, uint32_t *wi
  * whole VIEW line, so that its tools (and evalglare) read them. Values are W/sr/m2 per channel, no
  * exposure. render/picture makes tone-mapped pictures.
  *
- * A pixel also has the standard error of its luma; error_map.h defines and writes it.
+ * A pixel also has the standard error of its luma; render/picture/false_color.h defines and writes
+ * it.
  */
 
 struct orl_film {

@@ -1,8 +1,4 @@
-/*
- * PNG: 8 or 16 bits a channel, sRGB. Rows are filtered by Paeth's predictor and coded in runs
- * (zlib's Z_RLE). Compared to zlib's full search, a picture of a room is a fourth larger and takes
- * a fourth of the time. An error map is a fifteenth larger and takes a sixth.
- */
+/* Image files: PNG, animated PNG, OpenEXR, the reader of Radiance pictures, and pages of PDF. */
 #ifndef ORL_RENDER_FILM_IMAGE_FILES_H
 #define ORL_RENDER_FILM_IMAGE_FILES_H
 
@@ -14,6 +10,12 @@
 #include <oriel/base/error.h>
 
 #include "render/film/film.h"
+
+/*
+ * PNG: 8 or 16 bits a channel, sRGB. Rows are filtered by Paeth's predictor and coded in runs
+ * (zlib's Z_RLE). Compared to zlib's full search, a picture of a room is a fourth larger and takes
+ * a fourth of the time. An error map is a fifteenth larger and takes a sixth.
+ */
 
 /* Writes a picture to path.part, then sync and rename. rgb: three bytes a pixel, from the top left,
  * row by row. Returns 0, ORL_ERR_IO or ORL_ERR_NOMEM. */
@@ -29,10 +31,10 @@ int orl_png_write_16(const char *path, uint32_t width, uint32_t height, const un
  * Animated PNG: frames of one size, 8 bits a channel, sRGB, each shown equally long, repeated for
  * ever. Programs that read only PNG show the first frame, or a poster.
  *
- * Rows are filtered and coded as in png.h. Chunks are written here over zlib, because libpng has no
- * animations: acTL after the header, an fcTL before each frame, the first one's pixels in IDAT, the
- * others' in fdAT. fcTL and fdAT chunks are numbered together. A poster is an IDAT before the first
- * fcTL.
+ * Rows are filtered and coded as in a still PNG. Chunks are written here over zlib, because libpng
+ * has no animations: acTL after the header, an fcTL before each frame, the first one's pixels in
+ * IDAT, the others' in fdAT. fcTL and fdAT chunks are numbered together. A poster is an IDAT before
+ * the first fcTL.
  *
  * References: PNG, third edition (W3C 2025), 11.3.6 and 4.9; APNG 1.0 (Mozilla).
  */

@@ -1,3 +1,4 @@
+/* PNG files, still and animated. */
 #include "render/film/image_files.h"
 
 #include <errno.h>
@@ -69,6 +70,8 @@ int orl_png_write_16(const char *path, uint32_t width, uint32_t height, const un
     const struct picture picture = {width, height, rgb, 16};
     return write_picture(&picture, path, err);
 }
+
+/* ---- Animated PNG ---------------------------------------------------------------------------- */
 
 enum { CHUNK = 1 << 16, CHANNELS = 3, PAETH = 4, THOUSANDTHS = 1000 };
 

@@ -31,9 +31,10 @@ struct orl_density orl_gather_caustic_k(const struct orl_gather *gather,
                : (struct orl_density){.found = 0};
 }
 
-struct orl_density orl_gather_caustic(const struct orl_gather *gather,
-                                      const struct orl_surface_point *surface_point,
-                                      struct orl_search *search)
+/* Returns the caustic part from the usual number of photons. */
+static struct orl_density orl_gather_caustic(const struct orl_gather *gather,
+                                             const struct orl_surface_point *surface_point,
+                                             struct orl_search *search)
 {
     return orl_gather_caustic_k(gather, surface_point, gather->k[ORL_MAP_CAUSTIC], search);
 }

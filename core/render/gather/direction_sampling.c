@@ -157,7 +157,8 @@ struct orl_strategy_counts orl_direction_sampler_counts(const struct orl_directi
     return wanted;
 }
 
-/* Returns the density, per steradian, with which a ray is aimed at the port that it meets. */
+/* Returns the density, per steradian, of a direction towards a point uniform by area on one of the
+ * ports, each with the same probability. The ray first meets that port. */
 static double port_pdf(const struct orl_direction_sampler *sampler, const struct orl_hit *hit,
                        struct orl_vec3 direction)
 {
@@ -167,14 +168,6 @@ static double port_pdf(const struct orl_direction_sampler *sampler, const struct
     const double cosine = fmax(fabs(orl_dot(direction, hit->normal)), 1e-9);
     return hit->distance * hit->distance /
            (cosine * facet->area * (double)sampler->lit_scene->n_ports);
-}
-
-double orl_direction_port_pdf(const struct orl_direction_sampler *sampler,
-                              const struct orl_hit *hit, struct orl_vec3 direction)
-{
-    return orl_lit_scene_port_of(sampler->lit_scene, hit->facet) == ORL_NO_PORT
-               ? 0
-               : port_pdf(sampler, hit, direction);
 }
 
 /* Returns the density, per steradian, of rays drawn along sun lobes. */
@@ -191,7 +184,7 @@ static double window_lobe_pdf(const struct orl_direction_sampler *sampler,
     return sum / sampler->n_window_lobes;
 }
 
-/* The thing that a ray must meet first to count. */
+/* The facet or target that a ray must meet first to count. */
 struct goal {
     uint32_t facet;  /* UINT32_MAX: any */
     uint32_t target; /* ORL_NO_TARGET: any */

@@ -1,11 +1,16 @@
 /*
- * Beams: where the lobes of a kind of pane send a sun, as a table over the directions on the far
- * side, for importance sampling. From a place only the directions towards the pane count. A
- * direction is drawn by descending the table: at each level one of four quarters is chosen by its
- * light, without the quarters that cannot come from the pane.
+ * Importance sampling of ray directions at a place. A ray is drawn by one of four strategies:
+ *   by the cosine;
+ *   at a port: a point uniform over one of them;
+ *   along a sun lobe: at a pane whose lobes send a sun that way, in proportion to the light. The
+ *     pane is a port or, in a scene that is no building, a free-standing pane;
+ *   at a target: a small mirror or lens.
+ * A place draws some rays by each strategy. If several strategies could have made a ray, its weight
+ * has the sum of their densities, each times its number of rays: the multi-sample balance heuristic
+ * of Veach and Guibas 1995. The last three strategies count only if the ray first meets its goal.
+ * No density is therefore needed for a port behind a wall.
  *
- * The table may be inexact and incomplete: another strategy reaches every direction
- * (direction_sampling.h), and a ray is weighed by the densities of both. Constant once made.
+ * Sun lobes and targets have sections of their own.
  */
 #ifndef ORL_RENDER_GATHER_DIRECTION_SAMPLING_H
 #define ORL_RENDER_GATHER_DIRECTION_SAMPLING_H
@@ -14,6 +19,16 @@
 
 #include "base/sampling/sampling.h"
 #include "light/lit_scene.h"
+
+/*
+ * Sun lobes: the light of a sun through the lobes of a kind of pane, as a table over the directions
+ * on the far side. From a place only the directions towards the pane count. A direction is drawn by
+ * descending the table: at each level one of four quarters is chosen by its light, without the
+ * quarters that cannot come from the pane.
+ *
+ * The table may be inexact and incomplete: another strategy reaches every direction, and a ray is
+ * weighed by the densities of both. Constant once made.
+ */
 
 enum { ORL_SUN_LOBE_LEVELS = 7, ORL_SUN_LOBE_SIDE = 1 << (ORL_SUN_LOBE_LEVELS - 1) };
 enum {
@@ -27,9 +42,9 @@ struct orl_sun_lobe_cells {
 
 /* A sun in a kind of pane. Panes of one material that face alike share a sun lobe. */
 struct orl_sun_lobe {
-    const struct orl_material *material; /* borrowed from the world */
+    const struct orl_material *material; /* borrowed from the lit scene */
     struct orl_vec3 normal;
-    const struct orl_sun *sun;       /* borrowed from the world */
+    const struct orl_sun *sun;       /* borrowed from the lit scene */
     struct orl_frame frame;          /* n points to the far side */
     float light[ORL_SUN_LOBE_CELLS]; /* share of the total */
 };
@@ -44,7 +59,7 @@ struct orl_window_lobe {
 void orl_sun_lobe_cells_init(struct orl_sun_lobe_cells *cells);
 
 /* Fills in all fields but material, normal and sun, which the caller sets. The result does not
- * depend on the crew. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+ * depend on the pool. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_sun_lobe_init(struct orl_sun_lobe *sun_lobe, const struct orl_sobol *sobol,
                       struct orl_thread_pool *pool);
 
@@ -108,18 +123,6 @@ struct orl_vec3 orl_target_sample(const struct orl_target_sphere *target, struct
 double orl_target_pdf(const struct orl_target_sphere *target, struct orl_vec3 point,
                       struct orl_vec3 direction);
 
-/*
- * Importance sampling of ray directions at a place. A ray is drawn by one of four strategies:
- *   by the cosine;
- *   at a port: a point uniform over one of them;
- *   along a sun lobe: at a pane whose lobes send a sun that way, in proportion to the light
- * (sun_lobe.h). The pane is a port or, in a scene that is no building, a free-standing pane; at a
- * small mirror or lens (targets.h). A place draws some rays by each strategy. If several strategies
- * could have made a ray, its weight has the sum of their densities, each times its number of rays:
- * the multi-sample balance heuristic of Veach and Guibas 1995. The last three strategies count only
- * if the ray first meets its goal. No density is therefore needed for a port behind a wall.
- */
-
 enum { ORL_MOST_SUN_LOBES = 32 };
 
 struct orl_direction_sampler {
@@ -130,7 +133,7 @@ struct orl_direction_sampler {
     struct orl_sun_lobe_cells *cells;
     uint32_t n_sun_lobes, n_window_lobes;
     uint32_t *first_window_lobe; /* index of each pane's first window lobe, and one past the last */
-    uint32_t *panes;             /* facets, ascending, owned; NULL: panes are the world's ports */
+    uint32_t *panes; /* facets, ascending, owned; NULL: panes are the lit scene's ports */
     uint32_t n_panes;
     struct orl_targets targets;
 };
@@ -159,11 +162,6 @@ struct orl_strategy_counts {
 /* Returns the wanted counts, with 0 for strategies that do not apply to the scene. */
 struct orl_strategy_counts orl_direction_sampler_counts(const struct orl_direction_sampler *sampler,
                                                         struct orl_strategy_counts wanted);
-
-/* Returns the density, per steradian, of a direction towards a point uniform by area on one of the
- * ports, each with the same probability. Returns 0 if the ray first meets something else. */
-double orl_direction_port_pdf(const struct orl_direction_sampler *sampler,
-                              const struct orl_hit *hit, struct orl_vec3 direction);
 
 struct orl_direction_sample {
     struct orl_vec3 direction;

@@ -177,7 +177,7 @@ double orl_tally_variance(const struct orl_tally *tally)
     double variance = 0;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         variance += orl_batches_variance(&tally->parts[kind]);
-    return variance + tally->known * tally->known;
+    return variance + tally->record_error * tally->record_error;
 }
 
 /* Without a caustic map caustics were not requested, so there are none. Outside, rays find them. */
@@ -223,7 +223,7 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather,
     return mean;
 }
 
-/* Results that a final gather has computed from scene and maps, kept from one job to the next. */
+/* ---- Cache of the results computed from scene and maps, from one job to the next ------------- */
 
 uint64_t orl_gather_detach(struct orl_gather *gather)
 {

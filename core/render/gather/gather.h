@@ -1,7 +1,7 @@
 /*
  * The techniques by photon maps. Light at a point is the sum of three parts:
- *   direct     from suns and lamps, by shadow rays, through thin glass (at sensors in mid-air
- *              also by flat mirrors);
+ *   direct     from suns and lamps, by shadow rays, through thin glass (at sensors in free
+ *              space also by flat mirrors);
  *   caustic    from suns and lights after a mirror, a lobe or a BSDF: density of caustic photons;
  *   rest       all other light. At a surface that a view sees, or that a sensor lies on, it is
  *     gathered   (technique gather, GCx in Grobe 2019) by a hemisphere of rays that see
@@ -10,10 +10,10 @@
  *     density    (direct) by the local density of global photons, whose bandwidth is chosen to
  *                limit bias (photon/density/adaptive_density.h);
  *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
- *                (photon/density/precomputed_irradiance.h), without the global map. Where the
- * records about a place differ much, views gather instead (lighting.h). Every light path belongs to
- * exactly one of the three. Every technique uses a hemisphere of rays where no photons land (in
- * mid-air, outside), and where a search finds none.
+ *                (photon/density/precomputed_irradiance.h), without the global map.
+ * Where the records about a place differ much, views gather instead (render/image/lighting.h).
+ * Every light path belongs to exactly one of the three. Every technique uses a hemisphere of rays
+ * where no photons are stored (in free space, outside), and where a search finds none.
  *
  * With gathering the global map holds photons of all light, otherwise only those of the rest
  * (omit.counted_light). Surfaces that these rays and those of glossy lobes meet are lit by the
@@ -26,7 +26,7 @@
  * Diffuse surfaces nearer than the density's own width are not read from the map, so that corners
  * are not dark. They are lit again, directly and by one more ray, or by irradiance records if there
  * are some: half of what is seen from a line where walls meet is near, and one ray is noisy. The
- * same holds for near-occluded places (photon/density/near_occlusion.h) at any distance: between
+ * same holds for near-occluded places (photon/density/leaf_sites.h) at any distance: between
  * slats the density's width is as large as the gap between the slats that occlude each other.
  * Texels do not detect near-occluded places.
  *
@@ -93,9 +93,9 @@ int orl_gather_for_views(struct orl_gather *gather, struct orl_thread_pool *pool
 void orl_gather_done(struct orl_gather *gather);
 
 /*
- * Detaches a gather from its world and maps between jobs (gather_reuse.c), and keeps what was
- * computed from them. A later job with the same scene, maps and bandwidths resumes it with its own
- * copies of these; orl_gather_done frees it. Pausing returns its size in bytes.
+ * orl_gather_detach removes a gather's references to its lit scene and maps between jobs. It caches
+ * the results computed from them, and returns its size in bytes. orl_gather_attach gives it those
+ * of a later job with the same scene, maps and bandwidths. orl_gather_done frees it.
  */
 uint64_t orl_gather_detach(struct orl_gather *gather);
 void orl_gather_attach(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
@@ -106,8 +106,8 @@ struct orl_shading_point {
     struct orl_vec3 point;  /* on or off a surface, clear of it */
     struct orl_vec3 normal; /* unit */
     bool outside;
-    bool in_free_space; /* off any surface: no photon lands there, or suns' images are more accurate
-                         */
+    /* Off any surface: no photon is stored there, or virtual suns are more accurate. */
+    bool in_free_space;
     /* On a surface that a BSDF stands for: lit as views see it; outside is then true as well. */
     bool proxied;
     bool textured; /* seen by a view with a textured normal: light is estimated about `shading` */
@@ -119,7 +119,7 @@ struct orl_shading_point {
 struct orl_tally {
     struct orl_batches parts[ORL_MAP_KINDS];
     /* Standard error of what was read from cached records (icache.h), which share theirs. */
-    double known;
+    double record_error;
 };
 double orl_tally_variance(const struct orl_tally *tally);
 
@@ -147,14 +147,14 @@ struct orl_gather_ray {
     const struct orl_mis_pdf *lobe_mis_pdf;
     /* Numbers for the event at the first surface; NULL: random ones. */
     const struct orl_sobol_slice *first;
-    /* The first hit if it is known, or nothing_ahead; else NULL and false. */
+    /* The first hit if it is known, or hits_nothing; else NULL and false. */
     const struct orl_hit *first_hit;
     bool hits_nothing;
-    bool importance_sampled; /* true if some rays are aimed when it continues from a matt surface */
+    bool importance_sampled; /* true if matt surfaces draw importance-sampled rays */
     /* True if flat surfaces may be read from texels: for hemispheres, which average many rays. */
     bool reads_texels;
     /* Irradiance cache that gives the rest at near surfaces within its reach; NULL: none. */
-    const struct orl_icache *known;
+    const struct orl_icache *icache;
     struct orl_tally *tally; /* receives the parts of the radiance; may be NULL */
     double share;            /* factor of the radiance in the tally */
     /* Receives the distance of the first surface inside, if any; may be NULL. */
@@ -180,14 +180,10 @@ struct orl_rgb orl_gather_read_texel(const struct orl_gather_ray *ray,
 bool orl_gather_find_surface(const struct orl_gather *gather, struct orl_vec3 point,
                              struct orl_vec3 normal, struct orl_surface_point *ret_surface_point);
 
-/* Returns the caustic part by density at a point of a surface: from k photons, and from the usual
- * number. */
+/* Returns the caustic part by density at a point of a surface, from k photons. */
 struct orl_density orl_gather_caustic_k(const struct orl_gather *gather,
                                         const struct orl_surface_point *surface_point, uint32_t k,
                                         struct orl_search *search);
-struct orl_density orl_gather_caustic(const struct orl_gather *gather,
-                                      const struct orl_surface_point *surface_point,
-                                      struct orl_search *search);
 
 /*
  * Returns the caustic part for views, from a disc no wider than usual among the photons found. In a
@@ -198,7 +194,8 @@ struct orl_density orl_gather_caustic_for_view(const struct orl_gather *gather,
                                                const struct orl_surface_point *surface_point,
                                                struct orl_search *search);
 
-/* Returns orl_gather_caustic with its bias, in twice the time. */
+/* Returns the caustic part from the usual number of photons, with its bias. It takes twice the time
+ * of orl_gather_caustic_k. */
 struct orl_density orl_gather_caustic_with_bias(const struct orl_gather *gather,
                                                 const struct orl_surface_point *surface_point,
                                                 struct orl_search *search);
@@ -231,8 +228,8 @@ struct orl_density orl_gather_indirect(const struct orl_gather *gather,
  * that the mean stays unbiased. Also returns its gradients, the harmonic mean of the rays' lengths
  * (Ward and Heckbert 1992) and the least length. Standard errors, of its luma, are those of the
  * photons and of the rays. The rays' error compares each stratum with the next in its row, as if
- * both rays were drawn from both strata, which overestimates it. known: records made before, or
- * NULL.
+ * both rays were drawn from both strata, which overestimates it. icache: records made before,
+ * or NULL.
  */
 enum { ORL_HEMISPHERE_ROWS = 18, ORL_HEMISPHERE_COLUMNS = 56 }; /* maximum */
 struct orl_hemisphere {
@@ -243,7 +240,7 @@ struct orl_hemisphere {
 };
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_shading_point *place, uint32_t rows,
-                                            uint32_t columns, const struct orl_icache *known,
+                                            uint32_t columns, const struct orl_icache *icache,
                                             struct orl_random *random, struct orl_search *search);
 
 /*
@@ -257,22 +254,22 @@ struct orl_rgb orl_gather_direct(const struct orl_gather *gather,
                                  uint32_t first, uint32_t rays, double *ret_variance);
 
 /* Returns the place of a sensor. *ret_surface_point is set if it lies on a surface; otherwise the
- * place is in mid-air. */
+ * place is in free space. */
 struct orl_shading_point orl_gather_sensor_point(const struct orl_gather *gather,
                                                  struct orl_vec3 position,
                                                  struct orl_vec3 direction,
                                                  struct orl_surface_point *ret_surface_point);
 
-/* Returns true if the place receives caustics otherwise than by density: inside, in mid-air, and if
- * there are any. */
+/* Returns true if the place receives caustics otherwise than by density: inside, in free
+ * space, and if there are any. */
 bool orl_gather_has_free_caustics(const struct orl_gather *gather,
                                   const struct orl_shading_point *place);
 
 /*
  * Returns the irradiance of a sensor, with all three parts. A sensor on a surface reads caustics by
- * density, less the excess by blurred suns in flat mirrors. Its place is treated as in mid-air if
- * the blur would show and suns' images give all caustics. In mid-air, where no photon lands, the
- * sun is sampled by points on panes with lobes and by its images in flat mirrors. sensor_flux.h
+ * density, less the excess by blurred suns in flat mirrors. Its place is treated as in free space
+ * if the blur would show and virtual suns give all caustics. In free space, where no photon is
+ * stored, the sun is sampled by points on panes with lobes and by virtual suns. sensor_flux.h
  * adds all other caustics. Small bright patches of the global map get some more rays
  * (photon_guiding.h).
  *

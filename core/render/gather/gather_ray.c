@@ -95,7 +95,7 @@ struct orl_rgb orl_gather_read_texel(const struct orl_gather_ray *ray,
     return sent;
 }
 
-/* Reads a texel at once, or stores it as the ray's glimpse for later. */
+/* Reads a texel at once, or stores it in the ray's ret_fetch for later. */
 static struct orl_rgb reflect_texel(const struct orl_gather_ray *ray, struct orl_rgb weight,
                                     const struct orl_texel *texel)
 {
@@ -118,17 +118,17 @@ static bool cached_radiance(const struct orl_gather *gather, const struct orl_ga
     const struct orl_shading_point place = {
         .point = orl_hit_ray_origin(gather->lit_scene->geometry, hit, lit), .normal = lit};
     struct orl_cached_irradiance indirect;
-    if (!ray->known || !orl_icache_lookup(ray->known, &place, &indirect))
+    if (!ray->icache || !orl_icache_lookup(ray->icache, &place, &indirect))
         return false;
     const struct orl_surface_point surface_point = {gather->lit_scene, hit->point, lit, hit->facet};
     const struct orl_rgb diffuse =
         orl_material_diffuse(orl_lit_scene_material(gather->lit_scene, hit), hit);
     const struct orl_rgb reflected = orl_rgb_scale(orl_rgb_mul(weight, diffuse), 1 / ORL_PI);
-    struct orl_tally met = {.known = 0};
+    struct orl_tally met = {.record_error = 0};
     const struct orl_rgb direct =
         relight_surface(gather, hit, &surface_point, random, search, &met);
     if (ray->tally)
-        ray->tally->known += ray->share * orl_luma(reflected) * indirect.standard_error;
+        ray->tally->record_error += ray->share * orl_luma(reflected) * indirect.standard_error;
     *ret_radiance = orl_rgb_add(reflect_irradiance(gather, ray, reflected, direct, &met),
                                 orl_rgb_mul(reflected, indirect.irradiance));
     return true;
@@ -152,7 +152,7 @@ static struct orl_rgb diffuse_radiance(const struct orl_gather *gather,
         if (!cut)
             return texel ? reflect_texel(ray, reflected, texel) : orl_gray(0);
     }
-    struct orl_tally met = {.known = 0};
+    struct orl_tally met = {.record_error = 0};
     const struct orl_rgb irradiance =
         met_irradiance(gather, hit, relit, ray->reads_texels, random, search, &met);
     return reflect_irradiance(gather, ray, reflected, irradiance, &met);
@@ -185,14 +185,14 @@ static double near_of(const struct orl_gather *gather, bool reads_texels, const 
 
 /* State of a ray as it is traced. */
 struct leg {
-    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
+    struct orl_eye_path eye; /* must be first: the visitor receives a pointer to it */
     const struct orl_gather *gather;
     const struct orl_gather_ray *ray;
     struct orl_search *search;
     struct leg *through;     /* receives the other branch if the first surface is a dim pane */
     uint32_t reflections;    /* number of diffuse reflections */
     bool caustics;           /* true if it must find caustics itself */
-    bool importance_sampled; /* aims extra rays at ports from matt surfaces that are lit again */
+    bool importance_sampled; /* true if matt surfaces draw importance-sampled rays */
     double by_cosine;        /* pdf of its direction if port rays compete with it; else 0 */
     bool weighed; /* by the balance heuristic: a small weight is then no reason for roulette */
 };
@@ -281,10 +281,10 @@ static void branch_through_pane(const struct leg *leg, const struct orl_material
 
 /*
  * At a matt surface that is lit again, ports, small mirrors and lenses may be in few directions and
- * send most of the light. For each of these ways (direction_sampling.h) such a surface aims one ray
- * with a probability of a quarter, in addition to the ray that goes on. An aimed ray counts if it
- * meets its target first. All rays are weighed by the multi-sample balance heuristic (Veach 1997,
- * section 9.2).
+ * send most of the light. By each of these strategies (direction_sampling.h) such a surface draws
+ * one ray with a probability of a quarter, in addition to the ray that continues. Such a ray counts
+ * if it meets its goal first. All rays are weighed by the multi-sample balance heuristic (Veach
+ * 1997, section 9.2).
  */
 static const struct orl_strategy_counts sampled_counts = {
     {[ORL_SAMPLE_PORT] = 0.25, [ORL_SAMPLE_TARGET] = 0.25}};

@@ -1,3 +1,5 @@
+/* The irradiance of a sensor, on a surface or in free space: sunlight through BSDF panes, then the
+ * hemisphere, densities, and their sum. */
 #include "base/sampling/sampling.h"
 #include "bsdf/tree/shirley.h"
 #include "render/gather/direction_sampling.h"
@@ -6,6 +8,24 @@
 #include "scene/geometry/geometry.h"
 #include "scene/geometry/instances.h"
 #include "scene/material/scatter.h"
+
+/* ---- Sunlight through panes ------------------------------------------------------------------ */
+
+/*
+ * Light of suns through BSDF panes at a place where no photon is stored. Half of the points are
+ * uniform over a pane, half are drawn along the sun lobe (direction_sampling.h). A lobe a few
+ * degrees wide lights a place from a thousandth of the pane. Uniform points miss that part, and the
+ * sun lobe's points find it. Points are weighed by the balance heuristic of Veach and Guibas 1995.
+ */
+struct orl_pane_query {
+    const struct orl_lit_scene *lit_scene;
+    const struct orl_direction_sampler
+        *sampler; /* made for that lit scene; NULL: only uniform points */
+    const struct orl_sobol *sobol;
+    const struct orl_shading_point *place;
+    /* Names of the sequences of uniform points and of those drawn, for all panes. */
+    uint32_t sequences[2];
+};
 
 enum { PANE_POINTS = 64 }; /* points per pane, sun and strategy */
 
@@ -135,7 +155,8 @@ static struct orl_rgb light_by_pane(const struct pane *pane)
     return sum;
 }
 
-struct orl_rgb orl_sun_through_panes(const struct orl_pane_query *query)
+/* Returns one estimate of the irradiance at the place, W/m2. */
+static struct orl_rgb orl_sun_through_panes(const struct orl_pane_query *query)
 {
     const struct orl_lit_scene *lit_scene = query->lit_scene;
     struct orl_rgb sum = orl_gray(0);
@@ -155,10 +176,12 @@ struct orl_rgb orl_sun_through_panes(const struct orl_pane_query *query)
     return sum;
 }
 
+/* ---- The sensor ------------------------------------------------------------------------------ */
+
 /* Number of groups of rays. Each group has its own sequences; their spread gives the error. */
 enum { GROUPS = 16, SUN_RAYS = 16, GRAZING_SUN_RAYS = 128 }; /* in each group */
-/* Divisors of the rays: SHARE_AIMED of those guided by photons, SHARE_PORTS of those aimed at ports
- * and at targets. */
+/* Divisors of the rays: SHARE_AIMED of those guided by photons, SHARE_PORTS of those towards ports
+ * and towards targets. */
 enum { HEMISPHERES = 4, SHARE_AIMED = 16, SHARE_PORTS = 8 };
 /* A caustic bias is small below this share of the rest's error, or of all light. The share of light
  * is less than for scatter, because the bias is known only to a half of itself. */
@@ -240,10 +263,10 @@ enum ray_strategy { BY_COSINE, BY_GUIDE, BY_PORT, BY_TARGET, RAY_STRATEGIES };
 struct ray_set {
     const struct orl_guide_distribution *guide;
     uint32_t rays[RAY_STRATEGIES];
-    bool to_ports_or_targets; /* true if some rays are aimed at ports or targets */
+    bool to_ports_or_targets; /* true if some rays are drawn towards ports or targets */
 };
 
-/* A ray, and its direction on the square of scene/material/hemisphere.h. */
+/* A ray, and its direction on the square of scene/material/scatter.h. */
 struct ray_sample {
     struct orl_direction_sample
         ray; /* without a weight; its hit is set only if the set has rays to ports or targets */
@@ -400,8 +423,8 @@ static uint32_t sun_rays(const struct orl_gather *gather, struct orl_vec3 normal
     return SUN_RAYS;
 }
 
-/* Returns the light of suns and lamps, directly and, in mid-air, through panes: the mean of the
- * groups. */
+/* Returns the light of suns and lamps, directly and, in free space, through panes: the mean of
+ * the groups. */
 static struct orl_estimate sample_lights(const struct orl_gather *gather,
                                          const struct orl_shading_point *place, uint64_t index,
                                          struct orl_health *health)
@@ -492,7 +515,7 @@ static void check_density(const struct orl_gather *gather, const struct orl_shad
                           uint32_t samples, uint64_t index, struct orl_search *search,
                           struct orl_estimate *density)
 {
-    struct orl_tally tally = {.known = 0};
+    struct orl_tally tally = {.record_error = 0};
     const uint32_t rays = samples / SHARE_CHECKED;
     const struct orl_estimate seen = gather_samples(
         gather, place, rays > LEAST_CHECKED ? rays : LEAST_CHECKED, index, search, &tally);
@@ -513,7 +536,7 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
     struct orl_virtual_sun_blur blur = {.found = 0};
     const int kind_of_indirect =
         gather->indirect == ORL_INDIRECT_PRECOMPUTED ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
-    struct orl_tally tally = {.known = 0};
+    struct orl_tally tally = {.record_error = 0};
     if (!place->in_free_space)
         caustic = orl_gather_caustic_with_bias(gather, surface_point, search);
     if (!place->in_free_space && !place->outside)

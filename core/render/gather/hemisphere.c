@@ -111,7 +111,7 @@ static double variance_of_mean(const struct strand *strands, uint32_t rows, uint
 struct making {
     const struct orl_gather *gather;
     const struct orl_shading_point *place;
-    const struct orl_icache *known;
+    const struct orl_icache *icache;
     struct orl_frame frame;
     uint32_t rows, columns;
     struct orl_random *random;
@@ -150,7 +150,7 @@ static void send_ray(struct making *m, uint32_t stratum, double down, double acr
         .outside = m->place->outside,
         .first = &w->first,
         .reads_texels = true,
-        .known = m->known,
+        .icache = m->icache,
         .tally = tally,
         .share = ORL_PI / ((double)m->rows * m->columns),
         .ret_distance = &w->distance,
@@ -268,14 +268,14 @@ static void refine_stratum(struct making *m, uint32_t stratum)
 
 struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
                                             const struct orl_shading_point *place, uint32_t rows,
-                                            uint32_t columns, const struct orl_icache *known,
+                                            uint32_t columns, const struct orl_icache *icache,
                                             struct orl_random *random, struct orl_search *search)
 {
     struct orl_hemisphere h = {.irradiance = {0, 0, 0}};
     struct making m; /* its strands stay uninitialised, because they are many */
     m.gather = gather;
     m.place = place;
-    m.known = known;
+    m.icache = icache;
     m.frame = orl_frame_about(place->normal);
     m.rows = rows;
     m.columns = columns;
@@ -283,7 +283,7 @@ struct orl_hemisphere orl_gather_hemisphere(const struct orl_gather *gather,
     m.search = search;
     m.sequence = (uint32_t)orl_random_bits(random);
     m.rays = 0;
-    m.tally = (struct orl_tally){.known = 0};
+    m.tally = (struct orl_tally){.record_error = 0};
     m.least_distance = INFINITY;
     send_first_rays(&m);
     choose_rays(&m);

@@ -74,7 +74,7 @@ int orl_icache_clamp_neighbours(struct orl_icache *cache, struct orl_thread_pool
 /* Returns true if a place needs no record of its own. */
 bool orl_icache_covers(const struct orl_icache *cache, const struct orl_shading_point *place);
 
-/* Returns true if a look-up at the place finds a record. */
+/* Returns true if orl_icache_lookup finds a record at the place. */
 bool orl_icache_has_record_for(const struct orl_icache *cache,
                                const struct orl_shading_point *place);
 
@@ -99,8 +99,8 @@ bool orl_irradiance_records_lookup(const struct orl_irradiance_record *records, 
                                    const struct orl_shading_point *place,
                                    struct orl_cached_irradiance *ret_cached);
 
-/* Makes a record of the irradiance cache (icache.h) for a picture: a hemisphere of rays, and a
- * radius, which the pixel size bounds from both sides. */
+/* Makes records for a picture: a hemisphere of rays, and a radius, which the pixel size bounds from
+ * both sides. */
 
 /* The footprint of a pixel: an angle, in radians, or a width in parallel views. */
 struct orl_pixel_footprint {
@@ -147,8 +147,8 @@ int orl_irradiance_records_thin(struct orl_irradiance_record *records, size_t *c
 
 /*
  * Fits all records at once, from their original values, so that the result depends neither on order
- * nor on the crew. Their radii and the index stay the same. Returns 0, ORL_ERR_NOMEM or the codes
- * of orl_parallel_try.
+ * nor on the number of threads. Their radii and the index stay the same. Returns 0, ORL_ERR_NOMEM
+ * or the codes of orl_parallel_try.
  */
 int orl_icache_fit(struct orl_icache *cache, const struct orl_geometry *geometry,
                    struct orl_thread_pool *pool);

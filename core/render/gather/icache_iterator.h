@@ -1,5 +1,5 @@
 /* The index of a cache, and an iterator over the records that may serve a place. Used by the cache
- * (icache.c) and by the fit of records (icache_fit.h). */
+ * (icache.c) and by the fit of records (icache_fit.c). */
 #ifndef ORL_RENDER_GATHER_ICACHE_ITERATOR_H
 #define ORL_RENDER_GATHER_ICACHE_ITERATOR_H
 

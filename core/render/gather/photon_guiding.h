@@ -2,13 +2,13 @@
  * Path guiding for a sensor's hemisphere by photons: small bright patches, such as the sun on a
  * wall, are met by few evenly distributed rays. Runs of neighbouring photons of a map show where
  * such patches may be. For a place they make a density of directions, over the square of
- * scene/material/hemisphere.h. Some rays are drawn by it, and all are weighed by the balance
+ * scene/material/scatter.h. Some rays are drawn by it, and all are weighed by the balance
  * heuristic (Veach and Guibas 1995). The density need not be right: obstacles and missing photons
  * cost rays and nothing else.
  *
  * Cells of the square are halved where there is light, down to the resolution of the runs. Cells
- * not much brighter than the mean are left to the even rays, and so is everything if even rays are
- * accurate enough.
+ * not much brighter than the mean are left to evenly distributed rays, and so is everything if
+ * those are accurate enough.
  */
 #ifndef ORL_RENDER_GATHER_PHOTON_GUIDING_H
 #define ORL_RENDER_GATHER_PHOTON_GUIDING_H
@@ -31,7 +31,7 @@ struct orl_photon_guide {
     uint32_t count;
 };
 
-/* Builds the bright spots of a global map. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
+/* Builds the patches of a global map. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_photon_guide_init(struct orl_photon_guide *guide, const struct orl_photon_map *map,
                           struct orl_thread_pool *pool);
 void orl_photon_guide_done(struct orl_photon_guide *guide); /* also accepts an all-zero struct */
@@ -49,13 +49,13 @@ struct orl_guide_distribution {
     struct orl_guide_cell cells[ORL_GUIDE_CELLS];
 };
 
-/* Builds the view of a place; rays: the number of even rays. */
+/* Builds the distribution of a place; rays: the number of evenly distributed rays. */
 void orl_guide_distribution_build(const struct orl_photon_guide *guide, struct orl_vec3 point,
                                   struct orl_vec3 normal, uint32_t rays,
                                   struct orl_guide_distribution *ret_distribution);
 
-/* Draws a point of the square from an even one in u. orl_guide_distribution_pdf returns the density
- * there, of mean 1. */
+/* Draws a point of the square from a uniform one in u. orl_guide_distribution_pdf returns the
+ * density there, of mean 1. */
 void orl_guide_distribution_sample(const struct orl_guide_distribution *distribution, double u[2]);
 double orl_guide_distribution_pdf(const struct orl_guide_distribution *distribution,
                                   const double u[2]);

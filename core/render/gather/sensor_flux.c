@@ -56,23 +56,23 @@ struct orl_sensor_flux {
 /* ---- Discs ----------------------------------------------------------------------------------- */
 
 int orl_sensor_flux_new(const struct orl_gather *gather, size_t sensors,
-                        struct orl_sensor_flux **ret_air)
+                        struct orl_sensor_flux **ret_flux)
 {
-    *ret_air = NULL;
+    *ret_flux = NULL;
     if (sensors == 0 || !gather->maps[ORL_MAP_CAUSTIC] ||
         !orl_sensor_flux_may_exist(gather->lit_scene))
         return 0;
-    const int code = orl_sensor_flux_new_unsampled(gather->lit_scene, sensors, ret_air);
+    const int code = orl_sensor_flux_new_unsampled(gather->lit_scene, sensors, ret_flux);
     if (code == 0)
-        (*ret_air)->gather = gather;
+        (*ret_flux)->gather = gather;
     return code;
 }
 
 int orl_sensor_flux_new_unsampled(const struct orl_lit_scene *lit_scene, size_t sensors,
-                                  struct orl_sensor_flux **ret_air)
+                                  struct orl_sensor_flux **ret_flux)
 {
     struct orl_sensor_flux *sensor_flux = calloc(1, sizeof *sensor_flux);
-    *ret_air = NULL;
+    *ret_flux = NULL;
     if (!sensor_flux)
         return ORL_ERR_NOMEM;
     sensor_flux->lit_scene = lit_scene;
@@ -83,7 +83,7 @@ int orl_sensor_flux_new_unsampled(const struct orl_lit_scene *lit_scene, size_t 
         orl_sensor_flux_free(sensor_flux);
         return ORL_ERR_NOMEM;
     }
-    *ret_air = sensor_flux;
+    *ret_flux = sensor_flux;
     return 0;
 }
 
@@ -227,7 +227,7 @@ static void add_pass(struct orl_sensor_flux *sensor_flux, const struct orl_disc_
     ring->lamps += crossing->lamp ? (float)orl_luma(flux) : 0;
 }
 
-/* Traces a round. Tasks are added in order, so that sums do not depend on the crew. */
+/* Traces a round. Tasks are added in order, so that sums do not depend on the number of threads. */
 static int trace_round(struct orl_sensor_flux *sensor_flux, struct round *round,
                        const struct orl_counting_discs *discs, struct orl_health *health)
 {

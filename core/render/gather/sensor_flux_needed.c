@@ -1,4 +1,4 @@
-/* Tests whether caustics in mid-air need photons. */
+/* Tests whether caustics in free space need photons. */
 #include "render/gather/sensor_flux.h"
 #include "scene/geometry/instances.h"
 #include "scene/material/scatter.h"
@@ -24,8 +24,8 @@ static bool lie_in_one_plane(const struct orl_geometry *g, const struct orl_face
 }
 
 /*
- * Returns true if caustics in mid-air need photons. Panes with lobes and flat mirrors that all lie
- * in one plane redirect light once. For suns gather_sensor.c samples such light, as it does any
+ * Returns true if caustics in free space need photons. Panes with lobes and flat mirrors that all
+ * lie in one plane redirect light once. For suns gather_sensor.c samples such light, as it does any
  * number of flat mirrors alone.
  */
 static bool caustics_need_photons(const struct orl_lit_scene *lit_scene)

@@ -61,7 +61,7 @@ static uint32_t cell_of(struct orl_vec3 d)
                       (uint32_t)orl_smaller(orl_larger(y, 0), most));
 }
 
-/* Samples that a table is made from; the crew computes its rows, which are added up in order. */
+/* Samples that a table is made from. Threads compute its rows, which are added up in order. */
 struct samples {
     const struct orl_sun_lobe *sun_lobe;
     const struct orl_sobol *sobol;

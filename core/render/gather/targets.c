@@ -19,7 +19,7 @@ struct item {
     bool instance;
 };
 
-/* Which facets of a material are targets: none, round ones, all. */
+/* Facets of a material that are targets: none, round ones, all. */
 enum rule { RULE_NONE, RULE_ROUND, RULE_ALL };
 
 struct finder {

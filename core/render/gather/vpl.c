@@ -1,10 +1,12 @@
-/* Trees of virtual lights, clustered by position and normal. */
+/* Virtual lights: the trees of a group, the choice of a lamp, then the lamps themselves. */
 #include "render/gather/vpl.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "photon/map/quantization.h"
+
+/* ---- Trees, clustered by position and normal ------------------------------------------------- */
 
 enum { LAMPS_A_LEAF = 4 };
 /* Angle, seen from a place, within which lamps are treated as one. */
@@ -121,7 +123,8 @@ static void build_tree(void *arg, size_t group, uint32_t member)
         vpls->roots[group] = build_node(&g, first, count);
 }
 
-int orl_vpl_build_trees(struct orl_vpls *vpls, struct orl_thread_pool *pool)
+/* Builds the trees and sorts the lamps by them. Returns the codes of orl_vpls_init. */
+static int orl_vpl_build_trees(struct orl_vpls *vpls, struct orl_thread_pool *pool)
 {
     const size_t count = vpls->first[ORL_MAP_BATCHES];
     vpls->nodes = malloc((2 * count + 1) * sizeof *vpls->nodes);
@@ -129,6 +132,19 @@ int orl_vpl_build_trees(struct orl_vpls *vpls, struct orl_thread_pool *pool)
         return ORL_ERR_NOMEM;
     return orl_parallel_try(pool, ORL_MAP_BATCHES, build_tree, vpls);
 }
+
+/* ---- Choice of a lamp ------------------------------------------------------------------------ */
+
+/* The top of a group's tree for a place: nodes with the largest uncertainty are split first. */
+enum { ORL_VPL_MOST_CUT = 32 };
+struct orl_vpl_cut {
+    uint32_t nodes[ORL_VPL_MOST_CUT];
+    double light[ORL_VPL_MOST_CUT]; /* estimate of the node's light */
+    /* Uncertain part of it; 0 if the node cannot be split usefully. */
+    double uncertain[ORL_VPL_MOST_CUT];
+    uint32_t count;
+    double sum; /* sum of light; 0: no lamp lights the place */
+};
 
 /*
  * Returns an upper estimate of the lamps' height along a normal, given that of the node's centre,
@@ -189,8 +205,8 @@ static void set_node(struct orl_vpl_cut *cut, uint32_t i, const struct orl_vpls 
     cut->uncertain[i] = cut->light[i] > 0 && !is_end(n, point) ? cut->light[i] : 0;
 }
 
-void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint32_t group,
-                      uint32_t size, struct orl_vec3 point, struct orl_vec3 normal)
+static void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint32_t group,
+                             uint32_t size, struct orl_vec3 point, struct orl_vec3 normal)
 {
     cut->count = 0;
     cut->sum = 0;
@@ -211,9 +227,11 @@ void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint
         cut->sum += cut->light[i];
 }
 
-bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
-                    struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
-                    double *ret_probability)
+/* Draws a lamp by a cut made for the same place, and sets its probability. Returns false if no lamp
+ * lights the place. */
+static bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
+                           struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
+                           double *ret_probability)
 {
     uint32_t i = 0;
     if (!(cut->sum > 0))
@@ -241,6 +259,8 @@ bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, 
     *ret_probability = probability / node->count;
     return true;
 }
+
+/* ---- Lamps ----------------------------------------------------------------------------------- */
 
 /* Length that determines the cap, as a share of the typical distance between lamps; the cap is its
  * inverse square. */

@@ -1,5 +1,5 @@
 /*
- * Virtual point lights (Keller 1997): photons landed on diffuse surfaces become small lamps that
+ * Virtual point lights (Keller 1997): photons stored on diffuse surfaces become small lamps that
  * emit what the surface reflects. Together they are all the light from diffuse surfaces at a place,
  * without a density estimate; their error is noise, not bias.
  *
@@ -54,28 +54,6 @@ void orl_vpls_done(struct orl_vpls *vpls);
  * many. u: stratified over samples. */
 struct orl_rgb orl_vpl_irradiance(const struct orl_vpls *vpls, uint32_t group, double u,
                                   uint32_t lamps, struct orl_vec3 point, struct orl_vec3 normal);
-
-/* The top of a group's tree for a place: nodes with the largest uncertainty are split first. */
-enum { ORL_VPL_MOST_CUT = 32 };
-struct orl_vpl_cut {
-    uint32_t nodes[ORL_VPL_MOST_CUT];
-    double light[ORL_VPL_MOST_CUT]; /* estimate of the node's light */
-    /* Uncertain part of it; 0 if the node cannot be split usefully. */
-    double uncertain[ORL_VPL_MOST_CUT];
-    uint32_t count;
-    double sum; /* sum of light; 0: no lamp lights the place */
-};
-void orl_vpl_cut_init(struct orl_vpl_cut *cut, const struct orl_vpls *vpls, uint32_t group,
-                      uint32_t size, struct orl_vec3 point, struct orl_vec3 normal);
-
-/* Draws a lamp by a cut made for the same place, and sets its probability. Returns false if no lamp
- * lights the place. */
-bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut *cut, double u,
-                    struct orl_vec3 point, struct orl_vec3 normal, uint32_t *ret_lamp,
-                    double *ret_probability);
-
-/* Builds the trees and sorts the lamps by them. Returns the codes of orl_vpls_init. */
-int orl_vpl_build_trees(struct orl_vpls *vpls, struct orl_thread_pool *pool);
 
 /* Returns the share of a surface's light that a ray of that length and those cosines must carry. */
 static inline double orl_vpl_clamped_share(const struct orl_vpls *vpls, double cos_here,

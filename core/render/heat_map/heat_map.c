@@ -7,7 +7,15 @@
 
 #include "base/statistics/numeric.h"
 
-struct orl_quad orl_quad_of(double x0, double y0, double x1, double y1)
+/* ---- Cells on the page ----------------------------------------------------------------------- */
+
+/* Four corners in order, of either orientation; convex. Page units. */
+struct orl_quad {
+    double x[4], y[4];
+};
+
+/* Returns a rectangle. */
+static struct orl_quad orl_quad_of(double x0, double y0, double x1, double y1)
 {
     return (struct orl_quad){{x0, x1, x1, x0}, {y0, y0, y1, y1}};
 }
@@ -49,8 +57,9 @@ static void clip_line(const struct orl_quad *q, double x0, double sum, double *f
     }
 }
 
-void orl_quad_hatch(struct orl_canvas *canvas, const struct orl_quad *q, double apart,
-                    const unsigned char rgb[3])
+/* Hatches a quad with slanting lines; apart: their distance, page units. */
+static void orl_quad_hatch(struct orl_canvas *canvas, const struct orl_quad *q, double apart,
+                           const unsigned char rgb[3])
 {
     double x0, x1, y0, y1;
     bounds_of(q->x, &x0, &x1);

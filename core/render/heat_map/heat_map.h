@@ -1,11 +1,5 @@
-/*
- * Groups sensors that lie in a plane, and gives each of them a cell there.
- *
- * A plane has its own axes. A level one has x and y of the scene, as a plan is drawn. Any other has
- * u horizontal and v upwards, seen from the side that the sensors face. Sensors on a grid, which
- * may be rotated, stand for its cells. Sensors in one row stand for squares as wide as their
- * spacing. Others stand for squares of the mean area per sensor.
- */
+/* Maps of sensors in planes over the plan of the scene: groups of sensors, sections of the scene,
+ * and the maps. */
 #ifndef ORL_RENDER_HEAT_MAP_HEAT_MAP_H
 #define ORL_RENDER_HEAT_MAP_HEAT_MAP_H
 
@@ -14,6 +8,15 @@
 
 #include "render/picture/false_color.h"
 #include "scene/geometry/geometry.h"
+
+/*
+ * Groups sensors that lie in a plane, and gives each of them a cell there.
+ *
+ * A plane has its own axes. A level one has x and y of the scene, as a plan is drawn. Any other has
+ * u horizontal and v upwards, seen from the side that the sensors face. Sensors on a grid, which
+ * may be rotated, stand for its cells. Sensors in one row stand for squares as wide as their
+ * spacing. Others stand for squares of the mean area per sensor.
+ */
 
 enum { ORL_LEAST_IN_PLANE = 4 }; /* smallest number of sensors for a map */
 
@@ -47,23 +50,11 @@ typedef void (*orl_section_segment)(void *ctx, const double from[2], const doubl
 void orl_section_cut(const struct orl_geometry *geometry, const struct orl_sensor_plane *plane,
                      orl_section_segment piece, void *ctx);
 
-/* Cells of a heat map on the page. */
-
-/* Four corners in order, of either orientation; convex. Page units. */
-struct orl_quad {
-    double x[4], y[4];
-};
-struct orl_quad orl_quad_of(double x0, double y0, double x1, double y1); /* a rectangle */
-
-/* Hatches it with slanting lines; apart: their distance, page units. */
-void orl_quad_hatch(struct orl_canvas *canvas, const struct orl_quad *quad, double apart,
-                    const unsigned char rgb[3]);
-
 /*
  * Values of sensors in a plane, as a map over the plan of the scene: one cell a sensor, in the
  * colours of a scale. A cell is hatched if a threshold lies within the sensor's 95 % interval, so
- * that its side is undetermined. Walls and objects are outlined where the plane cuts them
- * (section.h). The map has a legend and a scale bar of a round length.
+ * that its side is undetermined. Walls and objects are outlined where the plane cuts them. The map
+ * has a legend and a scale bar of a round length.
  */
 
 struct orl_heat_map {

@@ -1,6 +1,10 @@
+/* Paints a tile: the first step, smooth light at the corners of squares, and more rays for gloss.
+ * adaptive_tile_edges.c has the last step. */
 #include "render/image/adaptive_tile.h"
 
 #include <stdlib.h>
+
+/* ---- Smooth light ---------------------------------------------------------------------------- */
 
 /* Width of the largest squares, in pixels. */
 enum { WIDEST = 8 };
@@ -70,7 +74,7 @@ static bool is_smooth(const struct orl_adaptive_tile *tile_state, const struct s
         return false;
     for (int i = 0; i < 4; i++)
         if (!orl_tile_pixel_at(tile_state, xs[i], ys[i])->there ||
-            orl_tile_pixel_at(tile_state, xs[i], ys[i])->way != middle->way)
+            orl_tile_pixel_at(tile_state, xs[i], ys[i])->path_signature != middle->path_signature)
             return false;
     double least = INFINITY, most = 0, sum = 0;
     for (int i = 0; i < 4; i++) {
@@ -95,13 +99,13 @@ static bool is_smooth(const struct orl_adaptive_tile *tile_state, const struct s
 
 static void interpolate_square(const struct orl_adaptive_tile *tile_state, const struct square *s)
 {
-    const uint64_t way = orl_tile_pixel_at(tile_state, s->x0, s->y0)->way;
+    const uint64_t path_signature = orl_tile_pixel_at(tile_state, s->x0, s->y0)->path_signature;
     for (int y = s->y0; y <= s->y1; y++) {
         for (int x = s->x0; x <= s->x1; x++) {
             struct orl_tile_pixel *tile_pixel = orl_tile_pixel_at(tile_state, x, y);
             if (tile_pixel->made)
                 continue;
-            if (tile_pixel->way != way) {
+            if (tile_pixel->path_signature != path_signature) {
                 make_exact(tile_state, x, y);
                 continue;
             }
@@ -141,8 +145,9 @@ static int smaller_of(int a, int b)
     return a < b ? a : b;
 }
 
-/* Squares share their corners, also with those of neighbouring tiles: hence the margin. */
-void orl_tile_compute_smooth(const struct orl_adaptive_tile *tile_state)
+/* Performs the second step: computes the smooth part at all pixels of the tile. Squares share their
+ * corners, also with those of neighbouring tiles: hence the margin. */
+static void orl_tile_compute_smooth(const struct orl_adaptive_tile *tile_state)
 {
     const int last_x = orl_tile_pixel_at(tile_state, tile_state->width, 0)->there
                            ? tile_state->width
@@ -155,6 +160,8 @@ void orl_tile_compute_smooth(const struct orl_adaptive_tile *tile_state)
             fill_square(tile_state, &(struct square){x, y, smaller_of(x + WIDEST, last_x),
                                                      smaller_of(y + WIDEST, last_y)});
 }
+
+/* ---- Gloss ----------------------------------------------------------------------------------- */
 
 /* Tolerated noise of a pixel's gloss, as a share of the pixel. It is computed as if rays were
  * random; they are stratified, so that the noise is about half of that. */
@@ -180,14 +187,15 @@ static struct orl_rgb radiance_of(const struct orl_tile_pixel *tile_pixel)
 static struct gloss_statistics collect_gloss(const struct orl_adaptive_tile *tile_state, int x,
                                              int y, bool same)
 {
-    const uint64_t way = orl_tile_pixel_at(tile_state, x, y)->way;
+    const uint64_t path_signature = orl_tile_pixel_at(tile_state, x, y)->path_signature;
     struct gloss_statistics heard = {.count = 0};
     for (int v = y - ABOUT; v <= y + ABOUT; v++) {
         for (int u = x - ABOUT; u <= x + ABOUT; u++) {
             if ((u == x && v == y) || !orl_tile_contains(tile_state, u, v))
                 continue;
             const struct orl_tile_pixel *tile_pixel = orl_tile_pixel_at(tile_state, u, v);
-            if (!tile_pixel->shaded.has_lobes || (same && tile_pixel->way != way))
+            if (!tile_pixel->shaded.has_lobes ||
+                (same && tile_pixel->path_signature != path_signature))
                 continue;
             heard.variance += tile_pixel->shaded.gloss_variance;
             heard.luma += orl_luma(radiance_of(tile_pixel));
@@ -198,7 +206,7 @@ static struct gloss_statistics collect_gloss(const struct orl_adaptive_tile *til
 }
 
 /* Returns the number of additional rays, by the noise of the pixels about. The pixel's own rays do
- * not decide: if few things are bright, rays that missed them would show too little noise. */
+ * not decide: if few surfaces are bright, rays that missed them would show too little noise. */
 static uint32_t more_for(const struct orl_adaptive_tile *tile_state, int x, int y)
 {
     struct gloss_statistics heard = collect_gloss(tile_state, x, y, true);
@@ -244,7 +252,8 @@ static void add_gloss_rays(const struct orl_adaptive_tile *tile_state, int x, in
     tile_pixel->shaded.lobes_variance += variance - before;
 }
 
-void orl_tile_refine_gloss(const struct orl_adaptive_tile *tile_state)
+/* Performs the third step: sends more rays for gloss that would be noisy. */
+static void orl_tile_refine_gloss(const struct orl_adaptive_tile *tile_state)
 {
     for (int y = 0; y < tile_state->height; y++)
         for (int x = 0; x < tile_state->width; x++) {
@@ -258,6 +267,8 @@ void orl_tile_refine_gloss(const struct orl_adaptive_tile *tile_state)
                 add_gloss_rays(tile_state, x, y);
 }
 
+/* ---- The tile -------------------------------------------------------------------------------- */
+
 static void trace_centre_ray(const struct orl_adaptive_tile *tile_state, int x, int y)
 {
     static const double middle[2] = {0.5, 0.5};
@@ -270,7 +281,7 @@ static void trace_centre_ray(const struct orl_adaptive_tile *tile_state, int x, 
     tile_pixel->made = tile_pixel->exact = tile_pixel->refined = false;
     if (!tile_pixel->there)
         return;
-    tile_pixel->way = 0;
+    tile_pixel->path_signature = 0;
     tile_pixel->shaded.has_lobes = false;
     tile_pixel->variance = 0;
     tile_pixel->rest = tile_pixel->direct = tile_pixel->lobes = orl_gray(0);
@@ -283,7 +294,7 @@ static void trace_centre_ray(const struct orl_adaptive_tile *tile_state, int x, 
         &tile_state->painter->lighting, &tile_pixel->shaded,
         orl_tile_pixel_sequence(tile_state, x, y),
         ORL_PIXEL_RAYS * tile_state->painter->lighting.shadow_rays, &tile_state->search->health);
-    tile_pixel->way = tile_pixel->shaded.way;
+    tile_pixel->path_signature = tile_pixel->shaded.path_signature;
     tile_pixel->rest = tile_pixel->shaded.rest;
     tile_pixel->lobes = tile_pixel->shaded.lobes;
     tile_pixel->direct = direct.radiance;

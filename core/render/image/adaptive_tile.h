@@ -1,8 +1,19 @@
+/* A tile of a view from photon maps: the rays of a pixel, the four steps that paint the tile, and
+ * the data that they share. */
+#ifndef ORL_RENDER_IMAGE_ADAPTIVE_TILE_H
+#define ORL_RENDER_IMAGE_ADAPTIVE_TILE_H
+
+#include <stdbool.h>
+
+#include "render/film/film.h"
+#include "render/image/image.h"
+#include "render/image/lighting.h"
+
 /*
  * A pixel's rays: their positions, their number, and their mean.
  *
- * A pixel that its neighbours leave in doubt (adaptive_tile.h) sends rays through a grid of four by
- * four positions. They form sets of four with one ray in every row and column. All sixteen differ
+ * A pixel that its neighbours leave in doubt sends rays through a grid of four by four positions.
+ * They form sets of four with one ray in every row and column. All sixteen differ
  * in height and in breadth, so that each adds information about a horizontal or a vertical edge (as
  * in Chiu, Shirley and Wang 1994). Their order is shuffled to resolve slanting edges as well. Four
  * suffice if they agree; if not, as on edges, or where a shadow ends, all sixteen are sent. Even
@@ -13,14 +24,6 @@
  *
  * Threads: plain values, not shared.
  */
-#ifndef ORL_RENDER_IMAGE_ADAPTIVE_TILE_H
-#define ORL_RENDER_IMAGE_ADAPTIVE_TILE_H
-
-#include <stdbool.h>
-
-#include "render/film/film.h"
-#include "render/image/image.h"
-#include "render/image/lighting.h"
 
 enum { ORL_PIXEL_MOST_RAYS = 64, ORL_PIXEL_RAYS = 16, ORL_PIXEL_FIRST_RAYS = 4 };
 
@@ -61,7 +64,7 @@ struct orl_pixel orl_pixel_resolve(const struct orl_pixel_rays *tally);
  *   signature (shade.h). It is interpolated to the pixels between if the square's centre agrees;
  *   otherwise squares are quartered, down to single pixels;
  *   more rays for gloss, if the pixels about one show noise;
- *   more rays through a pixel (pixel.h) if neighbours see other things, shadows end, or the smooth
+ *   more rays through a pixel if neighbours see other surfaces, shadows end, or the smooth
  *   part is steep (caustics). They take the smooth part from the nearest pixel that sees the same.
  * A pixel that finds there something that none of its neighbours has seen makes these send more
  * rays as well, so that things narrower than a pixel are followed. So does one that finds a
@@ -84,7 +87,7 @@ struct orl_tile_painter {
 void orl_tile_painter_paint(void *ctx, const struct orl_tile *tile, struct orl_search *search);
 
 /*
- * Data shared by the steps of a tile (adaptive_tile.h): its pixels and a margin of one pixel, each
+ * Data shared by the steps of a tile: its pixels and a margin of one pixel, each
  * with the ray through its centre; the naming of random numbers; and the tracing of a ray through a
  * pixel. Pixel coordinates count from the tile's corner: the margin's are -1 and the last.
  *
@@ -99,7 +102,7 @@ struct orl_tile_pixel {
     bool made;    /* the smooth part is known */
     bool exact;   /* the smooth part was computed here, not interpolated */
     bool refined; /* more rays are to be sent */
-    uint64_t way;
+    uint64_t path_signature;
     struct orl_rgb rest, direct, lobes;
     double variance; /* variance of direct and lobes */
     uint32_t more;   /* number of additional rays for its gloss */
@@ -155,7 +158,8 @@ static inline uint32_t orl_tile_pixel_sequence(const struct orl_adaptive_tile *t
                                orl_tile_pixel_index(tile_state, x, y));
 }
 
-/* One look of several that share a pixel's lobe rays: it sends one in `of` of them; 0: none. */
+/* Index of one of several view rays that share a pixel's lobe rays. It sends one in `of` of them;
+ * 0: none. */
 struct orl_lobe_share {
     uint32_t of, look;
 };
@@ -165,14 +169,8 @@ bool orl_tile_trace_ray(const struct orl_adaptive_tile *tile_state, int x, int y
                         const double place[2], struct orl_lobe_share share,
                         struct orl_random *random, struct orl_shaded_ray *ret_shaded);
 
-/* Second step (adaptive_tile_smooth.c): computes the smooth part at all pixels of the tile. */
-void orl_tile_compute_smooth(const struct orl_adaptive_tile *tile_state);
-
-/* Third step (adaptive_tile_gloss.c): sends more rays for gloss that would be noisy. */
-void orl_tile_refine_gloss(const struct orl_adaptive_tile *tile_state);
-
-/* Last step (adaptive_tile_edges.c): writes the tile's pixels to the film, those on edges from more
- * rays. */
+/* Performs the last step (adaptive_tile_edges.c): writes the tile's pixels to the film, those on
+ * edges from more rays. */
 void orl_tile_write_pixels(const struct orl_adaptive_tile *tile_state);
 
 #endif

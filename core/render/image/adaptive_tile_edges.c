@@ -25,7 +25,7 @@ static struct orl_ray_radiance shade_of(const struct orl_tile_pixel *tile_pixel)
 }
 
 /*
- * The reason to refine a pixel, the stronger one last: its neighbours see other things, or a
+ * The reason to refine a pixel, the stronger one last: its neighbours see other surfaces, or a
  * shadow's edge is near. Rays near such an edge agree by chance, on one side of it or the other.
  * Four equal rays are therefore no reason to stop.
  */
@@ -36,11 +36,11 @@ static enum cause refinement_cause(const struct orl_tile_pixel *tile_pixel,
                                    const struct orl_tile_pixel *other, bool other_made)
 {
     const double luma = orl_luma(shade_of(tile_pixel).radiance);
-    if (other_made && tile_pixel->way != other->way) {
+    if (other_made && tile_pixel->path_signature != other->path_signature) {
         const double beside = orl_luma(shade_of(other).radiance);
         return fabs(beside - luma) > no_difference * fmax(luma, beside) ? CAUSE_THINGS : CAUSE_NONE;
     }
-    if (tile_pixel->way != other->way)
+    if (tile_pixel->path_signature != other->path_signature)
         return CAUSE_THINGS;
     const double sharp = orl_luma(orl_rgb_add(tile_pixel->rest, tile_pixel->direct));
     const double beside = orl_luma(orl_rgb_add(other->rest, other->direct));
@@ -70,7 +70,7 @@ static enum cause wants_more(const struct orl_adaptive_tile *tile_state, int x, 
 
 /* Results of one pixel's rays that the neighbouring pixels do not have. */
 struct found {
-    uint64_t way;
+    uint64_t path_signature;
     double x, y; /* position in the pixel */
     struct orl_vec3 on_surface;
     struct orl_smooth_lighting smooth;
@@ -93,7 +93,8 @@ struct matching_pixels {
 };
 
 static struct matching_pixels matching_pixels_of(const struct orl_adaptive_tile *tile_state, int x,
-                                                 int y, const double place[2], uint64_t way)
+                                                 int y, const double place[2],
+                                                 uint64_t path_signature)
 {
     struct matching_pixels matching_pixels = {NULL, INFINITY, 0};
     double least = INFINITY;
@@ -102,7 +103,8 @@ static struct matching_pixels matching_pixels_of(const struct orl_adaptive_tile 
             const struct orl_tile_pixel *tile_pixel = orl_tile_pixel_at(tile_state, x + dx, y + dy);
             const double across = dx + 0.5 - place[0], down = dy + 0.5 - place[1];
             const double distance2 = across * across + down * down;
-            if (!orl_tile_contains(tile_state, x + dx, y + dy) || tile_pixel->way != way)
+            if (!orl_tile_contains(tile_state, x + dx, y + dy) ||
+                tile_pixel->path_signature != path_signature)
                 continue;
             const double luma =
                 orl_luma(orl_rgb_add(tile_pixel->smooth.radiance, tile_pixel->lobes));
@@ -134,7 +136,7 @@ static bool can_reuse(const struct found *known, const double place[2],
                       const struct orl_shaded_ray *shaded)
 {
     const double across = known->x - place[0], down = known->y - place[1];
-    if (known->way != shaded->way)
+    if (known->path_signature != shaded->path_signature)
         return false;
     return shaded->has_lobes ? across * across + down * down < close_by * close_by
                              : is_within(surface_of(shaded), known->on_surface,
@@ -143,7 +145,7 @@ static bool can_reuse(const struct found *known, const double place[2],
 
 /* Returns the nearest result in the pixel with the same signature, or NULL. */
 static const struct found *nearest_known(const struct finds *finds, const double place[2],
-                                         uint64_t way)
+                                         uint64_t path_signature)
 {
     const struct found *nearest = NULL;
     double least = INFINITY;
@@ -151,7 +153,7 @@ static const struct found *nearest_known(const struct finds *finds, const double
         const struct found *known = &finds->list[i];
         const double across = known->x - place[0], down = known->y - place[1];
         const double distance2 = across * across + down * down;
-        if (known->way == way && distance2 < least) {
+        if (known->path_signature == path_signature && distance2 < least) {
             least = distance2;
             nearest = known;
         }
@@ -164,7 +166,7 @@ static const struct found *known_for(const struct finds *finds, uint32_t ray, co
 {
     /* Rays beyond the usual ones serve sharp contrasts: coverage and shadows. */
     if (ray >= ORL_PIXEL_RAYS)
-        return nearest_known(finds, place, shaded->way);
+        return nearest_known(finds, place, shaded->path_signature);
     for (uint32_t i = 0; i < finds->count; i++)
         if (can_reuse(&finds->list[i], place, shaded))
             return &finds->list[i];
@@ -185,7 +187,7 @@ static const struct found *find_or_compute(const struct orl_adaptive_tile *tile_
         orl_tile_trace_ray(tile_state, x, y, place,
                            (struct orl_lobe_share){ORL_PIXEL_FIRST_RAYS, finds->count - 1}, random,
                            shaded);
-    *found = (struct found){.way = shaded->way,
+    *found = (struct found){.path_signature = shaded->path_signature,
                             .x = place[0],
                             .y = place[1],
                             .on_surface = surface_of(shaded),
@@ -228,8 +230,8 @@ static struct orl_ray_radiance shade_ray(const struct orl_adaptive_tile *tile_st
         &tile_state->painter->lighting, &shaded, orl_tile_pixel_sequence(tile_state, x, y),
         ray * tile_state->painter->lighting.shadow_rays, &tile_state->search->health);
     const struct matching_pixels matching_pixels =
-        matching_pixels_of(tile_state, x, y, place, shaded.way);
-    if (shaded.way == orl_tile_pixel_at(tile_state, x, y)->way) {
+        matching_pixels_of(tile_state, x, y, place, shaded.path_signature);
+    if (shaded.path_signature == orl_tile_pixel_at(tile_state, x, y)->path_signature) {
         finds->least_direct = fmin(finds->least_direct, orl_luma(direct.radiance));
         finds->most_direct = fmax(finds->most_direct, orl_luma(direct.radiance));
     }
@@ -307,7 +309,7 @@ static void push_pixel(const struct orl_adaptive_tile *tile_state, int x, int y,
     refining->stack[refining->depth++].cause = cause;
 }
 
-/* Refines a pixel, and its neighbours while new things or shadow edges are found. */
+/* Refines a pixel, and its neighbours while new surfaces or shadow edges are found. */
 static void refine_about(const struct orl_adaptive_tile *tile_state, int x, int y, enum cause cause)
 {
     struct refining refining; /* its stack stays uninitialised, because it is large */

@@ -214,7 +214,7 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
         gathered = gathered || served || wants;
     }
     return gathered && p->gather->indirect != ORL_INDIRECT_GATHERED ? SEEN_GATHERED
-                                                                    : shaded.way | 1;
+                                                                    : shaded.path_signature | 1;
 }
 
 /* Finds the places along one lattice row. */
@@ -381,7 +381,7 @@ static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *
                                        .outside = lobe->outside,
                                        .lobe_mis_pdf = &lobe->mis_pdf,
                                        .reads_texels = faint,
-                                       .known = faint ? &p->cache : NULL};
+                                       .icache = faint ? &p->cache : NULL};
     return orl_gather_radiance(p->gather, &ray, random, search);
 }
 

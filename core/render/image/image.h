@@ -1,5 +1,5 @@
-/* Paints pixels in tiles on all cores, for every technique. The value and standard error of a pixel
- * depend on its position alone, so that any crew may paint tiles in any order. */
+/* A view: painting of pixels in tiles for every technique, small lights, and the picture from
+ * photon maps. */
 #ifndef ORL_RENDER_IMAGE_IMAGE_H
 #define ORL_RENDER_IMAGE_IMAGE_H
 
@@ -13,9 +13,12 @@
 #include "render/image/shade.h"
 #include "scene/geometry/geometry.h"
 
+/* Paints pixels in tiles on all cores, for every technique. The value and standard error of a pixel
+ * depend on its position alone, so that any thread may paint tiles in any order. */
+
 struct orl_paint_env {
     struct orl_thread_pool *pool;
-    struct orl_search *searches; /* one per crew member */
+    struct orl_search *searches; /* one per thread of the pool */
     atomic_bool *cancel;
     uint64_t index; /* index of the view in the job; names its random numbers */
     void (*progress)(void *ctx, double fraction);
@@ -33,7 +36,7 @@ struct orl_painting {
     /* offset of all rays, in pixels right and down: pictures with different offsets are combined,
      * so that features between fixed rays appear in one of them */
     double shift[2];
-    /* Factor of the rays for records and panes' lobes over the usual number; 0: 1 (image.h). */
+    /* Factor of the rays for records and panes' lobes over the usual number; 0: 1. */
     double rays;
 };
 
@@ -71,7 +74,7 @@ int orl_paint(const struct orl_painting *painting, orl_paint_pixel *pixel, void 
  * A sun's disc is half a degree wide, about a pixel of a fisheye. Pixel rays hit or miss it by
  * chance, as they do a bulb across a room; between rays at fixed positions it disappears. If a sun
  * or a lamp is small compared to pixels, pixel rays therefore ignore it (ORL_SUNS_EXCLUDED,
- * orl_shader.lamps_apart). Rays of its own go to evenly spaced points of it. Each ray's light is
+ * orl_shader.excluded_lamps). Rays of its own go to evenly spaced points of it. Each ray's light is
  * added to the pixel that it passes through, weighted by that pixel's solid angle. Lights that
  * cover many pixels, and those seen in mirrors, are left to pixel rays.
  */

@@ -35,7 +35,7 @@ struct orl_direct_lighting orl_lighting_direct(const struct orl_lighting *lighti
     return sum;
 }
 
-/* Returns the irradiance from the stray records, and adds one if none reaches the place. */
+/* Returns the irradiance from the recent records, and adds one if none reaches the place. */
 static struct orl_cached_irradiance recent_record_at(const struct orl_lighting *lighting,
                                                      const struct orl_vertex *v,
                                                      struct orl_recent_records *recent_records,

@@ -51,14 +51,15 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* Counts painted pixels; any thread may call it, but only the lead reports progress. */
-static void count_pixels(struct tiles *tiles, size_t pixels, bool tell)
+/* Counts painted pixels; any thread may call it, but only the calling thread of the loop reports
+ * progress. */
+static void count_pixels(struct tiles *tiles, size_t pixels, bool report)
 {
     const struct orl_paint_env *env = tiles->painting->env;
     const struct orl_film *film = tiles->painting->film;
     const size_t done = atomic_fetch_add(&tiles->done, pixels) + pixels;
     const double share = (double)done / ((double)film->width * film->height);
-    if (tell)
+    if (report)
         env->progress(env->ctx, tiles->before + (1 - tiles->before) * share);
 }
 

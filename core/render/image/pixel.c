@@ -1,3 +1,5 @@
+/* Rays of a pixel: their positions, their mean and its error; and the ray through one point of a
+ * pixel. */
 #include "render/image/adaptive_tile.h"
 
 enum { SIDE = 4 };
@@ -78,7 +80,7 @@ static uint32_t wanted_about(const struct orl_adaptive_tile *tile_state, int x, 
     return most;
 }
 
-/* Sets up one of several looks through a pixel, which share the points of one sequence. */
+/* Sets up one of several view rays through a pixel, which share the points of one sequence. */
 static void share_lobes(const struct orl_adaptive_tile *tile_state, int x, int y,
                         const struct orl_lobe_share *share, struct orl_shader *shader)
 {

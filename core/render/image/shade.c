@@ -257,7 +257,7 @@ static void push_branches(struct look *look, const struct branch *at, const stru
         push_branch(look, at, hit, &bent[i]);
 }
 
-/* Returns the material that a view sees, or NULL if it sees none. An illum looks like another
+/* Returns the material that a view sees, or NULL if it sees none. An illum appears as another
  * material, and some backs are invisible. */
 static const struct orl_material *seen_at(const struct look *look, const struct orl_hit *hit)
 {
@@ -289,7 +289,7 @@ static bool shows_lamp(const struct look *look, struct orl_vec3 direction, uint3
 
 static void note_signature(struct orl_shaded_ray *shaded, uint64_t met)
 {
-    shaded->way = orl_mix64(shaded->way + met + 1);
+    shaded->path_signature = orl_mix64(shaded->path_signature + met + 1);
 }
 
 /* Handles a surface in an irradiance picture. The irradiance is that of the surface itself; glass
@@ -309,8 +309,8 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
         look->shaded->vertices[i].weight = orl_gray(1);
 }
 
-/* Adds the light scattered by mist and attenuates the branch. Returns false if the branch ends in
- * the mist; one sampled path then continues it. */
+/* Adds the light scattered by a volume and attenuates the branch. Returns false if the branch ends
+ * in the volume; one sampled path then continues it. */
 static bool passes_volume(struct look *look, struct branch *at, double distance)
 {
     const struct orl_lit_scene *const lit_scene = look->shader->lit_scene;
@@ -398,7 +398,7 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
     look.direction = direction;
     look.depth = 0;
     ret_shaded->n_vertices = 0;
-    ret_shaded->way = 0;
+    ret_shaded->path_signature = 0;
     ret_shaded->rest = ret_shaded->lobes = ret_shaded->gloss = orl_gray(0);
     ret_shaded->lobes_variance = ret_shaded->gloss_variance = 0;
     ret_shaded->has_lobes = ret_shaded->textured = false;

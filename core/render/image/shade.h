@@ -23,8 +23,8 @@ struct orl_vertex {
 struct orl_shaded_ray {
     struct orl_vertex vertices[ORL_SHADE_VERTICES];
     uint32_t n_vertices;
-    /* Path signature: names the surfaces met, in order; equal for rays that see the same. */
-    uint64_t way;
+    /* Names the surfaces met, in order; equal for rays that see the same. */
+    uint64_t path_signature;
     struct orl_rgb rest;   /* radiance that comes neither from diffuse surfaces nor from lobes */
     struct orl_rgb lobes;  /* radiance from lobes, by a few rays */
     double lobes_variance; /* variance of their luma, as if rays were random */
@@ -52,7 +52,7 @@ typedef struct orl_rgb orl_shade_radiance(const void *ctx, const struct orl_lobe
  * it. */
 enum orl_sun_visibility {
     ORL_SUNS_VISIBLE,  /* all */
-    ORL_SUNS_EXCLUDED, /* none: rays of their own add them (small_lights.h) */
+    ORL_SUNS_EXCLUDED, /* none: rays of their own add them (image.h) */
     ORL_SUNS_ONLY,     /* only suns, and nothing else: for a ray of a sun */
     ORL_LAMP_ONLY      /* only one lamp: for a ray of that lamp */
 };
@@ -63,8 +63,8 @@ struct orl_shader {
     const struct orl_sobol *sobol;
     uint32_t pane_samples, gloss_samples; /* rays into a pane's lobes, and into other lobes */
     bool only_gloss;                      /* true if panes' lobes are left out */
-    uint32_t sequence;    /* gloss sequence shared by several looks; 0: each look has its own */
-    uint32_t first_gloss; /* first index of this look in the shared sequence */
+    uint32_t sequence;    /* gloss sequence shared by several view rays; 0: each has its own */
+    uint32_t first_gloss; /* first index of this view ray in the shared sequence */
     double least_weight;  /* branches below this share of the ray are omitted */
     bool roulette;        /* true if those undergo Russian roulette instead, without bias */
     bool backs_unseen;    /* true if backs of opaque surfaces are invisible */

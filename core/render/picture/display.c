@@ -1,3 +1,5 @@
+/* Tone-mapped pictures, one by one or several in a common exposure. The blur to visual acuity
+ * comes first. */
 #include "render/picture/display.h"
 
 #include <stdlib.h>
@@ -6,6 +8,8 @@
 #include <oriel/base/vec.h>
 
 #include "render/film/image_files.h"
+
+/* ---- Blur ------------------------------------------------------------------------------------ */
 
 /* Makes a level from the finer one: means of two by two pixels, of fewer at the edges. */
 static int halve_level(struct orl_blur *blur, int level)
@@ -88,6 +92,8 @@ void orl_blur_at(const struct orl_blur *blur, const struct orl_fovea *fovea, uin
     for (int c = 0; c < 3; c++)
         ret_rgb[c] = (float)(fine[c] + (level - low) * (coarse[c] - fine[c]));
 }
+
+/* ---- Tone mapping ---------------------------------------------------------------------------- */
 
 /* Display value of the geometric mean of luminances, relative to white: middle gray. */
 static const double middle_gray = 0.18;

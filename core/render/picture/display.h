@@ -1,3 +1,14 @@
+/* Tone mapping for display: foveal samples, histogram adjustment, blur to visual acuity, and the
+ * pictures themselves. */
+#ifndef ORL_RENDER_PICTURE_DISPLAY_H
+#define ORL_RENDER_PICTURE_DISPLAY_H
+
+#include <stdbool.h>
+
+#include <oriel/job/picture.h>
+
+#include "render/film/film.h"
+
 /*
  * Foveal samples of a film: averages over a degree, the size of the fovea. They give the adaptation
  * luminance and the veiling luminance by light scattered in the eye.
@@ -8,14 +19,6 @@
  *
  * In views wider than ORL_FOVEA_SIDE degrees a sample covers more than one degree.
  */
-#ifndef ORL_RENDER_PICTURE_DISPLAY_H
-#define ORL_RENDER_PICTURE_DISPLAY_H
-
-#include <stdbool.h>
-
-#include <oriel/job/picture.h>
-
-#include "render/film/film.h"
 
 enum { ORL_FOVEA_SIDE = 120 };
 
@@ -30,12 +33,12 @@ int orl_fovea_init(struct orl_fovea *fovea, const struct orl_film *film,
                    const struct orl_view *view);
 void orl_fovea_done(struct orl_fovea *fovea);
 
-/* Computes the veil and mixes it into the samples as orl_fovea_mix_veiling does. Returns 0 or
- * ORL_ERR_NOMEM. */
+/* Computes the veiling luminance and mixes it into the samples as orl_fovea_mix_veiling does.
+ * Returns 0 or ORL_ERR_NOMEM. */
 int orl_fovea_add_veiling(struct orl_fovea *fovea, const struct orl_view *view);
 
-/* Adds the veil to a pixel of the film; x and y as shares of the picture, 0..1 from the top
- * left. */
+/* Adds the veiling luminance to a pixel of the film; x and y as shares of the picture, 0..1 from
+ * the top left. */
 void orl_fovea_mix_veiling(const struct orl_fovea *fovea, double x, double y, float rgb[3]);
 
 /* Interpolates the samples at a place. */

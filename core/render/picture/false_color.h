@@ -1,9 +1,5 @@
-/*
- * A picture with a legend below it: two lines of text, and a scale with ticks.
- *
- * Coordinates are pixels from the upper left. Letters scale with the picture: sizes of the legend
- * are in units, which are one pixel in pictures up to 640 pixels wide.
- */
+/* False colours: legends, scales, lines of equal value, maps of errors, and the pictures
+ * themselves. */
 #ifndef ORL_RENDER_PICTURE_FALSE_COLOR_H
 #define ORL_RENDER_PICTURE_FALSE_COLOR_H
 
@@ -16,6 +12,13 @@
 #include "base/text/stroke_font.h"
 #include "render/film/film.h"
 #include "render/picture/display.h"
+
+/*
+ * A picture with a legend below it: two lines of text, and a scale with ticks.
+ *
+ * Coordinates are pixels from the upper left. Letters scale with the picture: sizes of the legend
+ * are in units, which are one pixel in pictures up to 640 pixels wide.
+ */
 
 struct orl_sheet {
     struct orl_raster raster; /* picture and legend; its pixels are owned */
@@ -44,10 +47,6 @@ void orl_sheet_done(struct orl_sheet *sheet);
 unsigned char *orl_sheet_at(const struct orl_sheet *sheet, uint32_t x, uint32_t y);
 
 void orl_sheet_draw_legend(const struct orl_sheet *sheet, const struct orl_legend *legend);
-
-/* Draws a legend at another position; left, top and width in pixels. */
-void orl_legend_draw(const struct orl_raster *raster, const struct orl_legend *legend, double unit,
-                     double left, double top, double width);
 
 int orl_sheet_write(const struct orl_sheet *sheet, const char *path, struct orl_error *err);
 
@@ -120,8 +119,8 @@ void orl_letters_on_anything(const struct orl_raster *raster, const struct orl_p
  *
  * The map shows each pixel's standard error of its luma: the expected distance from the result of
  * the same job with unlimited samples and photons. It contains the noise of photons and rays, as
- * the technique estimates it (backward.h, image.h). It does not contain light that a technique
- * leaves out or blurs for any seed.
+ * the technique estimates it (render/backward/backward.h, render/image/image.h). It does not
+ * contain light that a technique leaves out or blurs for any seed.
  *
  * As HDR: gray, W/sr/m2, the same view and format as the image. As PNG: in false colours, relative
  * to the pixel or to a tenth of the image's mean, if that is more. (A dark pixel's error is

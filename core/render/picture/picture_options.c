@@ -1,4 +1,4 @@
-/* Names of picture formats and of their options. */
+/* Names of picture formats, tones and palettes, and the palettes' colours (oriel/job/picture.h). */
 #include <math.h>
 #include <string.h>
 

@@ -1,3 +1,4 @@
+/* Sheets with legends, and the scales of false-colour pictures. */
 #include "render/picture/false_color.h"
 
 #include <math.h>
@@ -77,8 +78,9 @@ static void draw_ticks(const struct orl_raster *raster, const struct orl_legend 
     }
 }
 
-void orl_legend_draw(const struct orl_raster *raster, const struct orl_legend *legend, double unit,
-                     double left, double top, double width)
+/* Draws a legend at a position; left, top and width in pixels. */
+static void orl_legend_draw(const struct orl_raster *raster, const struct orl_legend *legend,
+                            double unit, double left, double top, double width)
 {
     const struct orl_pen pen = {.size = 7.5 * unit, .rgb = {26, 26, 26}};
     const struct bar bar = {.left = (size_t)lrint(left + SCALE_LEFT * unit),

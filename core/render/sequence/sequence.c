@@ -1,3 +1,5 @@
+/* Draws a view under several skies for comparison (oriel/job/picture.h): pictures in one exposure,
+ * a contact sheet, and an animation. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -5,9 +7,27 @@
 #include <oriel/base/limits.h>
 #include <oriel/job/picture.h>
 
+#include "base/text/stroke_font.h"
 #include "render/film/image_files.h"
 #include "render/picture/display.h"
-#include "render/sequence/contact_sheet.h"
+
+/* ---- Contact sheet --------------------------------------------------------------------------- */
+
+/*
+ * A contact sheet: pictures of one size side by side under a title, each with lines of text below.
+ *
+ * Coordinates are pixels from the upper left. Pictures are reduced by averages over the area of a
+ * pixel, in linear light. Letters scale with the pictures.
+ */
+struct orl_contact_sheet {
+    struct orl_raster raster; /* its pixels are owned */
+    uint32_t columns, rows;
+    uint32_t width, height;  /* size of a picture on the sheet */
+    uint32_t step_x, step_y; /* distance from one to the next */
+    uint32_t left, top;      /* position of the first */
+    double unit;             /* pixels per unit of the letters */
+    double linear[256];      /* linear value of each sRGB byte */
+};
 
 /* Sizes in units. A picture is UNITS_ACROSS units wide; a unit is at least a pixel. */
 enum { UNITS_ACROSS = 240, USUAL_WIDTH = 240, STRIP_ACROSS = 400 };
@@ -69,8 +89,11 @@ static void write_line(const struct orl_raster *raster, double x, double y, doub
     orl_stroke_text_draw(raster, &pen, x, y, text);
 }
 
-int orl_contact_sheet_init(struct orl_contact_sheet *sheet, const struct orl_sequence *sequence,
-                           uint32_t width, uint32_t height)
+/* Makes a white sheet with the title. width, height: size of the original pictures. Returns 0 or
+ * ORL_ERR_NOMEM; call orl_contact_sheet_done in either case. */
+static int orl_contact_sheet_init(struct orl_contact_sheet *sheet,
+                                  const struct orl_sequence *sequence, uint32_t width,
+                                  uint32_t height)
 {
     const uint32_t asked = sequence->how->width_px ? sequence->how->width_px : USUAL_WIDTH;
     uint32_t across = asked < width ? asked : width;
@@ -96,7 +119,7 @@ int orl_contact_sheet_init(struct orl_contact_sheet *sheet, const struct orl_seq
     return 0;
 }
 
-void orl_contact_sheet_done(struct orl_contact_sheet *sheet)
+static void orl_contact_sheet_done(struct orl_contact_sheet *sheet)
 {
     free(sheet->raster.rgb);
     sheet->raster.rgb = NULL;
@@ -131,8 +154,11 @@ static unsigned char *place_at(const struct orl_contact_sheet *sheet, uint32_t x
     return sheet->raster.rgb + 3 * ((size_t)y * sheet->raster.width + x);
 }
 
-int orl_contact_sheet_put(struct orl_contact_sheet *sheet, size_t index, const unsigned char *rgb,
-                          uint32_t width, uint32_t height, const struct orl_sequence_frame *frame)
+/* Draws a picture, three bytes a pixel, at its position, with its texts. Returns 0 or
+ * ORL_ERR_NOMEM. */
+static int orl_contact_sheet_put(struct orl_contact_sheet *sheet, size_t index,
+                                 const unsigned char *rgb, uint32_t width, uint32_t height,
+                                 const struct orl_sequence_frame *frame)
 {
     const uint32_t left = sheet->left + (uint32_t)(index % sheet->columns) * sheet->step_x;
     const uint32_t top = sheet->top + (uint32_t)(index / sheet->columns) * sheet->step_y;
@@ -158,13 +184,15 @@ int orl_contact_sheet_put(struct orl_contact_sheet *sheet, size_t index, const u
 
 /* ---- Strip ----------------------------------------------------------------------------------- */
 
-uint32_t orl_strip_height(uint32_t width)
+/* Returns the height of the strip of text below a single picture of that width. */
+static uint32_t orl_strip_height(uint32_t width)
 {
     return (uint32_t)ceil(STRIP * unit_of(width, STRIP_ACROSS));
 }
 
-void orl_strip_draw(const struct orl_raster *raster, uint32_t top,
-                    const struct orl_sequence_frame *frame)
+/* Draws the strip's text from row `top` on: both lines side by side, as large as they fit. */
+static void orl_strip_draw(const struct orl_raster *raster, uint32_t top,
+                           const struct orl_sequence_frame *frame)
 {
     const double unit = unit_of(raster->width, STRIP_ACROSS), size = STRIP_SIZE * unit;
     const double edge = 4 * unit, room = (raster->width - 3 * edge) / 2;
@@ -173,6 +201,8 @@ void orl_strip_draw(const struct orl_raster *raster, uint32_t top,
     write_line(raster, edge, base, room, size, frame->lines[0]);
     write_line(raster, raster->width - edge - right, base, room, size, frame->lines[1]);
 }
+
+/* ---- Passes over the pictures ---------------------------------------------------------------- */
 
 static const double usual_frame_s = 0.5;
 

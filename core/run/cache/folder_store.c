@@ -1,3 +1,4 @@
+/* A store in a folder, for one process, and the check of a stored file against its checksum. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
@@ -99,7 +100,7 @@ static bool read_cached(const char *path, struct orl_map_info *info)
     return true;
 }
 
-/* Reads a file's description; returns false if it is no map, or of another version. */
+/* Reads the info of a map file; returns false if it is no map, or of another version. */
 static bool read_info(const struct orl_folder_store *state, const char *name,
                       struct orl_map_info *ret_info)
 {

@@ -1,11 +1,23 @@
-#include "run/cache/made_bsdf_cache.h"
-
+/*
+ * Caches computed BSDFs in a store (oriel/bsdf/bsdf_store.h): those made of a panel, and those
+ * fitted to measurements.
+ */
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/bsdf/bsdf_store.h>
 
 #include "run/cache/word_file.h"
+
+/* Operations for one kind of BSDF; ctx receives the result. */
+struct orl_made_bsdf_calls {
+    void *ctx;
+    int (*make)(void *ctx, struct orl_error *err);
+    /* Serialises to whole words, owned by the caller; NULL: out of memory. */
+    char *(*pack)(const void *ctx, size_t *ret_size, uint64_t *ret_effort);
+    /* Returns false if the data are malformed or memory is exhausted. */
+    bool (*unpack)(void *ctx, const char *data, size_t size);
+};
 
 static bool read_cached(const struct orl_made_bsdf_calls *bsdf_calls, const char *path,
                         const char *key)
@@ -53,10 +65,11 @@ static int make_and_store(const struct orl_made_bsdf_calls *bsdf_calls,
     return code;
 }
 
-int orl_made_bsdf_get(const struct orl_made_bsdf_calls *bsdf_calls,
-                      const struct orl_bsdf_make_env *env,
-                      const struct orl_bsdf_cache_key *cache_key, struct orl_map_info *ret_info,
-                      struct orl_error *err)
+/* Finds the BSDF, or makes and stores it. */
+static int orl_made_bsdf_get(const struct orl_made_bsdf_calls *bsdf_calls,
+                             const struct orl_bsdf_make_env *env,
+                             const struct orl_bsdf_cache_key *cache_key,
+                             struct orl_map_info *ret_info, struct orl_error *err)
 {
     const struct orl_map_store *store = cache_key->store;
     struct orl_map_info info = {.kind = ORL_BSDF_CACHE_KIND};
@@ -239,13 +252,11 @@ int orl_bsdf_make_cached(const struct orl_bsdf_make_request *request,
 
 /* Serialises a BSDF fitted to measurements; only for the machine that wrote it. */
 
-enum { WORD_2 = 4 };
-
-/* Returns the size of all parts: the struct without pointers, its scans, and the text with at least
+/* Returns the total size: the struct without pointers, its scans, and the text with at least
  * one 0. */
 static size_t fit_size(const struct orl_bsdf_fit_result *f)
 {
-    return sizeof *f + f->n_scans * sizeof *f->scans + (f->xml_size / WORD_2 + 1) * WORD_2;
+    return sizeof *f + f->n_scans * sizeof *f->scans + (f->xml_size / WORD + 1) * WORD;
 }
 
 struct fit {

@@ -1,3 +1,4 @@
+/* Caches data in the store that take long to load: BSDFs read from XML, and parsed scenes. */
 #include "run/cache/scene_cache.h"
 
 #include <sodium.h>
@@ -13,6 +14,21 @@
 #include "scene/built/scene.h"
 #include "scene/cache/scene_cache_file.h"
 #include "scene/parse/parse.h"
+
+struct orl_file_cache_entry {
+    const char *kind, *key;  /* names in the store */
+    const char *what, *name; /* "BSDF", "pane.xml", for messages */
+    /* True if it also depends on files that the key does not include, so that ORL_ERR_VERSION
+     * causes no warning. */
+    bool may_be_outdated;
+    void *ctx;
+    int (*open)(void *ctx, const char *path, struct orl_error *err);
+    int (*make)(void *ctx, struct orl_error *err);
+    /* Returns true if the data are worth storing. NULL: always. */
+    bool (*is_worth_storing)(void *ctx);
+    /* Writes the data, and fills the info's bytes and stored. */
+    int (*write)(void *ctx, const char *path, struct orl_map_info *info, struct orl_error *err);
+};
 
 /* Writes to the path that the store supplied, and commits. */
 static int write_and_commit(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
@@ -48,8 +64,10 @@ static int make_and_store(struct orl_run_state *state, const struct orl_file_cac
     return 0;
 }
 
-int orl_file_cache_get(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
-                       struct orl_error *err)
+/* Opens or makes the data. The state's env must have a store. Returns the codes of open and make,
+ * or ORL_ERR_CANCELLED. */
+static int orl_file_cache_get(struct orl_run_state *state, const struct orl_file_cache_entry *entry,
+                              struct orl_error *err)
 {
     const struct orl_map_store *const store = state->env->store;
     struct orl_map_info info;
@@ -80,6 +98,12 @@ int orl_file_cache_get(struct orl_run_state *state, const struct orl_file_cache_
 }
 
 enum { LEAST_BSDF_BYTES = 1 << 20 };
+
+/*
+ * Loads BSDFs through the store: the XML is read once, and the result is stored as
+ * kind "bsdf", for later jobs to map (bsdf/loaded_bsdf.h). Small files, which load as fast as a
+ * look-up, are not stored; without a store none are.
+ */
 
 /* Makes the key from the XML and the storage format. */
 static void make_key(const unsigned char content[ORL_COMPILED_DIGEST],
@@ -163,7 +187,8 @@ static int load(void *ctx, const struct orl_bsdf_xml *given,
     return code;
 }
 
-struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)
+/* Returns a loader that borrows the state, which must outlive it. */
+static struct orl_bsdf_loader orl_run_bsdf_loader(struct orl_run_state *state)
 {
     return (struct orl_bsdf_loader){state, load, state->env->cancel};
 }

@@ -20,8 +20,8 @@ struct orl_word_file_info {
     uint64_t bytes; /* size of the file */
 };
 
-/* Writes the whole file, not synced; size: of data, a multiple of 4. Fills about's bytes. Returns
- * ORL_ERR_IO, _FULL or _NOMEM and leaves no file on failure. */
+/* Writes the whole file, not synced; size: of data, a multiple of 4. Fills file_info->bytes.
+ * Returns ORL_ERR_IO, _FULL or _NOMEM and leaves no file on failure. */
 int orl_word_file_write(const char *path, struct orl_word_file_info *file_info, const void *data,
                         size_t size, struct orl_error *err);
 

@@ -71,8 +71,8 @@ int orl_prepare_thread(struct orl_error *err)
     return orl_geometry_prepare_thread(err);
 }
 
-/* Reads a scene; the caller owns *ret_scene, which may be NULL. swaps: materials that shades give
- * windows, or NULL. */
+/* Reads a scene; the caller owns *ret_scene, which may be NULL. material_overrides: materials that
+ * shades give windows, or NULL. */
 static int read_overridden(const char *const *main_files, size_t n_files,
                            const struct orl_files *files,
                            const struct orl_material_overrides *material_overrides,

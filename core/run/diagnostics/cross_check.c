@@ -1,25 +1,50 @@
+/*
+ * Cross-check of sensors by plain path tracing: the paths, the verdict on groups of sensors, and
+ * the check itself.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <oriel/base/input_checks.h>
 #include <oriel/job/paths.h>
+#include <oriel/job/run.h>
 
 #include "base/sampling/sampling.h"
 #include "light/exterior.h"
 #include "light/eye_path.h"
+#include "light/lit_scene.h"
 #include "plan/decide.h"
-#include "run/diagnostics/cross_check_path.h"
-#include "run/diagnostics/cross_check_verdict.h"
+#include "render/gather/gather.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 #include "run/stages/rendering.h"
 #include "scene/geometry/geometry.h"
 #include "scene/material/scatter.h"
 
+/*
+ * Cross-check of sensors by plain path tracing with shadow rays. Sensors form groups of
+ * neighbours. For each group the sum by paths is compared with that of the technique.
+ *
+ * Paths omit suns reflected or refracted by curved mirrors and dielectrics, and rarely hit suns and
+ * lamps through lobes. With such light, a smaller sum by paths means nothing.
+ */
+
+/*
+ * Plain path tracing from a sensor for the cross-check, without photons, ports, importance-sampled
+ * rays or caches. The light that a path finds is summed by class, which says how it reached the
+ * sensor.
+ */
+
 enum { SURE_BOUNCES = 2 };
 
+/* One estimate of the irradiance at a place, lx, by class. */
+struct orl_plain_light {
+    double lx[ORL_LIGHT_CLASSES];
+};
+
 struct plain_path {
-    struct orl_eye_path eye; /* must be first: sinks receive a pointer to it */
+    struct orl_eye_path eye; /* must be first: visitors receive a pointer to it */
     struct orl_health *health;
     uint32_t reflections, most_reflections; /* number of diffuse reflections, and its limit */
     /* Radiance before the first diffuse reflection: suns and lamps that surfaces on the path
@@ -111,10 +136,12 @@ static void add_lights(const struct orl_lit_scene *lit_scene, const struct orl_s
         lux_of(orl_direct_light(lit_scene, &query, random)) - light->lx[ORL_LIGHT_STRAIGHT];
 }
 
-struct orl_plain_light orl_plain_path(const struct orl_lit_scene *lit_scene,
-                                      const struct orl_shading_point *place,
-                                      uint32_t most_reflections, struct orl_random *random,
-                                      struct orl_health *health)
+/* Traces one path, with shadow rays at every surface and at most most_reflections diffuse
+ * reflections, and returns its estimate. */
+static struct orl_plain_light orl_plain_path(const struct orl_lit_scene *lit_scene,
+                                             const struct orl_shading_point *place,
+                                             uint32_t most_reflections, struct orl_random *random,
+                                             struct orl_health *health)
 {
     const double u0 = orl_random_uniform(random), u1 = orl_random_uniform(random);
     struct orl_plain_light light = {{0}};
@@ -135,6 +162,39 @@ struct orl_plain_light orl_plain_path(const struct orl_lit_scene *lit_scene,
     light.lx[ORL_LIGHT_REFLECTED] = ORL_PI * lux_of(subtract(plain_path.eye.seen, unreflected));
     return light;
 }
+
+/*
+ * The verdict of the cross-check: compares groups of sensors by plain paths with
+ * the technique's results. The two differ if
+ * - a group's sums do, by more than both errors and a tenth of its light; or
+ * - the differences of all groups together resemble the light of one class, at least a quarter of
+ *   it, by more than their errors. This is a matched filter (North 1943), with each group weighed
+ *   by its variance. A class that is missing everywhere shows so before any single group does.
+ * Then intervals are widened to include both, sensors are marked as unreliable, and a warning names
+ * the class that the differences resemble most.
+ *
+ * Groups are not compared if their estimate by paths rests on few of them (the effective number of
+ * samples, Kish 1965: (sum x)^2 / sum x^2), such as in rooms with one small window.
+ *
+ * Reference: North 1943, An analysis of the factors which determine signal/noise discrimination
+ * (reprinted in Proceedings of the IEEE 51, 1963, 1016).
+ */
+
+/* Neighbouring sensors, of which every stride-th was traced by paths. */
+struct orl_plain_group {
+    size_t first, count;
+    size_t traced;                     /* sensors that paths were traced for */
+    double sum, variance;              /* lx, of these sensors' means by paths */
+    double classes[ORL_LIGHT_CLASSES]; /* parts of the sum, by class */
+    double effective;                  /* effective number of samples */
+};
+
+struct orl_plain_groups {
+    const struct orl_plain_group *groups;
+    size_t count, stride;
+    uint32_t paths; /* paths per traced sensor */
+    bool find_all;  /* true if paths find all light, with a sufficient probability */
+};
 
 static const double least_effective = 30; /* effective number of samples */
 /* A difference counts beyond so many joint standard errors, and such a share of the light. */
@@ -293,7 +353,9 @@ static void warn_of_worst(struct orl_run_state *state, const struct compared *wo
                  technique == ORL_TECHNIQUE_BACKWARD ? "gather" : "backward");
 }
 
-void orl_cross_check_evaluate(struct orl_run_state *state, const struct orl_plain_groups *groups)
+/* Sets the result's cross_check, widens intervals, marks sensors and warns. */
+static void orl_cross_check_evaluate(struct orl_run_state *state,
+                                     const struct orl_plain_groups *groups)
 {
     struct orl_result *r = state->result;
     struct orl_cross_check *check = &r->cross_check;
@@ -324,15 +386,6 @@ void orl_cross_check_evaluate(struct orl_run_state *state, const struct orl_plai
     if (worst.group)
         warn_of_worst(state, &worst);
 }
-
-/*
- * Cross-check of sensors by plain path tracing with shadow rays (cross_check_path.h), which uses no
- * photons, ports, importance-sampled rays or caches. Sensors form groups of neighbours. For each
- * group the sum by paths is compared with that of the technique (cross_check_verdict.h).
- *
- * Paths omit suns reflected or refracted by curved mirrors and dielectrics, and rarely hit suns and
- * lamps through lobes. With such light, a smaller sum by paths means nothing.
- */
 
 enum { MOST_GROUPS = 16, MOST_PATHS = 1 << 14, LEAST_PATHS = 1 << 11 };
 /* Maximum of shadow rays, with those to all lights at one surface of each path: more lights reduce

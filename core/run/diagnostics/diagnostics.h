@@ -1,4 +1,4 @@
-/* Warnings in a run's result. */
+/* Warnings in a run's result, and the checks of scene, sensors and results that add them. */
 #ifndef ORL_RUN_DIAGNOSTICS_DIAGNOSTICS_H
 #define ORL_RUN_DIAGNOSTICS_DIAGNOSTICS_H
 
@@ -22,7 +22,6 @@ bool orl_run_describe_sensors_in_planes(const struct orl_scene *scene,
                                         const struct orl_sensor *sensors, size_t n,
                                         const struct orl_thread_pool *pool, char *ret_text,
                                         size_t size);
-bool orl_run_lies_in_plane(const struct orl_scene *scene, const struct orl_sensor *sensor);
 
 /* Sensors that belong together; name: NULL for a job without grids. */
 struct orl_sensor_range {
@@ -45,8 +44,8 @@ struct orl_sensor_check {
     uint64_t most_rays;
     uint64_t rays; /* out: rays traced by the searches */
 };
-/* Runs the check. The warnings do not depend on the crew's size. Returns 0, ORL_ERR_NOMEM or
- * ORL_ERR_CANCELLED. */
+/* Runs the check. The warnings do not depend on the size of the thread pool. Returns 0,
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED. */
 int orl_run_check_sensor_spaces(struct orl_sensor_check *check);
 
 /* Checks of a run's scene and results, which add warnings to the result. */

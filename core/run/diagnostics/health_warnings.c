@@ -1,4 +1,4 @@
-/* Results without light: a warning if some are black, an error if all are. */
+/* Checks of a run's results at the end: results without light, and numerical trouble. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -7,6 +7,8 @@
 #include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 #include "scene/geometry/geometry.h"
+
+/* Results without light: a warning if some are black, an error if all are. */
 
 /* Numbers of black results. */
 struct dark_counts {

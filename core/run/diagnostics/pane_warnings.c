@@ -1,5 +1,4 @@
-/* Finds panes that lie on an opaque surface, such as panes drawn before a wall without an
- * opening. */
+/* Warnings about panes: those on an opaque surface, and BSDF panes whose front is outdoors. */
 #include <math.h>
 #include <stdio.h>
 
@@ -11,6 +10,9 @@
 #include "run/run_state.h"
 #include "scene/built/scene.h"
 #include "scene/material/scatter.h"
+
+/* Finds panes that lie on an opaque surface, such as panes drawn before a wall without an
+ * opening. */
 
 enum { POINTS = 8, MOST_PANES = 20000 };
 /* A surface within this share of the pane's size (the root of its area) lies on it. */

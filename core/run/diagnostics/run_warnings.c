@@ -1,3 +1,4 @@
+/* Warnings in a run's result, and sensors that are marked as unreliable. */
 #include "run/diagnostics/diagnostics.h"
 
 #include <stdarg.h>

@@ -1,5 +1,7 @@
-/* Finds sensors in the plane of a surface that they do not face, such as a wall for a sensor that
- * looks up: rounding decides on which side of it they lie. */
+/*
+ * Checks of the places of sensors: in the plane of a surface, in a solid, outdoors, in another
+ * room, or below a floor.
+ */
 #include "run/diagnostics/diagnostics.h"
 
 #include <math.h>
@@ -11,10 +13,14 @@
 #include "scene/geometry/geometry.h"
 #include "scene/geometry/instances.h"
 
+/* Finds sensors in the plane of a surface that they do not face, such as a wall for a sensor that
+ * looks up: rounding decides on which side of it they lie. */
+
 /* Distance from a surface at which a sensor is clear of it, in units of the geometry's
  * resolution. */
 static const double clear_of_surfaces = 10;
-/* A sensor that faces a surface by more than this cosine is moved off it (surface_offset.h). */
+/* A sensor that faces a surface by more than this cosine is moved off it (orl_offset_from_surface).
+ */
 static const double faces_from = 0.25;
 
 /* Tests for a surface along a direction, from one resolution behind the point to one ahead of
@@ -46,7 +52,7 @@ static bool lies_in_plane(const struct orl_geometry *g, const struct orl_sensor 
            touches_along(g, point, normal, frame.v, ret_touch);
 }
 
-bool orl_run_lies_in_plane(const struct orl_scene *scene, const struct orl_sensor *sensor)
+static bool orl_run_lies_in_plane(const struct orl_scene *scene, const struct orl_sensor *sensor)
 {
     struct orl_surface_contact touch;
     return lies_in_plane(scene->geometry, sensor, &touch);

@@ -1,4 +1,4 @@
-/* Distributes chunks of sensors as tasks of a job. */
+/* Distributes chunks of sensors, and views, as tasks of a job. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,6 +6,8 @@
 #include "run/estimate/progress.h"
 #include "run/run_state.h"
 #include "run/stages/rendering.h"
+
+/* Distributes chunks of sensors as tasks of a job. */
 
 /* Layout of a chunk's file: this header, the results of the sensors and, in rounds by backward,
  * their batches. */

@@ -19,7 +19,8 @@ static int name_file(const struct orl_shared_store *state, const char *kind, con
     return 0;
 }
 
-/* ---- Owed files ------------------------------------------------------------------------------ */
+/* ---- Pending files ------------------------------------------------------------------------------
+ */
 
 static int add_pending(struct orl_shared_store *state, const char *kind, const char *key,
                        struct orl_error *err)
@@ -34,7 +35,7 @@ static int add_pending(struct orl_shared_store *state, const char *kind, const c
     return 0;
 }
 
-/* Removes an entry from the list of owed files. Returns true if it was owed. */
+/* Removes an entry from the list of pending files. Returns true if it was pending. */
 static bool remove_pending(struct orl_shared_store *state, const char *kind, const char *key)
 {
     for (size_t i = state->n_pending; i-- > 0;)
@@ -85,7 +86,7 @@ static int shared_commit(void *ctx, const struct orl_map_info *info, struct orl_
     return code;
 }
 
-/* Deletes an owed file under construction, or else a damaged file that was found. */
+/* Deletes a pending file under construction, or else a damaged file that was found. */
 static void shared_abandon(void *ctx, const char *kind, const char *key)
 {
     struct orl_shared_store *state = ctx;

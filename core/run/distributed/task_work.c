@@ -1,3 +1,7 @@
+/*
+ * Tasks that other processes may compute: those of a run, and those of a BSDF that is being
+ * made.
+ */
 #include "run/distributed/task_work.h"
 
 #include <sodium.h>
@@ -162,7 +166,7 @@ static int find_missing(const struct orl_run_env *env, const struct orl_task_wor
     return code;
 }
 
-/* Divides the missing tasks among processes and makes this run's own. */
+/* Distributes the missing tasks among processes and makes this run's own. */
 static int claim_missing(const struct orl_run_env *env, const struct orl_task_work *work,
                          struct missing_tasks *w, struct orl_error *err)
 {
@@ -294,7 +298,7 @@ void orl_run_move_health(const struct orl_run_state *state, struct orl_health *r
     }
 }
 
-/* Version of a lot's content and file layout; change it with either. */
+/* Version of a task's content and file layout; change it with either. */
 static const char bsdf_recipe[] = "oriel bsdf lots 2";
 
 static void name_bsdf_task(const char *job, const struct orl_bsdf_tasks *bsdf_tasks, size_t index,

@@ -1,5 +1,5 @@
-/* Tasks of a run's work that other processes may make (oriel/tasks.h): finds them in the store,
- * makes the run's own, and stores these. */
+/* Tasks of a run's work that other processes may compute (oriel/job/job_tasks.h): finds them in the
+ * store, makes the run's own, and stores these. */
 #ifndef ORL_RUN_DISTRIBUTED_TASK_WORK_H
 #define ORL_RUN_DISTRIBUTED_TASK_WORK_H
 
@@ -54,7 +54,7 @@ bool orl_run_load_counts(struct orl_run_state *state, const char *key);
 void orl_run_store_warnings(const struct orl_run_state *state, const char *key, size_t first);
 void orl_run_load_warnings(struct orl_run_state *state, const char *key);
 
-/* Moves the counters of the crew's members to *ret_health. */
+/* Moves the counters of all threads to *ret_health. */
 void orl_run_move_health(const struct orl_run_state *state, struct orl_health *ret_health);
 
 #endif

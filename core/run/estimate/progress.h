@@ -1,4 +1,15 @@
 /*
+ * Time of a run: the clock and progress of its stages, estimates of time and memory, and the
+ * remaining time.
+ */
+#ifndef ORL_RUN_ESTIMATE_PROGRESS_H
+#define ORL_RUN_ESTIMATE_PROGRESS_H
+
+#include <oriel/job/run.h>
+
+#include "run/run_state.h"
+
+/*
  * Remaining time of a run, and the share that is done.
  *
  * The remaining time of the current stage is its estimate, replaced gradually by an extrapolation
@@ -16,15 +27,9 @@
  *
  * All functions depend on their arguments alone; they read no clock.
  */
-#ifndef ORL_RUN_ESTIMATE_PROGRESS_H
-#define ORL_RUN_ESTIMATE_PROGRESS_H
-
-#include <oriel/job/run.h>
-
-#include "run/run_state.h"
 
 struct orl_remaining_time {
-    double estimated_s[ORL_STAGE_COUNT]; /* estimate for each stage, by the whole crew */
+    double estimated_s[ORL_STAGE_COUNT]; /* estimate for each stage, by the whole thread pool */
     double spent_s[ORL_STAGE_COUNT];     /* time of the stages before the current one */
     enum orl_stage stage;                /* current stage */
     double fraction;                     /* reported progress of the stage; 0: none */
@@ -66,8 +71,6 @@ double orl_run_painting_share(const struct orl_run_state *state,
 double orl_run_sensors_time_share(const struct orl_run_state *state, double taken);
 /* Returns the sensors' share of the render stage. */
 double orl_run_sensors_share(const struct orl_run_state *state);
-/* Predicts the time of the whole job, into the forecast of its plan. */
-void orl_run_estimate_from_pilot(struct orl_run_state *state);
 
 /* The clock and the progress of a run's stages. */
 

@@ -70,8 +70,8 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
                             .least = least_samples};
     const double photons = fmax((double)plan->photons_global, (double)plan->photons_caustic);
     const bool backward = work.technique == ORL_TECHNIQUE_BACKWARD;
-    work.shares = backward && !work.of_views;
-    if (work.shares) {
+    work.by_noise = backward && !work.of_views;
+    if (work.by_noise) {
         const double worth = fmax((double)state->n_sensors / sensors_of_lamps, least_lamps);
         work.photons[ORL_MAP_GLOBAL] =
             (uint64_t)ceil((double)plan->photons_global * fmin(worth, 1));
@@ -87,7 +87,7 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
         } else {
             work.most = fmin(work.most, fmax(alike, work.least));
         }
-    } else if (work.shares || state->job->goal.dgp_error > 0)
+    } else if (work.by_noise || state->job->goal.dgp_error > 0)
         work.least = least_of_sensors;
     return work;
 }
@@ -123,7 +123,7 @@ double orl_work_limit(void)
 double orl_work_next(const struct orl_work *work, double done, double wanted)
 {
     const double unit = ORL_MAP_BATCHES; /* samples are divided into this many batches */
-    const double aim = wanted * (done < far * wanted && work->shares ? approach : margin);
+    const double aim = wanted * (done < far * wanted && work->by_noise ? approach : margin);
     const double missing = fmin(fmin(aim - done, growth * done), orl_work_limit() - done);
     double samples = work->least;
     if (done > 0)
@@ -276,7 +276,7 @@ void orl_run_predict_cost(struct orl_run_state *state, const struct orl_throughp
              by_rounds ? throughput->render_s / fmax(throughput->rounds, 1)
                        : 1e3 * throughput->render_s / throughput->samples,
              by_rounds ? "a round of its views" : "a thousand samples",
-             work->shares ? "^1.15" : "");
+             work->by_noise ? "^1.15" : "");
 }
 
 void orl_run_compute_curve(const struct orl_run_state *state,
@@ -386,7 +386,7 @@ static double *noise_of(const struct orl_run_state *state, const struct orl_work
                         double samples)
 {
     const struct orl_result *result = state->result;
-    double *noise = work->shares ? malloc((result->n_sensors + 1) * sizeof *noise) : NULL;
+    double *noise = work->by_noise ? malloc((result->n_sensors + 1) * sizeof *noise) : NULL;
     for (size_t i = 0; noise && i < result->n_sensors; i++)
         noise[i] = samples * result->standard_error_lx[i] * result->standard_error_lx[i];
     return noise;
@@ -399,7 +399,7 @@ void orl_run_compute_cost(struct orl_run_state *state)
     const double samples = samples_of(state, &work);
     const double photons = (double)(work.photons[ORL_MAP_GLOBAL] + work.photons[ORL_MAP_CAUSTIC]);
     /* This plan's lights are for its own samples; rounds have lights for the default number. */
-    if (work.shares)
+    if (work.by_noise)
         work.photons[ORL_MAP_GLOBAL] = (uint64_t)(photons * map_samples / samples);
     const struct orl_throughput throughput = {.setup_s = result->timings_s[ORL_STAGE_LOAD] +
                                                          result->timings_s[ORL_STAGE_BVH] +

@@ -1,4 +1,7 @@
-/* Estimates the work of a job for an accuracy before its errors are known. */
+/*
+ * The cost of work: samples of a goal, time and size of rounds, and the pilot's curve of
+ * accuracy over time.
+ */
 #ifndef ORL_RUN_ESTIMATE_ROUND_COST_H
 #define ORL_RUN_ESTIMATE_ROUND_COST_H
 
@@ -7,7 +10,9 @@
 #include "run/goals/percentile.h"
 #include "run/run_state.h"
 
-/* Returns the total samples of a sensor, as rounds count them (round_cost.h), by backward or by
+/* Estimates the work of a job for an accuracy before its errors are known. */
+
+/* Returns the total samples of a sensor, as rounds count them, by backward or by
  * maps. of_round: samples of a round, for goals of a DGP error. NaN: limited only by a deadline. */
 double orl_goal_estimate_samples(const struct orl_goal *goal, bool backward, double of_round);
 
@@ -15,7 +20,7 @@ double orl_goal_estimate_samples(const struct orl_goal *goal, bool backward, dou
  * The cost of work: samples, their meaning for each technique, their time and their effect.
  *
  * The size of a round (rounds.h) is a number of samples of every sensor, or their mean if sensors
- * get different numbers (sample_allocation.h). 4096 of them correspond to the photons, or virtual
+ * get different numbers (percentile.h). 4096 of them correspond to the photons, or virtual
  * lights, that the planner chooses. A job with only few sensors gets fewer lights, because their
  * cost is shared by few. 64 samples correspond to one sample of every pixel. Variances are
  * inversely proportional to samples.
@@ -29,7 +34,7 @@ struct orl_work {
     enum orl_technique technique;
     bool of_views; /* true if there are views, possibly with sensors */
     /* True if sensors may get different samples: backward, no views. */
-    bool shares;
+    bool by_noise;
     uint64_t photons[ORL_SHOT_KINDS]; /* chosen by the planner */
     double least, most;               /* limits of a round's samples */
     /* For views by maps: the part of their usual time that is proportional to samples, because
@@ -48,7 +53,7 @@ uint32_t orl_work_pixel_samples(double samples);
  * follow the samples. */
 bool orl_work_view_time_is_fixed(const struct orl_work *work);
 
-/* Returns the factor of view rays in a round, as in struct orl_painting (render/image/paint.h). */
+/* Returns the factor of view rays in a round, as in struct orl_painting (render/image/image.h). */
 double orl_work_view_rays(const struct orl_work *work, double samples);
 
 /* Returns the samples of the round after `done` of them, if `wanted` in total suffice; by counts
@@ -126,7 +131,7 @@ enum { ORL_PILOT_ROUNDS = 2 };
 struct orl_pilot {
     /* Ratio of the job's sensors, and views' work, to the pilot's. */
     double sensor_factor, view_factor;
-    double samples; /* samples of its rounds (round_cost.h); 0: the minimum of a job */
+    double samples;                   /* samples of its rounds; 0: the minimum of a job */
     struct orl_accuracy_curve *curve; /* out */
 };
 

@@ -1,3 +1,4 @@
+/* The current stage: its clock and progress; and the remaining time of a run. */
 #include "run/estimate/progress.h"
 
 #include <math.h>

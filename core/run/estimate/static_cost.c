@@ -1,3 +1,4 @@
+/* Rough estimates of the stages' times and of a goal's samples, before anything is measured. */
 #include <math.h>
 #include <string.h>
 
@@ -140,7 +141,7 @@ static double slowness(const struct orl_run_state *state)
     return f->known && ray_us > 0 ? sqrt(fmin(fmax(ray_us / usual_us, least), most)) : 1;
 }
 
-/* Returns the factor from microseconds on one core to seconds of this machine's crew. */
+/* Returns the factor from microseconds on one core to seconds of the thread pool. */
 static double crew_s(const struct orl_run_state *state)
 {
     return 1e-6 / orl_thread_pool_size(state->env->pool) * slowness(state);

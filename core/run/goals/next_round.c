@@ -1,3 +1,4 @@
+/* Decides what follows a round: by the job's goal, and within a deadline. */
 #include "run/goals/rounds.h"
 
 #include <math.h>

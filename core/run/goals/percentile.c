@@ -157,7 +157,8 @@ double orl_percentile_error(const struct orl_estimates *estimates, double at)
     return selection.least > 0 ? find_bound(&selection, at) : 0;
 }
 
-bool orl_percentile_is_met(const struct orl_estimates *estimates, double at, double target)
+/* Returns true if the bound is at most `target`. */
+static bool orl_percentile_is_met(const struct orl_estimates *estimates, double at, double target)
 {
     struct selection selection;
     if (!select_estimates(estimates, &selection))

@@ -1,4 +1,14 @@
 /*
+ * The error bound that a share of many estimates keeps to, and the allocation of samples that
+ * reduces it.
+ */
+#ifndef ORL_RUN_GOALS_PERCENTILE_H
+#define ORL_RUN_GOALS_PERCENTILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/*
  * Error bound that a share of many estimates keeps to: the at-percentile of |x_i - truth_i| /
  * max(x_i, floor), where estimate i has a bias b_i and a normal error of deviation s_i.
  *
@@ -20,11 +30,6 @@
  * If there are more than a few thousand estimates, usually pixels, some thousand evenly spaced ones
  * are used. They count as independent, which neighbouring pixels are not.
  */
-#ifndef ORL_RUN_GOALS_PERCENTILE_H
-#define ORL_RUN_GOALS_PERCENTILE_H
-
-#include <stdbool.h>
-#include <stddef.h>
 
 struct orl_estimates {
     const double *value, *error;
@@ -43,9 +48,6 @@ extern const double orl_floor_of_sensors, orl_floor_of_pixels;
 
 /* Returns the bound; NaN if an error is unknown, 0 if all values are 0. */
 double orl_percentile_error(const struct orl_estimates *estimates, double at);
-
-/* Returns true if the bound is at most `target`. */
-bool orl_percentile_is_met(const struct orl_estimates *estimates, double at, double target);
 
 /*
  * Returns the total work, relative to that done so far, that brings the bound down to target, if
@@ -68,8 +70,9 @@ double orl_percentile_work(const struct orl_estimates *estimates, double at, dou
  */
 
 /*
- * Returns the total samples, relative to those so far, that bring the bound of percentile.h down to
- * target; at least 1. For estimates without bias and of known noise. Returns NaN if out of memory.
+ * Returns the total samples, relative to those so far, that bring the bound of orl_percentile_error
+ * down to target; at least 1. For estimates without bias and of known noise. Returns NaN if out of
+ * memory.
  */
 double orl_allocation_work(const struct orl_estimates *estimates, double at, double target);
 

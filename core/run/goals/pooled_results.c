@@ -1,3 +1,4 @@
+/* Pools values of independent rounds, and the sensors and views of a job. */
 #include "run/goals/pooled_results.h"
 
 #include <math.h>

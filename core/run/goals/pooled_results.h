@@ -1,3 +1,17 @@
+/* Pooled results of a job's rounds: estimates by value, and the sensors and views of the job. */
+#ifndef ORL_RUN_GOALS_POOLED_RESULTS_H
+#define ORL_RUN_GOALS_POOLED_RESULTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/base/error.h>
+
+#include "metrics/glare.h"
+#include "run/goals/percentile.h"
+#include "run/run_state.h"
+
 /*
  * Pools the results of independent rounds for many values: means weighted by each round's weight,
  * and their standard errors.
@@ -14,18 +28,6 @@
  *
  * Ownership: init allocates, done frees. Not thread-safe.
  */
-#ifndef ORL_RUN_GOALS_POOLED_RESULTS_H
-#define ORL_RUN_GOALS_POOLED_RESULTS_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <oriel/base/error.h>
-
-#include "metrics/glare.h"
-#include "run/goals/percentile.h"
-#include "run/run_state.h"
 
 /* Results of one round. Errors are standard errors. */
 struct orl_round_values {
@@ -72,17 +74,17 @@ double orl_pooled_degrees(const struct orl_pooled_estimates *pooled);
 double orl_pooled_dispersion(const struct orl_pooled_estimates *pooled);
 
 /*
- * Pooled results of a job's rounds so far: its sensors and the pixels of each view
- * (pooled_estimates.h), and their transfer to the result.
+ * Pooled results of a job's rounds so far: its sensors and the pixels of each view, and their
+ * transfer to the result.
  *
- * Ownership: init allocates, done frees. Threads: only the lead's.
+ * Ownership: init allocates, done frees. Threads: the lead thread.
  */
 
 /* Results of the sensors, or of one view. */
 struct orl_pooled_output {
     struct orl_pooled_estimates pooled;
     double *errors; /* standard errors of its means, owned */
-    /* Variance of one sample of each sensor (sample_allocation.h), owned; NULL: unknown. */
+    /* Variance of one sample of each sensor (percentile.h), owned; NULL: unknown. */
     double *noise;
     struct orl_ray_moments *rays; /* contributions of single rays to sensors' means, owned */
     double floor;
@@ -97,7 +99,7 @@ struct orl_pooled_results {
     struct orl_estimates *estimates; /* one for every output; set by orl_pooled_results_evaluate */
 };
 
-/* Allocates, in the result as well. shared: samples are allocated to sensors by noise. */
+/* Allocates, in the result as well. by_noise: samples are allocated to sensors by noise. */
 int orl_pooled_results_init(struct orl_pooled_results *results, struct orl_run_state *state,
                             bool by_noise, struct orl_error *err);
 void orl_pooled_results_done(

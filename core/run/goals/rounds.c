@@ -53,7 +53,7 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
             return code;
     }
     r->throughput.setup_s = orl_rounds_now(r) - state->started_s;
-    if (r->work.shares) {
+    if (r->work.by_noise) {
         const size_t n = state->n_sensors;
         double *batches = calloc(n * ORL_MAP_BATCHES + 1, sizeof *batches);
         r->shares = malloc((n + 1) * sizeof *r->shares);
@@ -63,7 +63,7 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
         if (!r->shares || !r->sample_counts || !batches)
             return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu sensors", n);
     }
-    return orl_pooled_results_init(&r->results, state, r->work.shares, err);
+    return orl_pooled_results_init(&r->results, state, r->work.by_noise, err);
 }
 
 static void rounds_done(struct orl_rounds *r)
@@ -175,7 +175,7 @@ static void offset_rays(const struct orl_rounds *r, double ret_shift[2])
         ret_shift[i] = moved ? fmod(0.5 + r->count * step[i], 1) - 0.5 : 0;
 }
 
-/* Makes a round's state: the same world, with a job, a plan and a result of its own. */
+/* Makes a round's state: the same lit scene, with a job, a plan and a result of its own. */
 static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run_env *env,
                        struct orl_result *result, struct orl_run_state *ret_round)
 {
@@ -281,7 +281,7 @@ static void append_error_history(struct orl_outcome *outcome, double seconds)
     outcome->error_history[outcome->n_error_history++].error = outcome->achieved;
 }
 
-/* Handles a round of a pilot: keeps the size of the first round, and predicts the whole job from
+/* Handles a round of a pilot: stores the size of the first round, and predicts the whole job from
  * it. */
 static void resolve_pilot(struct orl_rounds *r, const struct orl_work *usual,
                           const struct orl_output_estimates *outputs)

@@ -1,3 +1,11 @@
+/* Jobs with an accuracy or a deadline: rounds, and the choice of the next one. */
+#ifndef ORL_RUN_GOALS_ROUNDS_H
+#define ORL_RUN_GOALS_ROUNDS_H
+
+#include "run/estimate/round_cost.h"
+#include "run/goals/pooled_results.h"
+#include "run/run_state.h"
+
 /*
  * Chooses the next step of a job with a deadline: another round, of what size, or the end. It uses
  * the seconds of earlier rounds (round_cost.h) and reads no clock.
@@ -8,12 +16,6 @@
  * each time, by a final gather with at least a quarter of its usual rays (round_cost.h). If even
  * that does not fit, the job ends early and reports it.
  */
-#ifndef ORL_RUN_GOALS_ROUNDS_H
-#define ORL_RUN_GOALS_ROUNDS_H
-
-#include "run/estimate/round_cost.h"
-#include "run/goals/pooled_results.h"
-#include "run/run_state.h"
 
 enum orl_deadline_step {
     ORL_DEADLINE_ROUND,    /* another round of `samples` */
@@ -60,7 +62,7 @@ struct orl_rounds {
     struct orl_sensor_round sensor_round;
     double bandwidths[ORL_MAP_KINDS]; /* for the current round */
     uint32_t count;
-    /* Number of rounds of a job in equal parts; 0: until its goal is met. */
+    /* Number of rounds of a job in equal rounds; 0: until its goal is met. */
     uint32_t planned;
     double wanted; /* estimated total samples; NaN: until a deadline */
     /* Estimate for the job without rounds, made before the first one. */
@@ -90,12 +92,12 @@ void orl_rounds_plan_next(struct orl_rounds *r, const struct orl_output_estimate
  *
  * A round is the job as it would run alone, with settings by the round's size (round_cost.h). Its
  * seed is derived from the job's and the round's number; the first round has the job's. Rounds are
- * independent, so that their results are pooled (pooled_estimates.h): a value is the mean over
+ * independent, so that their results are pooled (pooled_results.h): a value is the mean over
  * rounds, weighted by their mean samples. All work before photons is done once.
  *
  * Sensors by backward, which is unbiased, continue their sample sequence in each round, so that all
  * samples are as well stratified as without rounds. Only the virtual lights are new in each round.
- * Rounds after the first allocate more samples to noisier sensors (sample_allocation.h). Photon
+ * Rounds after the first allocate more samples to noisier sensors (percentile.h). Photon
  * maps have a bias that pooling does not reduce. As in probabilistic progressive photon mapping
  * (Knaus and Zwicker 2011) their bandwidths therefore shrink with the photons so far: a kernel's
  * area is proportional to their number to the power -1/3, by which bias and noise fall together.

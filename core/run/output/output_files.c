@@ -1,4 +1,4 @@
-/* Tables and maps of a job's sensors. */
+/* Result files: tables and maps of sensors, and the files of a finished view. */
 #include "run/output/output_files.h"
 
 #include <stdio.h>
@@ -12,6 +12,8 @@
 #include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 #include "run/stages/rendering.h"
+
+/* Tables and maps of a job's sensors. */
 
 /* Makes a name with the run's prefix, owned by the caller, and its path. */
 static int name_file(const struct orl_run_state *state, const char *name, char **ret_name,

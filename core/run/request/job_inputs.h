@@ -1,4 +1,4 @@
-/* Files of sensors: a point and a direction a line. */
+/* Inputs of a job that come from files: sensors, grids, views, and the sky. */
 #ifndef ORL_RUN_REQUEST_JOB_INPUTS_H
 #define ORL_RUN_REQUEST_JOB_INPUTS_H
 
@@ -7,6 +7,8 @@
 
 #include "light/daylight/daylight.h"
 #include "run/run_state.h"
+
+/* Files of sensors: a point and a direction a line. */
 
 /* Parses a file of sensors, like orl_sensors_read, into an array that the caller frees. */
 int orl_sensors_parse(const char *name, const char *text, size_t size,
@@ -45,7 +47,7 @@ int orl_run_resolve_views(const struct orl_job *job, const struct orl_files *fil
                           struct orl_view_request **ret_views, struct orl_error *err);
 void orl_run_views_done(const struct orl_job *job, struct orl_view_request *views);
 
-/* Skies that jobs request. Threads: only the lead's. */
+/* Skies that jobs request. Threads: the lead thread. */
 
 /* The weather file read last; all zeros if none. The name is borrowed. */
 struct orl_weather_cache {

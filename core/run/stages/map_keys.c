@@ -31,8 +31,8 @@ static void make_key(const char *text, size_t length, const char digest_of_rest[
     finish_hex(&hash, ret_key);
 }
 
-/* Digests the plan's omissions that affect photons. It uses the world instead of the plan, so that
- * jobs whose plans differ only in what photons do not depend on share maps. */
+/* Digests the plan's omissions that affect photons. It uses the lit scene instead of the plan, so
+ * that jobs whose plans differ only in what photons do not depend on share maps. */
 static void digest_plan(const struct orl_lit_scene *lit_scene, enum orl_map_kind kind,
                         unsigned char ret_digest[ORL_SHA256_BYTES])
 {

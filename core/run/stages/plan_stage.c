@@ -1,5 +1,7 @@
-/* The plan stage: stores the planner's findings in the result, and warns of requests against its
- * advice. */
+/*
+ * The plan stage: stores the planner's findings in the result, and predicts the time by the
+ * photon pilot. Warns of requests against the planner's advice.
+ */
 #include <math.h>
 #include <stdlib.h>
 
@@ -129,6 +131,39 @@ static int check_sensors(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
+/* Returns an upper bound of the time for photons to sensors in mid-air; their number is only known
+ * at run time. */
+static double sensor_flux_limit_s(const struct orl_run_state *state)
+{
+    const struct orl_plan *plan = &state->result->plan;
+    const struct orl_photon_forecast *f = &plan->forecast;
+    if (state->n_sensors == 0 || !(f->emitted[1] > 0) ||
+        !orl_sensor_flux_may_exist(state->lit_scene))
+        return 0;
+    return (double)orl_run_sensor_flux_limit(state) * f->seconds[1] / f->emitted[1];
+}
+
+/*
+ * Predicts the time of the whole job, into the forecast of its plan. It stays unknown for pixels
+ * and paths, and for photons if a pilot found too few. It is also unknown if the early end of
+ * photons to sensors in mid-air makes too large a difference.
+ */
+static void orl_run_estimate_from_pilot(struct orl_run_state *state)
+{
+    const double max_ratio = 3.5;
+    struct orl_plan *plan = &state->result->plan;
+    struct orl_photon_forecast *f = &plan->forecast;
+    const bool known = f->known && plan->technique == ORL_TECHNIQUE_GATHER &&
+                       state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
+    double least = known ? state->env->now_s(state->env->ctx) - state->started_s : NAN;
+    for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
+        least += state->cost_s[i];
+    const double most = least + sensor_flux_limit_s(state);
+    f->job_s = most <= max_ratio * least ? sqrt(least * most) : NAN;
+    if (isfinite(f->job_s) && !orl_run_is_measured(state))
+        state->cost_s[ORL_STAGE_RENDER] += f->job_s - least;
+}
+
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_plan_request request = {.job = state->job,
@@ -156,37 +191,4 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     if (code == 0 && state->env->plan_ready)
         state->env->plan_ready(state->env->ctx, plan);
     return code;
-}
-
-/* Returns an upper bound of the time for photons to sensors in mid-air; their number is only known
- * at run time. */
-static double sensor_flux_limit_s(const struct orl_run_state *state)
-{
-    const struct orl_plan *plan = &state->result->plan;
-    const struct orl_photon_forecast *f = &plan->forecast;
-    if (state->n_sensors == 0 || !(f->emitted[1] > 0) ||
-        !orl_sensor_flux_may_exist(state->lit_scene))
-        return 0;
-    return (double)orl_run_sensor_flux_limit(state) * f->seconds[1] / f->emitted[1];
-}
-
-/*
- * Predicts the job's time. It stays unknown for pixels and paths, and for photons if a pilot found
- * too few. It is also unknown if the early end of photons to sensors in mid-air makes too large a
- * difference.
- */
-void orl_run_estimate_from_pilot(struct orl_run_state *state)
-{
-    const double max_ratio = 3.5;
-    struct orl_plan *plan = &state->result->plan;
-    struct orl_photon_forecast *f = &plan->forecast;
-    const bool known = f->known && plan->technique == ORL_TECHNIQUE_GATHER &&
-                       state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
-    double least = known ? state->env->now_s(state->env->ctx) - state->started_s : NAN;
-    for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
-        least += state->cost_s[i];
-    const double most = least + sensor_flux_limit_s(state);
-    f->job_s = most <= max_ratio * least ? sqrt(least * most) : NAN;
-    if (isfinite(f->job_s) && !orl_run_is_measured(state))
-        state->cost_s[ORL_STAGE_RENDER] += f->job_s - least;
 }

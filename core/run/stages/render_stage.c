@@ -69,8 +69,8 @@ static int render_sensors(struct orl_rendering *rendering, struct orl_error *err
     orl_run_begin_phase(state, 0, rendering->share);
     const struct orl_renderer *renderer = rendering->renderer;
     int code = compute_chunks(rendering, err);
-    if (code == 0 && renderer->sensors)
-        code = renderer->sensors(renderer->ctx, err);
+    if (code == 0 && renderer->finish_sensors)
+        code = renderer->finish_sensors(renderer->ctx, err);
     if (code == 0 && !state->receive_film)
         orl_run_add_sparse_errors(result, state->sensors, state->rays);
     if (code == 0 && !state->receive_film && state->env->sensors_done)
@@ -123,7 +123,7 @@ static void set_view_shares(struct orl_rendering *rendering, double before)
     }
 }
 
-/* Renders the views that are not kept; views: scratch for all indices. */
+/* Renders the views that no earlier run has left; views: scratch for all indices. */
 static int render_remaining(struct orl_rendering *rendering, size_t *views, struct orl_error *err)
 {
     const struct orl_run_state *state = rendering->state;

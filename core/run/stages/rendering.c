@@ -22,8 +22,8 @@ void orl_rendering_report_sensors(const struct orl_rendering *rendering)
                    fmax((double)atomic_load(&rendering->samples_done), rendering->total_done));
 }
 
-/* Reports progress when the lead has finished a sensor. Other members have had the same time. They
- * have therefore done about as much, and are within one sensor of it. */
+/* Reports progress when the lead thread has finished a sensor. Other threads have had the same
+ * time. They have therefore done about as much, and are within one sensor of it. */
 static void report_in_progress(const struct orl_rendering *rendering, double samples)
 {
     const double members = orl_thread_pool_size(rendering->state->env->pool);
@@ -39,10 +39,11 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
     if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
         return;
     const size_t sensor = orl_rendering_sensor_at(rendering, rendering->first + index);
-    rendering->renderer->sensor(rendering->renderer->ctx, sensor, member, &rendering->found[index]);
+    rendering->renderer->compute_sensor(rendering->renderer->ctx, sensor, member,
+                                        &rendering->found[index]);
     const double samples = orl_run_sensor_samples(state, sensor);
     atomic_fetch_add(&rendering->samples_done, (uint64_t)samples);
-    if (member == 0) { /* only the lead reports progress */
+    if (member == 0) { /* only the lead thread reports progress */
         rendering->done_by_main += samples;
         report_in_progress(rendering, samples);
     }
@@ -99,7 +100,7 @@ static void view_phase(void *ctx, double from, double to)
                         progress->before + progress->share * to);
 }
 
-/* Hands a finished picture to take_film, or writes it and reports it. */
+/* Hands a finished picture to receive_film, or writes it and reports it. */
 static int store_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
                       struct orl_error *err)
 {
@@ -146,7 +147,8 @@ int orl_rendering_paint_view(struct orl_rendering *rendering, size_t index,
                                           .shift = {state->shift[0], state->shift[1]},
                                           .rays = state->view_rays};
     const int code = orl_rendering_open_view(state, index, &view, ret_film, err);
-    return code == 0 ? rendering->renderer->view(rendering->renderer->ctx, &painting, err) : code;
+    return code == 0 ? rendering->renderer->paint_view(rendering->renderer->ctx, &painting, err)
+                     : code;
 }
 
 int orl_rendering_finish_view(struct orl_rendering *rendering, size_t index,

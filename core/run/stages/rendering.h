@@ -1,4 +1,7 @@
-/* The render stage, and a sensor's values in the result. */
+/*
+ * The render stage: sensors in chunks, views one by one; a sensor's values and a view's glare
+ * in the result.
+ */
 #ifndef ORL_RUN_STAGES_RENDERING_H
 #define ORL_RUN_STAGES_RENDERING_H
 
@@ -21,13 +24,14 @@ struct orl_sensor_estimate {
 /* Callbacks of a technique for the render stage. */
 struct orl_renderer {
     void *ctx;
-    /* Computes a sensor and records it; called by any member of the crew. */
-    void (*sensor)(void *ctx, size_t index, uint32_t member, struct orl_sensor_estimate *ret_found);
+    /* Computes a sensor and records it; called by any thread of the pool. */
+    void (*compute_sensor)(void *ctx, size_t index, uint32_t member,
+                           struct orl_sensor_estimate *ret_found);
     /* Records a sensor that another process has computed. */
     void (*sensor_loaded)(void *ctx, size_t index, const struct orl_sensor_estimate *found);
     /* Work for all sensors together, after all of them; may be NULL. */
-    int (*sensors)(void *ctx, struct orl_error *err);
-    int (*view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
+    int (*finish_sensors)(void *ctx, struct orl_error *err);
+    int (*paint_view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
 };
 
 uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index);
@@ -37,7 +41,7 @@ void orl_run_store_sensor(const struct orl_run_state *state, size_t index,
                           const struct orl_estimate *estimate);
 
 /* Widens errors and intervals by the light that sensors have missed by chance, as the other sensors
- * show (base/statistics/sparse_events.h). Call it after all are recorded. */
+ * show (base/statistics/estimate.h). Call it after all are recorded. */
 void orl_run_add_sparse_errors(struct orl_result *result, const struct orl_sensor *sensors,
                                const struct orl_ray_moments *rays);
 
@@ -46,7 +50,7 @@ int orl_run_render(struct orl_run_state *state, const struct orl_renderer *rende
                    struct orl_error *err);
 
 /* State of the render stage: sensors in chunks, views one by one. render_stage.c renders all of
- * them; shared_sensors.c and shared_views.c distribute them as pieces. */
+ * them; shared_rendering.c distributes them as tasks. */
 
 /* Maximum sensors of a chunk; cancelling is polled between chunks. */
 enum { ORL_SENSOR_CHUNK = 128 };
@@ -67,7 +71,7 @@ struct orl_rendering {
     size_t stride; /* stride of the permutation */
     uint64_t samples;
     atomic_uint_fast64_t samples_done; /* samples of sensors done so far */
-    double done_by_main;               /* part of samples_done that the crew's lead did */
+    double done_by_main;               /* samples of samples_done that the lead thread did */
     double total_done;                 /* samples done, including those of other processes */
     struct orl_view_progress *views;
     struct orl_sensor_estimate found[ORL_SENSOR_CHUNK];
@@ -85,7 +89,7 @@ static inline size_t orl_sensor_chunk_size(const struct orl_rendering *rendering
     return left < rendering->chunk ? left : rendering->chunk;
 }
 
-/* Returns the number of sensors in a piece of a distributed job: few enough for a thousand
+/* Returns the number of sensors in a task of a distributed job: few enough for a thousand
  * processes. Results do not depend on it. */
 static inline size_t orl_task_chunk_size(size_t n_sensors)
 {
@@ -99,7 +103,7 @@ void orl_rendering_report_sensors(const struct orl_rendering *rendering);
 /* Computes and records a chunk; rendering->found has its results. */
 int orl_rendering_compute_chunk(struct orl_rendering *rendering, size_t first,
                                 struct orl_error *err);
-/* Distributes all sensors as pieces of a distributed run. */
+/* Distributes all sensors as tasks of a distributed run. */
 int orl_rendering_share_sensors(struct orl_rendering *rendering, struct orl_error *err);
 
 /* Prepares a view's empty picture and issues its warnings. The caller owns *ret_film. */
@@ -111,7 +115,7 @@ int orl_rendering_paint_view(struct orl_rendering *rendering, size_t index,
 /* Stores or writes a finished picture. started_s: time at which it was begun. */
 int orl_rendering_finish_view(struct orl_rendering *rendering, size_t index,
                               const struct orl_film *film, double started_s, struct orl_error *err);
-/* Distributes views as pieces of a distributed run. */
+/* Distributes views as tasks of a distributed run. */
 int orl_rendering_share_views(struct orl_rendering *rendering, const size_t *views, size_t n,
                               struct orl_error *err);
 

@@ -1,18 +1,23 @@
 /*
- * Keys of photon maps. A key is the digest of all that determines a map. A family is the digest of
- * all but the number of photons, so that the larger of two maps of one family contains the smaller.
+ * The stages of a run: plan, photon maps and their keys, rendering by a technique, and sensors
+ * by a technique of their own.
  */
 #ifndef ORL_RUN_STAGES_RUN_STAGES_H
 #define ORL_RUN_STAGES_RUN_STAGES_H
 
 #include "run/run_state.h"
 
+/*
+ * Keys of photon maps. A key is the digest of all that determines a map. A family is the digest of
+ * all but the number of photons, so that the larger of two maps of one family contains the smaller.
+ */
+
 struct orl_map_name {
     char key[ORL_DIGEST_HEX + 1];
     char family[ORL_DIGEST_HEX + 1]; /* "" for precomputed irradiance, which is made as a whole */
 };
 
-/* Returns the name of the job's map of a kind, after its world and plan are made. */
+/* Returns the name of the job's map of a kind, after its lit scene and plan are made. */
 struct orl_map_name orl_run_map_name(const struct orl_run_state *state, enum orl_map_kind kind,
                                      uint64_t target);
 
@@ -20,7 +25,7 @@ struct orl_map_name orl_run_map_name(const struct orl_run_state *state, enum orl
 
 /* Creates state->emission, where photons start, unless it exists. */
 int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err);
-/* Creates state->backward, the backward technique's data of the world, unless it exists. */
+/* Creates state->backward, the backward technique's data of the lit scene, unless it exists. */
 int orl_run_ensure_backward(struct orl_run_state *state, struct orl_error *err);
 void orl_run_free_backward(struct orl_run_state *state);
 
@@ -34,22 +39,20 @@ uint32_t orl_run_pixel_samples(const struct orl_run_state *state);
  * errors of its glare; 1: none. */
 uint32_t orl_run_count_batches(const struct orl_run_state *state);
 
-/* Plan stage: stores technique and effects in the result's plan, and makes state->world without the
- * plan's omissions. */
+/* Plan stage: stores technique and effects in the result's plan, and makes state->lit_scene without
+ * the plan's omissions. */
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err);
 
 /* Returns the limit of emissions for photons to sensors in mid-air. */
 uint64_t orl_run_sensor_flux_limit(const struct orl_run_state *state);
 
-/* Run the photons, maps and render stages; orl_run_technique chooses by the plan. */
-int orl_run_backward(struct orl_run_state *state, struct orl_error *err);
-int orl_run_gather(struct orl_run_state *state, struct orl_error *err);
+/* Runs the photons, maps and render stages by the plan's technique. */
 int orl_run_technique(struct orl_run_state *state, struct orl_error *err);
 
 /*
  * Sensors whose technique differs from the views' (orl_plan.sensor_technique) are rendered first.
- * Their run has its own plan and world, of the same scene. The job's run then continues with the
- * views alone, and both results are joined.
+ * Their run has its own plan and lit scene, of the same scene. The job's run then continues with
+ * the views alone, and both results are joined.
  */
 
 struct orl_sensor_run {
@@ -58,7 +61,7 @@ struct orl_sensor_run {
     const struct orl_run_env *all; /* environment of the whole job */
     size_t n_sensors;              /* sensors of the whole job, while the state has none */
     struct orl_job views;          /* the job without its sensors */
-    struct orl_run_env env;        /* for the views: their part of the run's progress */
+    struct orl_run_env env;        /* for the views: their share of the run's progress */
     /* Result of the sensors; their values are moved to the state's result. */
     struct orl_result result;
     double seconds; /* time that the sensors took */

@@ -1,5 +1,4 @@
-/* A job by the backward technique: photons for the virtual lights, which belong to this run and are
- * not stored, then sensors and views. */
+/* The photons, maps and render stages by the plan's technique: backward, or by photon maps. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,9 +15,13 @@
 #include "run/stages/run_stages.h"
 #include <oriel/base/memory_cache.h>
 
+/* A job by the backward technique: photons for the virtual lights, which belong to this run and are
+ * not stored, then sensors and views. */
+
 static void photon_progress(void *ctx, double fraction)
 {
-    orl_run_report_progress(ctx, 0.5 * fraction); /* the other half is for making lights of them */
+    /* The other half is for making virtual lights of the photons. */
+    orl_run_report_progress(ctx, 0.5 * fraction);
 }
 
 int orl_run_ensure_backward(struct orl_run_state *state, struct orl_error *err)
@@ -107,12 +110,12 @@ static int render_backward_view(void *ctx, const struct orl_painting *painting,
                                state->job->goal.dgp_error > 0, err);
 }
 
-int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
+static int orl_run_backward(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_renderer renderer = {.ctx = state,
-                                          .sensor = compute_backward_sensor,
+                                          .compute_sensor = compute_backward_sensor,
                                           .sensor_loaded = load_backward_sensor,
-                                          .view = render_backward_view};
+                                          .paint_view = render_backward_view};
     orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
     int code = put_lamps(state, err);
     if (code == 0) {
@@ -298,14 +301,14 @@ static void cache_gather(const struct orl_run_state *state, struct orl_gather *g
     orl_memory_cache_put(state->env->memory_cache, key, cached, bytes, free_gather);
 }
 
-int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
+static int orl_run_gather(struct orl_run_state *state, struct orl_error *err)
 {
     struct gather_run gather_run = {.state = state};
     const struct orl_renderer renderer = {.ctx = &gather_run,
-                                          .sensor = compute_gather_sensor,
+                                          .compute_sensor = compute_gather_sensor,
                                           .sensor_loaded = load_gather_sensor,
-                                          .sensors = add_sensor_flux,
-                                          .view = render_gather_view};
+                                          .finish_sensors = add_sensor_flux,
+                                          .paint_view = render_gather_view};
     int code = orl_run_is_dark(state) ? 0 : orl_run_prepare_maps(state, err);
     if (code < 0)
         return code;

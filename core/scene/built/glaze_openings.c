@@ -123,7 +123,7 @@ static bool is_outer_side(const struct orl_geometry *g, const struct met *met)
 }
 
 /*
- * Returns true if the opening stands before windows, as that of a frame or of a courtyard does: its
+ * Returns true if the opening is before windows, as that of a frame or of a courtyard does: its
  * rays inwards often hit the outer side of a window. Those windows are ports, and must remain so.
  */
 static bool is_before_windows(const struct orl_scene *scene, const struct candidate *c)
@@ -149,7 +149,7 @@ static bool is_before_windows(const struct orl_scene *scene, const struct candid
     return false;
 }
 
-/* Returns true if lenses or curved mirrors stand before the opening outdoors. */
+/* Returns true if lenses or curved mirrors are before the opening outdoors. */
 static bool is_behind_lenses(const struct orl_scene *scene, const struct candidate *c)
 {
     struct orl_random random = random_of(c);

@@ -69,7 +69,8 @@ static bool is_convex(const struct orl_facet *f, const struct orl_hit *hit)
     return orl_surface_kind_is_flat(f->kind) || hit->front != inwards;
 }
 
-bool orl_focusing_exists(const struct orl_scene *scene)
+/* Returns true if a scene has any surface that focuses or spreads the light of a sun. */
+static bool has_focusing_surfaces(const struct orl_scene *scene)
 {
     struct orl_facet_iterator walk = orl_facet_iterator(scene->geometry);
     while (orl_facet_iterator_next(&walk)) {
@@ -123,8 +124,8 @@ bool orl_focusing_is_significant(const struct orl_focusing_probe *probe)
  * Search for photon ports. Rays are traced from both faces of a window, with all surfaces opaque.
  * The window is a port if rays from one face reach open space much more often than rays from the
  * other. Panes inside a building see open space from neither side (the outer panes block), and
- * panes that stand free see it from both. Windows behind lenses or curved mirrors are not ports
- * (focusing.h): the scene is then open, and photons from suns and sky pass them.
+ * free-standing panes see it from both. Windows behind lenses or curved mirrors are not ports
+ * (orl_focusing_is_significant): the scene is then open, and photons from suns and sky pass them.
  */
 enum { OWNER_PROBES = 128 };
 enum { MOST_RAYS = 4000000, MOST_RAYS_A_FACE = 2048, LEAST_RAYS_A_FACE = 64 };
@@ -179,7 +180,7 @@ static bool is_shared(const struct orl_geometry *g, struct orl_port port, struct
     return false;
 }
 
-/* Returns true if lenses or curved mirrors stand before a window outdoors. */
+/* Returns true if lenses or curved mirrors are before a window outdoors. */
 static bool is_behind_lenses(const struct search *search, const struct orl_port *port,
                              struct orl_random *random)
 {
@@ -273,14 +274,15 @@ int orl_scene_find_ports(struct orl_scene *scene, struct orl_thread_pool *pool,
     int code = ORL_ERR_NOMEM;
     if (!candidates)
         goto done;
-    /* Scenes with mist have no ports: the split of light by ports holds only between surfaces. */
+    /* Scenes with participating media have no ports: the split of light by ports holds only between
+     * surfaces. */
     const size_t n = scene->mist ? 0 : list_candidates(scene, candidates);
     found = calloc(n + 1, sizeof *found);
     scene->port_of_facet = malloc((n_facets + 1) * sizeof *scene->port_of_facet);
     if (!found || !scene->port_of_facet)
         goto done;
     search.candidates = candidates;
-    search.lenses = n > 0 && orl_focusing_exists(scene);
+    search.lenses = n > 0 && has_focusing_surfaces(scene);
     search.found = found;
     const size_t share = MOST_RAYS / (n + 1);
     search.rays = (uint32_t)(share > MOST_RAYS_A_FACE    ? MOST_RAYS_A_FACE

@@ -1,6 +1,6 @@
 /*
- * Shares of rays that leave the scene from either side of a window or an opening, with every
- * surface taken as opaque. They show which side is outside.
+ * The search for photon ports: which side of a window is outside, what focuses light before it,
+ * unglazed openings, and the panes that they get.
  */
 #ifndef ORL_SCENE_BUILT_PORTS_H
 #define ORL_SCENE_BUILT_PORTS_H
@@ -9,6 +9,11 @@
 #include "scene/built/scene.h"
 #include "scene/geometry/geometry.h"
 #include "scene/parsed_scene.h"
+
+/*
+ * Shares of rays that leave the scene from either side of a window or an opening, with every
+ * surface taken as opaque. They show which side is outside.
+ */
 
 /* Fills ret_shares with the shares of rays that leave from the front and from the back of one of
  * the scene's own facets. Directions are cosine-weighted. Fewer rays are traced if the result is
@@ -25,8 +30,8 @@ static inline bool orl_escape_is_decided(const uint32_t left[2], uint32_t rays)
     return rays >= 256 && more >= rays / 4 && (left[0] == 0 || left[1] == 0);
 }
 
-/* Returns true if the side with the larger share is outside and the other one is not. Panes that
- * stand free see open space from both sides, so the result is false. */
+/* Returns true if the side with the larger share is outside and the other one is not. Free-standing
+ * panes see open space from both sides, so the result is false. */
 bool orl_escape_shows_outside(const double shares[2]);
 
 /*
@@ -34,9 +39,6 @@ bool orl_escape_shows_outside(const double shares[2]);
  * that refract. Paths outdoors do not find suns by way of them (exterior.h), so ports, which emit
  * the light of such paths, would omit it. Photons from the sun find it.
  */
-
-/* Returns true if a scene has any such surface. */
-bool orl_focusing_exists(const struct orl_scene *scene);
 
 /* Rays traced from the outer side of a window or an opening, and how many of them met a focusing
  * surface. */
@@ -81,9 +83,9 @@ int orl_unglazed_find(const struct orl_parsed_scene *parsed_scene,
                       struct orl_unglazed_opening *ret_openings, size_t *ret_n);
 
 /*
- * Unglazed openings (scene/geometry/unglazed_openings.h) that let daylight in. Each gets a pane
- * that changes no light, glass of index 1, so that it is a port (scene.h) as a glazed window is.
- * Photons then start at it, and rays from inside are sampled towards it.
+ * Panes for unglazed openings that let daylight in. Each gets a pane that changes no light, glass
+ * of index 1, so that it is a port (scene.h) as a glazed window is. Photons then start at it, and
+ * rays from inside are sampled towards it.
  */
 
 /*
@@ -91,10 +93,11 @@ int orl_unglazed_find(const struct orl_parsed_scene *parsed_scene,
  * Returns 0 or ORL_ERR_NOMEM, _LIMIT, _CANCELLED.
  *
  * An opening gets a pane if rays leave the scene from one of its sides several times as often as
- * from the other (escape.h). Rays past panes of other openings are not counted. It gets none if
- * - it stands before windows that are ports themselves (the opening of a frame or a courtyard)
- * - curved mirrors or lenses stand before it outdoors, whose light ports do not send in
- * - the scene has mist
+ * from the other (orl_escape_shows_outside). Rays past panes of other openings are not counted. It
+ * gets none if
+ * - it is before windows that are ports themselves (the opening of a frame or a courtyard)
+ * - curved mirrors or lenses are before it outdoors, whose light ports do not send in
+ * - the scene has participating media
  */
 int orl_scene_glaze_openings(struct orl_scene *scene, struct orl_error *err);
 

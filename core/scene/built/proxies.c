@@ -48,8 +48,8 @@ static bool add_way(struct ways *ways, const struct orl_geometry *geometry, uint
     return true;
 }
 
-/* Returns how far a proxy reaches towards `self`: its thickness. If `self` is a proxy that faces
- * it and stands for the same geometry, adds the thickness of `self`. */
+/* Returns how far a proxy reaches towards `self`: its thickness. If `self` is a proxy that faces it
+ * and represents the same geometry, adds the thickness of `self`. */
 static double reach_to(const struct orl_scene *scene, uint32_t proxy, uint32_t self)
 {
     const struct orl_geometry *const g = scene->geometry;
@@ -59,8 +59,8 @@ static double reach_to(const struct orl_scene *scene, uint32_t proxy, uint32_t s
            (faces ? fabs(orl_facet_proxy_offset(g, self)) : 0);
 }
 
-/* Returns true if a ray from a point along a direction meets a proxy that stands for the surface
- * at the point. */
+/* Returns true if a ray from a point along a direction hits a proxy that represents the surface at
+ * the point. */
 static bool is_covered(const struct orl_scene *scene, const struct orl_geometry *proxies,
                        struct orl_vec3 point, struct orl_vec3 way, double reach, uint32_t self)
 {
@@ -72,7 +72,7 @@ static bool is_covered(const struct orl_scene *scene, const struct orl_geometry 
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_get_own(proxies, hit.facet, &own);
         at += hit.distance;
-        /* If proxies stand for each other, only the first is kept. */
+        /* If proxies represent each other, only the first stays. */
         if (orl_dot(way_across(proxies, hit.facet), way) > 1 - 1e-3 &&
             at <= reach_to(scene, hit.facet, self) + 4 * f->offset && hit.facet != self &&
             (!is_proxy(scene, self) || (hit.facet < self && !scene->hidden[hit.facet])))

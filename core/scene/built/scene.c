@@ -40,8 +40,8 @@ static int list_emissive(struct orl_scene *scene)
     return 0;
 }
 
-/* Decides which of two coincident surfaces light meets. Mist is no such surface and is left as
- * it is. */
+/* Decides which of two coincident surfaces light meets. Boundaries of participating media are no
+ * such surfaces and stay unchanged. */
 static int remove_coincident(struct orl_parsed_scene *d, struct orl_error *err)
 {
     size_t n = 0, kept = 0;

@@ -1,6 +1,7 @@
 /*
- * A scene without its lights: the parsed files, the surfaces that light and views meet, and the
- * windows that let light in. It is independent of sky and plan, so jobs share it.
+ * A scene without its lights: the parsed scene, the geometry that light and views meet, BSDFs as
+ * proxies for geometry, participating media, and the windows that let light in. It is independent
+ * of sky and plan, so jobs share it.
  *
  * Immutable once its ports are found, and shared by all threads. Reference-counted (orl_scene_hold,
  * orl_scene_release).
@@ -20,21 +21,20 @@
 
 enum { ORL_NO_PORT = -1 };
 
-/* A photon port (lit_scene.h): a window one face of which sees the outside. */
+/* A photon port (light/lit_scene.h): a window one face of which sees the outside. */
 struct orl_port {
     uint32_t facet;
     bool outside_is_front; /* the declared normal points outdoors */
     struct orl_vec3 outward;
     double area;
     bool shared; /* other surfaces overlap it in its plane: see orl_port_owns */
-    /* Findings of the planner, in a world's own ports; if false, rays find all light. */
+    /* Findings of the planner, in a lit scene's own ports; if false, rays find all light. */
     /* nothing lies beyond its plane: rays outwards see domes and suns only */
     bool clear;
     bool silent; /* no light arrives at it from outside: it emits no photons */
 };
 
-/* Proxies (proxies.h) for which it is uncertain whether they are a pair: count and first
- * example. */
+/* Proxies for which it is uncertain whether they are a pair: count and first example. */
 struct orl_proxy_pairing {
     size_t count;
     /* The first example. */
@@ -45,12 +45,12 @@ struct orl_proxy_pairing {
 
 struct orl_scene {
     struct orl_parsed_scene parsed_scene; /* owned */
-    struct orl_geometry *geometry;        /* owned; surfaces that light meets */
-    struct orl_geometry *seen;    /* owned; surfaces that views meet; NULL: the same as geometry */
-    struct orl_geometry *proxies; /* owned; BSDFs that stand for geometry; NULL: none */
-    struct orl_geometry *mist;    /* owned; surfaces of volume.h's volumes; NULL: none */
+    struct orl_geometry *geometry;        /* owned; surfaces for light */
+    struct orl_geometry *seen;    /* owned; surfaces for views; NULL: the same as geometry */
+    struct orl_geometry *proxies; /* owned; BSDFs as proxies for geometry; NULL: none */
+    struct orl_geometry *mist;    /* owned; boundaries of participating media; NULL: none */
     /* per facet of the scene's own (not instanced): true if it exists for views only
-     * (proxies.h); or NULL */
+     * (proxies below); or NULL */
     bool *hidden;
     size_t n_hidden;
     /* paired: taken as a pair although neither reaches the other; not_paired: taken as two
@@ -62,7 +62,7 @@ struct orl_scene {
     size_t n_ports;
     /* index into ports, or ORL_NO_PORT, per facet of the scene's own (not instanced) */
     int32_t *port_of_facet;
-    size_t n_openings; /* unglazed openings that were given panes (glaze_openings.h) */
+    size_t n_openings; /* unglazed openings that were given panes (ports.h) */
     bool open;         /* light can enter without crossing a port */
     atomic_uint holders;
 };
@@ -74,7 +74,7 @@ struct orl_scene {
 int orl_scene_remove_coincident(struct orl_parsed_scene *parsed_scene, struct orl_error *err);
 
 /*
- * Takes the description over (it is emptied, also on failure), calls orl_scene_remove_coincident
+ * Takes the parsed scene over (it is emptied, also on failure), calls orl_scene_remove_coincident
  * unless that was done, and builds all but the ports. Returns 0 and a scene that the caller holds,
  * or ORL_ERR_NOMEM, _UNSUPPORTED, _LIMIT, _CANCELLED.
  */
@@ -101,10 +101,10 @@ static inline const struct orl_material *orl_scene_material(const struct orl_sce
 }
 
 /*
- * Adds to the hash how rays meet the scene beyond what its files say. In scenes with many
+ * Adds to the hash how rays hit the scene, beyond what its files say. In scenes with many
  * triangles, rays through an edge may hit its other side (orl_geometry_is_vast), and numbers are
- * packed (packed.h): that is the third recipe for these scenes. A lining may be removed
- * (linings.h), and openings may have been given panes (glaze_openings.h).
+ * packed (packed.h): that is the third recipe for these scenes. A lining may be omitted
+ * (antimatter.h), and openings may have been given panes (ports.h).
  */
 void orl_scene_digest_build(const struct orl_scene *scene, struct orl_sha256 *hash);
 
@@ -142,16 +142,16 @@ static inline bool orl_port_owns(const struct orl_geometry *geometry, const stru
 }
 
 /*
- * BSDFs that stand for geometry. A BSDF with a thickness is a proxy: it was measured from the
- * slats, prisms or other surfaces within that distance, on the side opposite its normal (negative
+ * Proxies: BSDFs for geometry. A BSDF with a thickness is a proxy. It was measured from the slats,
+ * prisms or other surfaces within that distance, on the side opposite its normal (negative
  * thickness: on the side of its normal). Light meets the proxy, and views see the geometry.
  *
  * So there are two scenes. In the scene of light (orl_scene.geometry) the surfaces that a proxy
- * stands for are removed. There the proxy scatters as any BSDF does, on both sides. Rays that leave
+ * represents are removed. There the proxy scatters as any BSDF does, on both sides. Rays that leave
  * it to the side of the geometry start beyond it, because partly covered surfaces may remain there.
  *
- * If two proxies stand for the same geometry, one to each side, the first serves both. They
- * are such a pair if they face opposite ways and their two thicknesses together span the distance
+ * If two proxies represent the same geometry, one to each side, the first serves both. They are
+ * such a pair if they face opposite ways and their two thicknesses together span the distance
  * between them. (In Radiance each scatters only light from its outer side, at any distance, with
  * the same result. Files have pairs a little further apart than either is thick.)
  *
@@ -178,10 +178,10 @@ enum orl_port_crossing orl_proxies_last_crossing(const struct orl_scene *scene,
                                                  double distance);
 
 /*
- * Mist: volumes that absorb and scatter light, between surfaces that light passes as if they did
- * not exist. The surfaces have a geometry of their own. A ray's path through mist lies between its
- * crossings of them; inside is behind the normal. Where volumes overlap, extinctions add up, and
- * each volume scatters its own share.
+ * Participating media (Radiance's mist): volumes that absorb and scatter light, between boundaries
+ * that light passes unchanged. The boundaries have a geometry of their own. A ray's path through a
+ * medium lies between its crossings of them; inside is behind the normal. Where volumes overlap,
+ * extinctions add up, and each volume scatters its own share.
  *
  * A scattering distance is sampled by the extinction of one of three channels. Weights use the mean
  * pdf of all three (the balance heuristic), so they are at most three. Phase functions are
@@ -191,8 +191,8 @@ enum orl_port_crossing orl_proxies_last_crossing(const struct orl_scene *scene,
  * "Hero Wavelength Spectral Sampling", 2014, on weights of several channels.
  */
 
-/* Moves the surfaces of mist from the scene's geometry to one of their own. Returns 0,
- * ORL_ERR_NOMEM, or ORL_ERR_LIMIT. */
+/* Moves the boundaries of participating media from the scene's geometry to one of their own.
+ * Returns 0, ORL_ERR_NOMEM, or ORL_ERR_LIMIT. */
 int orl_volume_split(struct orl_scene *scene, struct orl_error *err);
 
 /* Returns the share of light that is neither absorbed nor scattered over a distance, which may
@@ -203,7 +203,7 @@ struct orl_rgb orl_volume_transmittance(const struct orl_scene *scene, struct or
 /* A sampled scattering event, or the passage without one, and the path's weight. */
 struct orl_volume_event {
     bool scattered;
-    /* distance: of the event; forward: parameter of its phase function, -1 to 1 */
+    /* distance: of the event; asymmetry: parameter of its phase function, -1 to 1 */
     double distance, asymmetry;
     struct orl_rgb weight;
 };

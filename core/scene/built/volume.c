@@ -4,7 +4,7 @@
 
 enum { MOST_CROSSINGS = 64, MOST_MISTS = 16 };
 
-/* ---- Geometry of mist ------------------------------------------------------------------------ */
+/* ---- Boundaries ------------------------------------------------------------------------------ */
 
 static bool is_mist(const struct orl_scene *scene, size_t facet)
 {
@@ -53,20 +53,20 @@ int orl_volume_split(struct orl_scene *scene, struct orl_error *err)
 
 /* ---- Crossings ------------------------------------------------------------------------------- */
 
-/* A crossing of a mist's surface; change: 1 for entering, -1 for leaving. */
+/* A crossing of a volume's boundary; change: 1 for entering, -1 for leaving. */
 struct crossing {
     double at;
     const struct orl_material *mist;
     int change;
 };
 
-/* The crossings of a ray with mists, in order, and the mists around the current position. */
+/* The crossings of a ray with volumes, in order, and the volumes around the current position. */
 struct way {
     struct crossing crossings[MOST_CROSSINGS];
     int n;
     struct {
         const struct orl_material *mist;
-        int depth; /* number of this mist's volumes that contain the position */
+        int depth; /* number of this medium's volumes that contain the position */
     } within[MOST_MISTS];
     int n_mists;
 };
@@ -86,7 +86,8 @@ static void cross_surface(struct way *way, const struct crossing *crossing)
     way->within[index_of(way, crossing->mist)].depth += crossing->change;
 }
 
-/* Computes the mists in which the ray starts: those that it leaves without having entered them. */
+/* Computes the volumes in which the ray starts: those that it leaves without having entered them.
+ * */
 static void find_start(struct way *way)
 {
     int lowest[MOST_MISTS] = {0};
@@ -121,7 +122,7 @@ static void find_crossings(const struct orl_scene *scene, struct orl_vec3 origin
     find_start(ret);
 }
 
-/* A part of a ray with constant extinction. */
+/* A segment of a ray with constant extinction. */
 struct stretch {
     double from, to;
     struct orl_rgb extinction;
@@ -136,7 +137,7 @@ static struct orl_rgb extinction_of(const struct way *way)
     return sum;
 }
 
-/* Computes the i-th part; i counts up from 0. Returns false beyond the end. */
+/* Computes the i-th segment; i counts up from 0. Returns false beyond the end. */
 static bool next_stretch(struct way *way, int i, double end, struct stretch *ret)
 {
     if (i > way->n)
@@ -189,7 +190,7 @@ static double mean_of(struct orl_rgb c)
     return (c.r + c.g + c.b) / 3;
 }
 
-/* Samples one of the mists at the position, in proportion to its scattering coefficient. */
+/* Samples one of the media at the position, in proportion to its scattering coefficient. */
 static struct orl_volume_event scatter_in_mist(const struct way *way, double at,
                                                struct orl_rgb left, struct orl_rgb extinction,
                                                struct orl_random *random)
@@ -199,15 +200,15 @@ static struct orl_volume_event scatter_in_mist(const struct way *way, double at,
     struct orl_volume_event event = {.scattered = true, .distance = at};
     for (int i = 0; i < way->n_mists; i++)
         if (way->within[i].depth > 0)
-            sum += mean_of(way->within[i].mist->scattered);
+            sum += mean_of(way->within[i].mist->scattering);
     const double drawn = orl_random_uniform(random) * sum;
     for (int i = 0; i < way->n_mists && seen <= drawn; i++)
         if (way->within[i].depth > 0) {
-            const double share = mean_of(way->within[i].mist->scattered);
+            const double share = mean_of(way->within[i].mist->scattering);
             seen += share;
             event.asymmetry = way->within[i].mist->asymmetry;
             if (share > 0)
-                event.weight = orl_rgb_scale(way->within[i].mist->scattered, sum / share);
+                event.weight = orl_rgb_scale(way->within[i].mist->scattering, sum / share);
         }
     event.weight = orl_rgb_scale(orl_rgb_mul(event.weight, left), 1 / density);
     return event;

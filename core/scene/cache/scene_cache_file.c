@@ -259,7 +259,7 @@ int orl_parsed_scene_save(const struct orl_parsed_scene *parsed_scene,
     return code;
 }
 
-/* Reports the error of a failed stream; keeps an error that loading a BSDF has already set. */
+/* Reports the error of a failed stream; an error that loading a BSDF has set takes precedence. */
 static int report_failure(const struct orl_scene_cache_stream *k, const char *path,
                           struct orl_error *err)
 {

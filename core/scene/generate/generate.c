@@ -1,3 +1,4 @@
+/* Functions that generators share: words are read, scene text is written. */
 #include "scene/generate/generate.h"
 
 #include <stdarg.h>
@@ -144,16 +145,4 @@ int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct or
 {
     const int code = orl_words_int(words, "the month", 1, 12, &moment->month, err);
     return code < 0 ? code : orl_words_int(words, "the day", 1, 31, &moment->day, err);
-}
-
-void orl_text_warn_site(struct orl_text *text, const char *program, const struct orl_location *site)
-{
-    const double in_hours = 12.0 / ORL_PI;
-    const double west =
-        orl_sun_hours_apart(site->longitude_rad * in_hours, site->meridian_rad * in_hours);
-    if (fabs(west) > 3.0)
-        orl_text_warn(text,
-                      "%s: %.1f hours lie between the standard meridian and the longitude "
-                      "(both are degrees west)",
-                      program, west);
 }

@@ -1,7 +1,8 @@
 /*
- * The generators that scene files call: genbox, gensky and gendaylit. Each reads the words of its
- * command and writes the scene text of Radiance's program of that name. The printed digits are
- * equal, so a command and its output mean the same scene. The text is then parsed like any other.
+ * Generators that scene files call: what they share, and the skies gensky and gendaylit (solids and
+ * curved surfaces: solid/solids.h). Each reads the words of its command and writes the scene text
+ * of Radiance's program of that name. The printed digits are equal, so a command and its output
+ * mean the same scene. The text is then parsed like any other.
  *
  * Errors: ORL_ERR_SYNTAX for invalid words, _RANGE for numbers out of range, _UNSUPPORTED for
  * options that Oriel does not support.
@@ -37,8 +38,6 @@ void orl_text_warn(struct orl_text *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* words[0] is the command's name. */
-int orl_genbox(const char *const *words, size_t count, struct orl_text *text,
-               struct orl_error *err);
 int orl_gensky(const char *const *words, size_t count, struct orl_text *text,
                struct orl_error *err);
 int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
@@ -46,9 +45,9 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
 
 /*
  * Returns the sky of the same words in full precision instead of printed digits. Radiances are
- * W/sr/m2 per channel. text gets only warnings, without those about the site's longitude. placed:
- * the sun's position, which overrides the words; NULL: as the programs compute it from the words.
- * With placed, only the day of the year is used of the words' time.
+ * W/sr/m2 per channel. text gets only warnings, without those about the site's longitude.
+ * sun_override: the sun's position, which overrides the words; NULL: as the programs compute it
+ * from the words. With sun_override, only the day of the year is used of the words' time.
  */
 struct orl_sky_numbers {
     struct orl_sky pattern; /* sky and ground, as skybright's arguments */
@@ -74,8 +73,7 @@ int orl_gensky_numbers(const char *const *words, size_t count,
                        const struct orl_sun_position *sun_override, struct orl_text *text,
                        struct orl_sky_numbers *ret_numbers, struct orl_error *err);
 
-/* ---- Shared by the generators
- * ----------------------------------------------------------------- */
+/* ---- Shared by the generators ---------------------------------------------------------------- */
 
 /* The unread words of a command. */
 struct orl_words {
@@ -100,10 +98,6 @@ int orl_words_sun(struct orl_words *words, struct orl_sun_position *ret_sun, boo
 
 /* Reads the month and the day that follow. */
 int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct orl_error *err);
-
-/* Warns if meridian and longitude are more than three hours apart, usually by a wrong sign. */
-void orl_text_warn_site(struct orl_text *text, const char *program,
-                        const struct orl_location *site);
 
 /*
  * Splits a '!' line into words and pipeline stages, by a shell's rules for plain words: blanks

@@ -3,6 +3,19 @@
  */
 #include "scene/generate/generate.h"
 
+/* Warns if meridian and longitude are more than three hours apart, usually by a wrong sign. */
+static void warn_site(struct orl_text *text, const char *program, const struct orl_location *site)
+{
+    const double in_hours = 12.0 / ORL_PI;
+    const double west =
+        orl_sun_hours_apart(site->longitude_rad * in_hours, site->meridian_rad * in_hours);
+    if (fabs(west) > 3.0)
+        orl_text_warn(text,
+                      "%s: %.1f hours lie between the standard meridian and the longitude "
+                      "(both are degrees west)",
+                      program, west);
+}
+
 /* Writes a sun as both programs do; the angle is text because they print different digits. */
 static void write_sun(const struct orl_sky_numbers *sky, const char *angle, struct orl_text *text)
 {
@@ -23,7 +36,7 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
     if (code < 0)
         return code;
     if (sky.by_clock)
-        orl_text_warn_site(text, "gendaylit", &sky.site);
+        warn_site(text, "gendaylit", &sky.site);
     if (sky.no_gradation)
         orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
     write_sun(&sky, "0.533000", text);
@@ -44,7 +57,7 @@ int orl_gensky(const char *const *words, size_t count, struct orl_text *text, st
     if (code < 0)
         return code;
     if (sky.by_clock)
-        orl_text_warn_site(text, "gensky", &sky.site);
+        warn_site(text, "gensky", &sky.site);
     write_sun(&sky, "0.5", text);
     orl_text_add(text, "void brightfunc skyfunc\n2 skybr skybright.cal\n0\n");
     if (sky.pattern.n_args == 3)

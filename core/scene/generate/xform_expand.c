@@ -8,8 +8,24 @@
 #include "scene/generate/generate.h"
 #include "scene/generate/xform.h"
 
+/*
+ * Expansion of an xform command (-a, -f). Its words are read with successive transforms combined
+ * first, so that copies need not read them again.
+ */
+
+/* A word of the command, or a combined transform. */
+struct xform_word {
+    const char *text; /* NULL: a transform */
+    struct orl_xform transform;
+};
+
+static bool word_is(const struct xform_word *word, const char *text)
+{
+    return word->text && strcmp(word->text, text) == 0;
+}
+
 struct folding {
-    struct orl_xform_word *words;
+    struct xform_word *words;
     size_t n;
     bool options;  /* no transform has been read yet */
     bool modified; /* a -m has been read */
@@ -18,7 +34,7 @@ struct folding {
 
 static void put_word(struct folding *f, const char *text)
 {
-    f->words[f->n++] = (struct orl_xform_word){.text = text};
+    f->words[f->n++] = (struct xform_word){.text = text};
     f->turned = false;
 }
 
@@ -66,7 +82,7 @@ static size_t fold_option(struct folding *f, const char *const *words, size_t co
  * none. */
 static size_t fold_next(struct folding *f, const char *const *words, size_t count)
 {
-    struct orl_xform_word run = {.text = NULL};
+    struct xform_word run = {.text = NULL};
     size_t used = 0;
     if (begins_copies(words[0])) {
         if (count < 2)
@@ -88,7 +104,12 @@ static size_t fold_next(struct folding *f, const char *const *words, size_t coun
     return used;
 }
 
-struct orl_xform_word *orl_xform_fold(const char *const *words, size_t count, size_t *ret_n)
+/*
+ * Returns the words (owned, free()), or NULL if out of memory. Options without effect are left out:
+ * -c, -e, -I twice, -m behind another. Words that are not understood, such as file names, remain
+ * with all that follow; the caller handles or refuses them. Texts are borrowed.
+ */
+static struct xform_word *fold_words(const char *const *words, size_t count, size_t *ret_n)
 {
     /* a single "-i N" may become "-i 1" and a transform */
     struct folding f = {.words = malloc((2 * count + 1) * sizeof *f.words), .options = true};
@@ -125,13 +146,13 @@ struct expansion {
     unsigned depth;
 };
 
-static int expand_words(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int expand_words(struct expansion *e, const struct xform_word *words, size_t count,
                         struct orl_error *err);
 
-static size_t find_option(const struct orl_xform_word *words, size_t count, const char *option)
+static size_t find_option(const struct xform_word *words, size_t count, const char *option)
 {
     size_t i = 0;
-    while (i < count && !orl_xform_is(&words[i], option))
+    while (i < count && !word_is(&words[i], option))
         i++;
     return i;
 }
@@ -148,21 +169,21 @@ static size_t join_prefix(char prefix[ORL_PREFIX_BYTES], size_t length, const ch
 }
 
 /* Reads leading -m, -n and flags. Several -n join with dots; the first -m counts. */
-static size_t read_options(const struct orl_xform_word *words, size_t count,
-                           struct orl_xform_use *use, bool *inverted, char prefix[ORL_PREFIX_BYTES])
+static size_t read_options(const struct xform_word *words, size_t count, struct orl_xform_use *use,
+                           bool *inverted, char prefix[ORL_PREFIX_BYTES])
 {
     size_t i = 0, length = 0;
     for (; i < count; i++) {
-        if (orl_xform_is(&words[i], "-I")) {
+        if (word_is(&words[i], "-I")) {
             *inverted = !*inverted;
-        } else if (orl_xform_is(&words[i], "-m") && i + 1 < count && words[i + 1].text) {
+        } else if (word_is(&words[i], "-m") && i + 1 < count && words[i + 1].text) {
             i++;
             use->modifier = use->modifier ? use->modifier : words[i].text;
-        } else if (orl_xform_is(&words[i], "-n") && i + 1 < count && words[i + 1].text) {
+        } else if (word_is(&words[i], "-n") && i + 1 < count && words[i + 1].text) {
             i++;
             use->prefix = prefix;
             length = join_prefix(prefix, length, words[i].text);
-        } else if (!orl_xform_is(&words[i], "-c") && !orl_xform_is(&words[i], "-e")) {
+        } else if (!word_is(&words[i], "-c") && !word_is(&words[i], "-e")) {
             /* -c leaves commands unexpanded and -e expands them; both have no effect here. */
             break;
         }
@@ -171,18 +192,18 @@ static size_t read_options(const struct orl_xform_word *words, size_t count,
 }
 
 /* Reads a transform that was left as words, up to the next -i. */
-static int read_words(const struct orl_xform_word *words, size_t count, const char **texts,
+static int read_words(const struct xform_word *words, size_t count, const char **texts,
                       struct orl_xform *ret_some, size_t *ret_used, struct orl_error *err)
 {
     size_t n = 0;
-    for (; n < count && words[n].text && !orl_xform_is(&words[n], "-i"); n++)
+    for (; n < count && words[n].text && !word_is(&words[n], "-i"); n++)
         texts[n] = words[n].text;
     return orl_xform_read(texts, n, ret_some, ret_used, err);
 }
 
 /* Reads leading transforms, where each -i repeats those up to the next; *ret_used: number of
  * words. */
-static int read_transforms(const struct orl_xform_word *words, size_t count, const char **texts,
+static int read_transforms(const struct xform_word *words, size_t count, const char **texts,
                            struct orl_xform *ret_xform, size_t *ret_used, struct orl_error *err)
 {
     struct orl_xform total = orl_xform_identity, block = total, some;
@@ -192,7 +213,7 @@ static int read_transforms(const struct orl_xform_word *words, size_t count, con
         if (!words[i].text) {
             block = orl_xform_compose(&words[i].transform, &block);
             used = 1;
-        } else if (orl_xform_is(&words[i], "-i")) {
+        } else if (word_is(&words[i], "-i")) {
             orl_xform_repeat(&total, &block, times);
             block = orl_xform_identity;
             code = orl_xform_repeats(i + 1 < count ? words[i + 1].text : NULL, &times, err);
@@ -213,7 +234,7 @@ static int read_transforms(const struct orl_xform_word *words, size_t count, con
 }
 
 /* Reads the file names behind the transforms. */
-static int read_files(const struct orl_xform_word *words, size_t count, const char **files,
+static int read_files(const struct xform_word *words, size_t count, const char **files,
                       struct orl_error *err)
 {
     for (size_t i = 0; i < count; i++)
@@ -230,7 +251,7 @@ static int read_files(const struct orl_xform_word *words, size_t count, const ch
 }
 
 /* Reads the words into *use; texts has room for them all. */
-static int read_use(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int read_use(struct expansion *e, const struct xform_word *words, size_t count,
                     const char **texts, char prefix[ORL_PREFIX_BYTES], struct orl_xform_use *use,
                     struct orl_error *err)
 {
@@ -254,7 +275,7 @@ static int read_use(struct expansion *e, const struct orl_xform_word *words, siz
 }
 
 /* Handles a command without -a and -f: one use. */
-static int use_once(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int use_once(struct expansion *e, const struct xform_word *words, size_t count,
                     struct orl_error *err)
 {
     struct orl_xform_use use = {.xform = orl_xform_identity};
@@ -275,19 +296,19 @@ static int use_once(struct expansion *e, const struct orl_xform_word *words, siz
  * Appends the copy's number to the names that -n gives, as the command does: an argument file
  * extends the first, an array sets all of them to the last one. Returns false if there is none.
  */
-static bool number_names(struct orl_xform_word *words, size_t count, char letter, size_t number,
+static bool number_names(struct xform_word *words, size_t count, char letter, size_t number,
                          char name[ORL_PREFIX_BYTES])
 {
     const char *old = NULL;
     bool done = false;
     for (size_t i = 1; i < count && !(old && letter == 'i'); i++)
-        if (orl_xform_is(&words[i - 1], "-n") && words[i].text)
+        if (word_is(&words[i - 1], "-n") && words[i].text)
             old = words[i].text;
     if (!old)
         return false;
     snprintf(name, ORL_PREFIX_BYTES, "%.*s.%zu", ORL_PREFIX_BYTES - 24, old, number);
     for (size_t i = 1; i < count && !(done && letter == 'i'); i++) {
-        if (orl_xform_is(&words[i - 1], "-n") && words[i].text) {
+        if (word_is(&words[i - 1], "-n") && words[i].text) {
             words[i].text = name;
             done = true;
         }
@@ -299,12 +320,12 @@ static bool number_names(struct orl_xform_word *words, size_t count, char letter
  * Expands a copy of the words in which middle replaces item and its value. The copy's number is
  * appended to its names, or "-n <letter><number>" is put in front.
  */
-static int expand_copy(struct expansion *e, const struct orl_xform_word *words, size_t count,
-                       size_t item, const struct orl_xform_word *middle, size_t n_middle,
-                       char letter, size_t number, struct orl_error *err)
+static int expand_copy(struct expansion *e, const struct xform_word *words, size_t count,
+                       size_t item, const struct xform_word *middle, size_t n_middle, char letter,
+                       size_t number, struct orl_error *err)
 {
     char name[ORL_PREFIX_BYTES];
-    struct orl_xform_word *copy = malloc((count + n_middle + 2) * sizeof *copy);
+    struct xform_word *copy = malloc((count + n_middle + 2) * sizeof *copy);
     size_t n = 2, from = 2;
     int code;
     if (!copy)
@@ -317,8 +338,8 @@ static int expand_copy(struct expansion *e, const struct orl_xform_word *words, 
         copy[n++] = words[i];
     if (!number_names(copy + 2, n - 2, letter, number, name)) {
         snprintf(name, sizeof name, "%c%zu", letter, number);
-        copy[0] = (struct orl_xform_word){.text = "-n"};
-        copy[1] = (struct orl_xform_word){.text = name};
+        copy[0] = (struct xform_word){.text = "-n"};
+        copy[1] = (struct xform_word){.text = name};
         from = 0;
     }
     code = expand_words(e, copy + from, n - from, err);
@@ -326,12 +347,12 @@ static int expand_copy(struct expansion *e, const struct orl_xform_word *words, 
     return code;
 }
 
-static int expand_array(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int expand_array(struct expansion *e, const struct xform_word *words, size_t count,
                         size_t item, struct orl_error *err)
 {
     int copies = 0, code = 0;
     char number[16];
-    const struct orl_xform_word middle[2] = {{.text = "-i"}, {.text = number}};
+    const struct xform_word middle[2] = {{.text = "-i"}, {.text = number}};
     const char *word = item + 1 < count ? words[item + 1].text : NULL;
     if (!word || orl_number_read_int(word, strlen(word), &copies) != ORL_NUMBER_OK || copies <= 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "xform: -a needs a positive count after it");
@@ -346,7 +367,7 @@ static int expand_array(struct expansion *e, const struct orl_xform_word *words,
 }
 
 /* Expands one line of an argument file; blank lines and comments make no copy. */
-static int expand_line(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int expand_line(struct expansion *e, const struct xform_word *words, size_t count,
                        size_t item, const char *line, size_t *number, struct orl_error *err)
 {
     struct orl_command command = {0};
@@ -361,10 +382,9 @@ static int expand_line(struct expansion *e, const struct orl_xform_word *words, 
     if (code == 0 && command.n_words > 0 && strcmp(command.words[0], "xform") == 0)
         first = 1;
     size_t n = 0;
-    struct orl_xform_word *middle = code < 0
-                                        ? NULL
-                                        : orl_xform_fold((const char *const *)command.words + first,
-                                                         command.n_words - first, &n);
+    struct xform_word *middle = code < 0 ? NULL
+                                         : fold_words((const char *const *)command.words + first,
+                                                      command.n_words - first, &n);
     if (code == 0 && !middle)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0)
@@ -374,7 +394,7 @@ static int expand_line(struct expansion *e, const struct orl_xform_word *words, 
     return code;
 }
 
-static int expand_file(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int expand_file(struct expansion *e, const struct xform_word *words, size_t count,
                        size_t item, struct orl_error *err)
 {
     char *text = NULL, *rest, *line;
@@ -393,7 +413,7 @@ static int expand_file(struct expansion *e, const struct orl_xform_word *words, 
     return code;
 }
 
-static int expand_words(struct expansion *e, const struct orl_xform_word *words, size_t count,
+static int expand_words(struct expansion *e, const struct xform_word *words, size_t count,
                         struct orl_error *err)
 {
     const size_t file = find_option(words, count, "-f"), array = find_option(words, count, "-a");
@@ -416,7 +436,7 @@ int orl_xform_expand(const char *const *words, size_t count, orl_xform_reader re
 {
     struct expansion e = {reader, user, ctx, 0, 0};
     size_t n = 0;
-    struct orl_xform_word *folded = orl_xform_fold(words, count, &n);
+    struct xform_word *folded = fold_words(words, count, &n);
     const int code = folded ? expand_words(&e, folded, n, err)
                             : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     free(folded);

@@ -1,4 +1,4 @@
-/* Subsets of geometries, and freeing of geometries. */
+/* Subsets of geometries and of their holes; freeing of both. */
 #include "scene/geometry/antimatter/antimatter.h"
 
 #include <stdlib.h>
@@ -17,14 +17,15 @@ static struct orl_mesh_quad second_alone(const struct orl_mesh_quad *quad)
     };
 }
 
-/* Copies the quads of which a half is kept; facets get their triangles' new indices. */
-static void keep_quads(struct orl_geometry *g, const struct orl_geometry *whole, const bool *keep)
+/* Copies the quads of which a half remains; facets get their triangles' new indices. */
+static void copy_quads(struct orl_geometry *g, const struct orl_geometry *whole,
+                       const bool *remains)
 {
     for (size_t i = 0; i < whole->n_quads; i++) {
         const struct orl_mesh_quad *const from = &whole->quads[i];
         struct orl_mesh_quad *const to = &g->quads[g->n_quads];
         const uint32_t facets[2] = {from->facet, orl_mesh_quad_facet(from, true)};
-        const bool first = keep[facets[0]], second = keep[facets[1]];
+        const bool first = remains[facets[0]], second = remains[facets[1]];
         if (!first && !second)
             continue;
         *to = first ? *from : second_alone(from);
@@ -35,7 +36,7 @@ static void keep_quads(struct orl_geometry *g, const struct orl_geometry *whole,
         for (int half = 0; half < 2; half++)
             /* Tests against the index in the whole geometry; indices assigned here are not
              * greater. */
-            if (keep[facets[half]] &&
+            if (remains[facets[half]] &&
                 g->facets[facets[half]].first_triangle == 2 * i + (size_t)half)
                 g->facets[facets[half]].first_triangle =
                     (uint32_t)(2 * g->n_quads) + (half == 1 && first);
@@ -43,7 +44,13 @@ static void keep_quads(struct orl_geometry *g, const struct orl_geometry *whole,
     }
 }
 
-int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
+static void ref_holes(struct orl_holes *holes)
+{
+    if (holes)
+        atomic_fetch_add_explicit(&holes->references, 1, memory_order_relaxed);
+}
+
+int orl_geometry_subset(const struct orl_geometry *whole, const bool *remains,
                         struct orl_geometry **ret_geometry, struct orl_error *err)
 {
     struct orl_geometry *g = malloc(sizeof *g);
@@ -51,7 +58,7 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
     if (!g)
         return orl_error_set(err, code, "out of memory for the scene's geometry");
     *g = *whole;
-    orl_holes_ref(g->holes);
+    ref_holes(g->holes);
     g->scene = NULL;
     g->prototypes = NULL;
     g->instance = NULL;
@@ -89,10 +96,10 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
         struct orl_facet *f = &g->facets[i];
         if (f->kind != ORL_SURFACE_POLYGON)
             f->quadric = &g->quadrics[g->n_facets - 1 - i];
-        f->area = keep[i] ? f->area : 0;
-        f->n_triangles = keep[i] ? f->n_triangles : 0;
+        f->area = remains[i] ? f->area : 0;
+        f->n_triangles = remains[i] ? f->n_triangles : 0;
     }
-    keep_quads(g, whole, keep);
+    copy_quads(g, whole, remains);
     code = orl_geometry_index_triangles(g) && orl_geometry_pack(g) ? orl_embree_build(g, NULL, err)
                                                                    : ORL_ERR_NOMEM;
 done:
@@ -128,13 +135,6 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->opposite_facets);
     free(geometry->extra);
     free(geometry);
-}
-
-struct orl_holes *orl_holes_ref(struct orl_holes *holes)
-{
-    if (holes)
-        atomic_fetch_add_explicit(&holes->references, 1, memory_order_relaxed);
-    return holes;
 }
 
 void orl_holes_unref(struct orl_holes *holes)

@@ -349,7 +349,7 @@ static inline bool is_traceable(struct orl_vec3 origin, struct orl_vec3 directio
            isfinite(direction.x + direction.y + direction.z);
 }
 
-/* Returns orl_embree_hit.placed for an instance. */
+/* Returns orl_embree_hit.instance for an instance. */
 static inline uint32_t instance_index(unsigned rtc_instance)
 {
     return rtc_instance == RTC_INVALID_GEOMETRY_ID ? 0 : rtc_instance - GEOMETRY_INSTANCE + 1;
@@ -365,7 +365,7 @@ static inline uint32_t curved_facet(const struct orl_geometry *geometry, uint32_
 
 /* Sets the triangle that was hit. For a quad, Embree's u + v exceeds 1 in the second half; both
  * are rounded. */
-static inline void settle_triangle(const struct orl_geometry *geometry, unsigned primitive, float u,
+static inline void choose_triangle(const struct orl_geometry *geometry, unsigned primitive, float u,
                                    float v, struct orl_embree_hit *hit)
 {
     const struct orl_geometry *const of =
@@ -405,7 +405,7 @@ bool orl_embree_intersect(const struct orl_geometry *geometry, struct orl_vec3 o
     if (ret_hit->curved)
         ret_hit->index = curved_facet(geometry, ret_hit->instance, rayhit.hit.primID);
     else
-        settle_triangle(geometry, rayhit.hit.primID, rayhit.hit.u, rayhit.hit.v, ret_hit);
+        choose_triangle(geometry, rayhit.hit.primID, rayhit.hit.u, rayhit.hit.v, ret_hit);
     return true;
 }
 
@@ -473,7 +473,7 @@ void orl_embree_intersect_many(const struct orl_geometry *geometry, const struct
                 (struct orl_embree_hit){.distance = (double)packet.rays.ray.tfar[i],
                                         .instance = instance_index(packet.rays.hit.instID[0][i])};
             if (ret_found[first + i])
-                settle_triangle(geometry, packet.rays.hit.primID[i], packet.rays.hit.u[i],
+                choose_triangle(geometry, packet.rays.hit.primID[i], packet.rays.hit.u[i],
                                 packet.rays.hit.v[i], &ret_hits[first + i]);
         }
     }

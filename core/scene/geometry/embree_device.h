@@ -1,5 +1,5 @@
 /*
- * Embree's device of this thread, created at first use and kept until the thread ends. It comes
+ * Embree's device of this thread, created at first use and freed when the thread ends. It comes
  * with the thread state of Embree and of TBB, its task library.
  *
  * TBB does not survive a lack of memory while it initialises a thread: releasing a scene whose

@@ -1,4 +1,4 @@
-/* Accessors for facets that are packed or instanced. */
+/* Accessors for facets that are packed or instanced; queries on facets and triangles by index. */
 #include <stdlib.h>
 
 #include "scene/geometry/geometry.h"
@@ -57,7 +57,7 @@ double orl_facet_offset_slow(const struct orl_geometry *geometry, size_t facet)
                : orl_packed_offset(&geometry->packed->facets[facet]);
 }
 
-/* Queries on facets and triangles by index: rare fields, areas, outlines. */
+/* Queries by index: extra fields, areas, outlines. */
 
 size_t orl_geometry_count_triangles(const struct orl_geometry *geometry)
 {

@@ -25,7 +25,7 @@ static double largest(struct orl_vec3 v)
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
-/* Sets a quadric facet from its surface; `round` stores its centres and radii. */
+/* Sets a quadric facet from its surface; `quadric` stores its centres and radii. */
 static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
                         struct orl_quadric *quadric)
 {
@@ -246,7 +246,7 @@ static int add_extra(struct orl_geometry *g, const struct orl_parsed_scene *d)
     return made ? 0 : ORL_ERR_NOMEM;
 }
 
-/* Returns a description of one prototype; it borrows everything. */
+/* Returns a parsed scene of one prototype; it borrows everything. */
 static struct orl_parsed_scene prototype_description(const struct orl_parsed_scene *d,
                                                      size_t prototype)
 {

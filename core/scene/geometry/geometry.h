@@ -1,5 +1,6 @@
 /*
- * The scene's surfaces for ray tracing, on top of Embree (3 or 4, robust mode).
+ * The scene's surfaces for ray tracing, on top of Embree (3 or 4, robust mode); ray hits, samples
+ * on facets, and offsets of sensors from surfaces.
  *
  * Coordinates: the scene is moved by -center, in double, before it is converted to Embree's floats.
  * All of the core beyond this header works in these moved coordinates; orl_geometry.center is added
@@ -7,7 +8,7 @@
  *
  * Hits: the point is projected back onto the true surface in double, so that its error does not
  * grow with distance. Rays that start on a surface must start at orl_hit_ray_origin(hit,
- * direction): clear of the surface, and of the geometry that a BSDF with a thickness stands for.
+ * direction): clear of the surface, and of the geometry that a BSDF with a thickness represents.
  *
  * Instances are stored once (instances.h): indices of their facets and triangles continue beyond
  * the scene's own, arrays do not.
@@ -42,12 +43,13 @@ struct orl_facet {
     bool nonplanar : 1;
     bool has_extra : 1; /* it has an orl_facet_extra */
     unsigned step : 2;  /* polygons: difference between indices of its successive triangles */
-    bool has_proxy_offset : 1;         /* orl_facet_proxy_offset is not 0 */
-    unsigned n_triangles : 23;         /* polygons; 0 for others */
-    uint32_t first_triangle;           /* polygons: see orl_facet_triangle */
-    uint32_t material, surface;        /* indices into the description; see orl_facet_surface */
-    struct orl_vec3 normal;            /* polygons and rings: unit, the declared front */
-    const struct orl_quadric *quadric; /* quadrics and rings: in orl_geometry.rounds; never NULL */
+    bool has_proxy_offset : 1;  /* orl_facet_proxy_offset is not 0 */
+    unsigned n_triangles : 23;  /* polygons; 0 for others */
+    uint32_t first_triangle;    /* polygons: see orl_facet_triangle */
+    uint32_t material, surface; /* indices into the parsed scene; see orl_facet_surface */
+    struct orl_vec3 normal;     /* polygons and rings: unit, the declared front */
+    const struct orl_quadric
+        *quadric;  /* quadrics and rings: in orl_geometry.quadrics; never NULL */
     double offset; /* distance from the surface at which a ray must start to be clear of it */
     double area;
 };
@@ -55,9 +57,9 @@ struct orl_facet {
 /* Fields that few facets have. */
 struct orl_facet_extra {
     uint32_t facet;
-    /* into orl_geometry.opposite facets: coincident facets that face the other way */
+    /* into orl_geometry.opposite_facets: coincident facets that face the other way */
     uint32_t first_opposite_facet, n_opposite_facets;
-    /* BSDF: distance of the geometry that it stands for behind it (negative: in front) */
+    /* BSDF: distance of the geometry that it represents behind it (negative: in front) */
     double proxy_offset;
 };
 
@@ -143,7 +145,7 @@ struct orl_hit {
 };
 
 /*
- * Returns a hit that stands for a whole surface with that front normal: materials return their mean
+ * Returns a hit that represents a whole surface with that front normal: materials return their mean
  * over the surface there.
  */
 static inline struct orl_hit orl_hit_surface_mean(struct orl_vec3 normal, bool front)
@@ -158,8 +160,8 @@ static inline bool orl_hit_is_surface_mean(const struct orl_hit *hit)
 /* instances.c: returns a triangle of an instance, whose index is beyond the scene's own. */
 struct orl_triangle orl_instance_triangle(const struct orl_geometry *geometry, size_t index);
 
-/* packed.c (_unpacked): facets, corners and triangles that are packed. facet_access.c (_elsewhere):
- * facets that are packed or belong to instances. */
+/* packed.c (_packed): facets, corners and triangles that are packed. facets.c (_slow): facets that
+ * are packed or belong to instances. */
 const struct orl_facet *orl_facet_get_packed(const struct orl_geometry *geometry, size_t facet,
                                              struct orl_facet *room);
 double orl_facet_area_packed(const struct orl_geometry *geometry, size_t facet);
@@ -392,13 +394,14 @@ bool orl_geometry_occluded(const struct orl_geometry *geometry, struct orl_vec3 
 bool orl_geometry_is_cut(const struct orl_geometry *geometry, uint32_t facet);
 
 /*
- * Copies a geometry without instances so that rays hit only the facets to keep; the others keep
- * their index but have no area. Returns 0 and a geometry that the caller frees, or ORL_ERR_NOMEM.
+ * Copies a geometry without instances so that rays hit only the facets for which `remains` is true;
+ * the others keep their index but have no area. Returns 0 and a geometry that the caller frees, or
+ * ORL_ERR_NOMEM.
  */
-int orl_geometry_subset(const struct orl_geometry *whole, const bool *keep,
+int orl_geometry_subset(const struct orl_geometry *whole, const bool *remains,
                         struct orl_geometry **ret_geometry, struct orl_error *err);
 
-/* Returns the rare fields of one of the scene's own facets with has_more. */
+/* Returns the extra fields of one of the scene's own facets with has_extra. */
 const struct orl_facet_extra *orl_facet_extra_of(const struct orl_geometry *geometry,
                                                  uint32_t facet);
 
@@ -421,7 +424,7 @@ static inline struct orl_vec3 orl_facet_ray_origin(const struct orl_geometry *ge
     if (facet >= geometry->n_unpacked_facets)
         return orl_madd(point, normal, side * orl_facet_clearance_slow(geometry, facet, side));
     const struct orl_facet *f = &geometry->facets[facet];
-    /* On the side of the geometry that it stands for, start beyond that geometry. */
+    /* On the side of the geometry that it represents, rays start beyond that geometry. */
     const double proxy_offset =
         f->has_proxy_offset ? orl_facet_extra_of(geometry, facet)->proxy_offset : 0;
     const double hidden = proxy_offset * side < 0 ? fabs(proxy_offset) : 0;

@@ -25,7 +25,7 @@ static bool contains_point(const struct orl_geometry *geometry, const struct orl
     return false;
 }
 
-/* Replaces a hit on a back by one on the front of a coincident rival. */
+/* Replaces a hit on a back by one on the front of an opposite facet. */
 static void choose_front(const struct orl_geometry *geometry, struct orl_hit *hit)
 {
     const struct orl_facet_extra *const extra = orl_facet_extra_of(geometry, hit->facet);
@@ -118,8 +118,8 @@ refine_own(const struct orl_geometry *geometry, struct orl_vec3 origin, struct o
     if (e->curved) {
         if (packed)
             facet = orl_facet_get_packed(geometry, index, &own);
-        /* Solves again in double. At grazing incidence there may be no root: then Embree's hit is
-         * kept. */
+        /* Solves again in double. At grazing incidence there may be no root: then Embree's hit
+         * counts. */
         if (!orl_quadric_intersect(facet, origin, direction, 0.5 * t, 2 * t, &t, &normal))
             normal = orl_quadric_normal(facet, orl_madd(origin, direction, t));
     } else {

@@ -39,8 +39,8 @@ struct orl_facet_iterator {
     /* the geometry that owns the facet: the scene's, or a prototype */
     const struct orl_geometry *part;
     uint32_t facet;
-    size_t places; /* number of its places */
-    size_t next;   /* next index within the part, and next prototype */
+    size_t places; /* number of places of the facet */
+    size_t next;   /* next index within `part`, and next prototype */
     size_t next_prototype;
 };
 struct orl_facet_iterator orl_facet_iterator(const struct orl_geometry *geometry);

@@ -1,5 +1,7 @@
 /*
- * The only file that uses Embree, version 3 (Debian 12) or 4 (later releases).
+ * Intersection of rays with primitives: by Embree (embree.c, the only file that uses it, version 3
+ * or 4), with quadrics in double, and the refinement of Embree's hits on the true surfaces.
+ *
  * Included only by the code that builds geometry and by the code that refines hits.
  */
 #ifndef ORL_SCENE_GEOMETRY_INTERSECT_H

@@ -136,7 +136,7 @@ struct orl_vec3 orl_quadric_normal(const struct orl_facet *facet, struct orl_vec
     return is_inverted(facet->kind) ? orl_neg(normal) : normal;
 }
 
-/* Half extent of a disc of radius r about axis n along each world axis. */
+/* Half extent of a disc of radius r about axis n along each coordinate axis. */
 static struct orl_vec3 disc_extent(struct orl_vec3 n, double r)
 {
     return orl_v3(r * sqrt(fmax(0, 1 - n.x * n.x)), r * sqrt(fmax(0, 1 - n.y * n.y)),
@@ -221,14 +221,14 @@ static double angle_about(const struct orl_frame *frame, struct orl_vec3 way)
 void orl_quadric_uv(const struct orl_facet *facet, struct orl_vec3 point, double ret_uv[2])
 {
     const struct orl_vec3 way = orl_sub(point, facet->quadric->center[0]);
-    const bool quadric = is_sphere(facet->kind), ring = facet->kind == ORL_SURFACE_RING;
-    const struct axis axis = quadric || ring ? (struct axis){.length = 1} : axis_of(facet);
-    const struct orl_frame frame = orl_frame_about(quadric ? orl_v3(0, 0, 1)
-                                                   : ring  ? facet->normal
-                                                           : axis.direction);
+    const bool sphere = is_sphere(facet->kind), ring = facet->kind == ORL_SURFACE_RING;
+    const struct axis axis = sphere || ring ? (struct axis){.length = 1} : axis_of(facet);
+    const struct orl_frame frame = orl_frame_about(sphere ? orl_v3(0, 0, 1)
+                                                   : ring ? facet->normal
+                                                          : axis.direction);
     const double along = orl_dot(way, frame.n);
     ret_uv[0] = angle_about(&frame, way);
-    if (quadric)
+    if (sphere)
         ret_uv[1] = 0.5 + 0.5 * along / facet->quadric->radius[0];
     else if (ring)
         ret_uv[1] = (orl_length(orl_madd(way, frame.n, -along)) - facet->quadric->radius[0]) /

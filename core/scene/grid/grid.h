@@ -9,7 +9,7 @@
  * The first axis of a picture points up from the bottom, the second to the right. The shorter side
  * is 1 long, by the pixels' aspect; the centres of the outermost pixels lie at the ends. Values are
  * those of the file without its EXPOSURE, as in Radiance.
- * Formats: Radiance's RGBE. Radiance does not read the others:
+ * Formats: Radiance's RGBE and spectra. Radiance does not read the others:
  *   PNG (decoded to linear light as the file says, by default sRGB; transparent pixels over black),
  *   TIFF (as PNG; floats and LogLuv unchanged),
  *   OpenEXR (scan lines, channels R G B, or Y).
@@ -68,7 +68,7 @@ int orl_grid_read_exr(const char *name, const void *data, size_t size, struct or
 int orl_grid_read_tiff(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
                        struct orl_error *err);
 
-/* picture_spectra.c: reads a picture of spectra as a grid of one channel. Axes: to the right, up,
+/* picture.c: reads a picture of spectra as a grid of one channel. Axes: to the right, up,
  * wavelength in nm. */
 int orl_grid_read_spectra(const char *name, const void *data, size_t size,
                           struct orl_grid **ret_grid, struct orl_error *err);

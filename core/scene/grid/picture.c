@@ -1,3 +1,4 @@
+/* Pictures: detection of the format; Radiance's own formats, RGBE and spectra. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

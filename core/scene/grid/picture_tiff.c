@@ -96,7 +96,7 @@ static void unmap_file(thandle_t ctx, void *base, toff_t size)
     (void)ctx, (void)base, (void)size;
 }
 
-/* Keeps the library's first message. */
+/* Stores the library's first message. */
 __attribute__((format(printf, 4, 0))) static int
 keep_message(TIFF *tiff, void *ctx, const char *module, const char *format, va_list arguments)
 {

@@ -5,9 +5,9 @@
  * only the factor of the larger of the two cosines, so a lobe never gains energy.
  *
  * The lobe's reflectance rises towards grazing by Schlick's approximation at the half vector, up to
- * what the diffuse colour leaves of 1. This is reciprocal, and lobe and diffuse part together never
- * exceed 1. (In Radiance it rises by the eye's direction, up to 1, and only direct light takes it
- * from the diffuse colour.)
+ * what the diffuse colour leaves of 1. This is reciprocal, and lobe and diffuse reflection together
+ * never exceed 1. (In Radiance it rises by the eye's direction, up to 1, and only direct light
+ * takes it from the diffuse colour.)
  */
 #include "scene/material/kinds.h"
 
@@ -24,7 +24,7 @@ static struct lobe lobe_at(const struct orl_material *m, struct orl_vec3 normal)
         orl_madd(m->anisotropy_axis, normal, -orl_dot(m->anisotropy_axis, normal));
     const double along = m->power[0], across = m->power[1];
     if (!(orl_length(flat) > 1e-9 * orl_length(m->anisotropy_axis))) {
-        /* A anisotropy axis along the normal has no direction in the surface: use one mean
+        /* An anisotropy axis along the normal has no direction in the surface: use one mean
          * exponent. */
         const double mean = 2 / (1 / (along + 1) + 1 / (across + 1)) - 1;
         return (struct lobe){orl_frame_about(normal), mean, mean};

@@ -1,7 +1,7 @@
 /*
- * BSDF surfaces: the data, and the diffuse parts that the material adds. BSDF takes 3, 6 or 9
+ * BSDF surfaces: the data, and the diffuse scattering that the material adds. BSDF takes 3, 6 or 9
  * numbers: diffuse reflectances of the front and of the back, and a diffuse transmittance for both
- * ways. For an aBSDF, the part that orl_bsdf_straight returns goes straight through.
+ * directions. For an aBSDF, the light that orl_bsdf_straight returns goes straight through.
  *
  * Where data and additions together exceed an albedo of 1, both are divided by the excess: for
  * light from that direction, by the largest channel.
@@ -63,7 +63,7 @@ static double excess(const struct orl_material *material, struct orl_vec3 in)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* f without the straight part; directions in the surface's frame. */
+/* f without straight transmission; directions in the surface's frame. */
 static struct orl_rgb lobes_between(const struct orl_material *material, struct orl_vec3 in,
                                     struct orl_vec3 out)
 {
@@ -116,7 +116,7 @@ struct orl_rgb orl_bsdf_surface_straight(const struct orl_material *material,
 
 /* ---- Sampling -------------------------------------------------------------------------------- */
 
-/* The arguments of a draw in the surface's frame. */
+/* The arguments of a query in the surface's frame. */
 struct local {
     const struct orl_material *material;
     struct orl_vec3 from;
@@ -127,12 +127,12 @@ struct local {
     double data, sum;
 };
 
-static struct local local_of(const struct orl_bsdf_query *draw, const struct orl_frame *frame)
+static struct local local_of(const struct orl_bsdf_query *query, const struct orl_frame *frame)
 {
-    struct local l = {.material = draw->material,
-                      .from = orl_to_local(frame, draw->from),
-                      .adjoint = draw->transport == ORL_TRANSPORT_EYE,
-                      .sides = sides_of(draw->lobes)};
+    struct local l = {.material = query->material,
+                      .from = orl_to_local(frame, query->from),
+                      .adjoint = query->transport == ORL_TRANSPORT_EYE,
+                      .sides = sides_of(query->lobes)};
     l.added = added_to(l.material, l.from.z > 0, l.sides);
     l.data = l.sides ? 1 : 0;
     if (l.sides && added_luma(&l.added) > 0)
@@ -156,16 +156,16 @@ static double local_pdf(const struct local *l, struct orl_vec3 towards)
     return (l->data * pdf + orl_luma(added) * fabs(towards.z) / ORL_PI) / l->sum;
 }
 
-double orl_bsdf_surface_pdf(const struct orl_bsdf_query *draw, struct orl_vec3 towards)
+double orl_bsdf_surface_pdf(const struct orl_bsdf_query *query, struct orl_vec3 towards)
 {
-    const struct orl_frame frame = orl_bsdf_frame(draw->material, draw->hit->normal);
-    const struct local l = local_of(draw, &frame);
+    const struct orl_frame frame = orl_bsdf_frame(query->material, query->hit->normal);
+    const struct local l = local_of(query, &frame);
     return local_pdf(&l, orl_to_local(&frame, towards));
 }
 
 /* Samples the cosine distribution on one side, chosen by its share; choice is below the sum of
  * both. */
-static struct orl_vec3 draw_added(const struct local *l, double choice, const double u[3])
+static struct orl_vec3 sample_added(const struct local *l, double choice, const double u[3])
 {
     const double sine = sqrt(u[0]), phi = 2 * ORL_PI * u[1];
     const bool front = (l->from.z > 0) == (choice < orl_luma(l->added.reflected));
@@ -174,21 +174,22 @@ static struct orl_vec3 draw_added(const struct local *l, double choice, const do
 }
 
 /* Weight of a sample that came from the data alone or went straight. */
-static void settle_weight(const struct local *l, struct orl_bsdf_sample_result *draw)
+static void scale_weight(const struct local *l, struct orl_bsdf_sample_result *sample)
 {
-    const struct orl_vec3 in = l->adjoint ? draw->direction : l->from;
-    draw->weight = orl_rgb_scale(draw->weight, l->sum / l->data / excess(l->material, in));
+    const struct orl_vec3 in = l->adjoint ? sample->direction : l->from;
+    sample->weight = orl_rgb_scale(sample->weight, l->sum / l->data / excess(l->material, in));
 }
 
 /* Samples the data or the additions; false if nothing is scattered. */
-static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf_sample_result *ret)
+static bool sample_local(const struct local *l, const double u[3],
+                         struct orl_bsdf_sample_result *ret)
 {
     const double choice = u[2] * l->sum, v[3] = {u[0], u[1], l->data > 0 ? choice / l->data : 0};
     const bool mixed = l->sum > l->data;
     const struct orl_bsdf *bsdf = l->material->bsdf;
     *ret = (struct orl_bsdf_sample_result){.straight = false};
     if (mixed && choice >= l->data)
-        ret->direction = draw_added(l, choice - l->data, u);
+        ret->direction = sample_added(l, choice - l->data, u);
     else if (l->material->peak) {
         if (!orl_bsdf_sample_split(bsdf, l->from, l->adjoint, l->sides, mixed ? v : u, ret))
             return false;
@@ -199,7 +200,7 @@ static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf
         return false;
     }
     if (ret->straight || !mixed) {
-        settle_weight(l, ret);
+        scale_weight(l, ret);
         return true;
     }
     const struct orl_vec3 in = l->adjoint ? ret->direction : l->from;
@@ -209,26 +210,26 @@ static bool draw_local(const struct local *l, const double u[3], struct orl_bsdf
     return true;
 }
 
-static struct orl_surface_sample sample_of(const struct orl_bsdf_query *draw,
+static struct orl_surface_sample sample_of(const struct orl_bsdf_query *query,
                                            const struct orl_frame *frame, const struct local *l,
                                            const struct orl_bsdf_sample_result *next)
 {
     struct orl_surface_sample s = {.event = next->straight ? ORL_EVENT_STRAIGHT : ORL_EVENT_GLOSSY};
     s.transmitted = next->straight || next->direction.z * l->from.z < 0;
-    s.direction = next->straight ? orl_neg(draw->from) : orl_to_world(frame, next->direction);
+    s.direction = next->straight ? orl_neg(query->from) : orl_to_world(frame, next->direction);
     s.weight = next->weight;
     return s;
 }
 
-struct orl_surface_sample orl_bsdf_surface_sample(const struct orl_bsdf_query *draw,
+struct orl_surface_sample orl_bsdf_surface_sample(const struct orl_bsdf_query *query,
                                                   const double u[3])
 {
-    const struct orl_frame frame = orl_bsdf_frame(draw->material, draw->hit->normal);
-    const struct local l = local_of(draw, &frame);
+    const struct orl_frame frame = orl_bsdf_frame(query->material, query->hit->normal);
+    const struct local l = local_of(query, &frame);
     struct orl_bsdf_sample_result next;
-    if (!(l.sum > 0) || !draw_local(&l, u, &next))
+    if (!(l.sum > 0) || !sample_local(&l, u, &next))
         return (struct orl_surface_sample){.event = ORL_EVENT_ABSORBED};
-    return sample_of(draw, &frame, &l, &next);
+    return sample_of(query, &frame, &l, &next);
 }
 
 bool orl_bsdf_surface_is_data_only(const struct orl_material *m)
@@ -248,11 +249,11 @@ void orl_bsdf_surface_sample_many(const struct orl_bsdf_query *queries, const do
     if (n == 0)
         return;
     for (size_t i = 0; i < n; i++) {
-        const struct orl_bsdf_query *draw = &queries[which[i]];
+        const struct orl_bsdf_query *query = &queries[which[i]];
         const double *numbers = u[which[i]];
-        frames[i] = orl_bsdf_frame(draw->material, draw->hit->normal);
-        locals[i] = local_of(draw, &frames[i]);
-        asks[i] = (struct orl_bsdf_sample_request){draw->material->bsdf,
+        frames[i] = orl_bsdf_frame(query->material, query->hit->normal);
+        locals[i] = local_of(query, &frames[i]);
+        asks[i] = (struct orl_bsdf_sample_request){query->material->bsdf,
                                                    locals[i].from,
                                                    locals[i].adjoint,
                                                    locals[i].sides,
@@ -264,7 +265,7 @@ void orl_bsdf_surface_sample_many(const struct orl_bsdf_query *queries, const do
         *s = (struct orl_surface_sample){.event = ORL_EVENT_ABSORBED};
         if (!found[i])
             continue;
-        settle_weight(&locals[i], &next[i]);
+        scale_weight(&locals[i], &next[i]);
         *s = sample_of(&queries[which[i]], &frames[i], &locals[i], &next[i]);
     }
 }

@@ -1,6 +1,7 @@
 /*
- * Colours and shares of a material at a hit; the only place that evaluates patterns of materials.
- * Used by the kinds of material (kinds.h); other code calls scatter.h, where that is fast enough.
+ * The kinds of material that scatter.c dispatches to, and what they share: colours and shares at a
+ * hit, Ward's lobes, tables of BSDF surfaces for the sun. Other code calls scatter.h, unless that
+ * is too slow.
  */
 #ifndef ORL_SCENE_MATERIAL_KINDS_H
 #define ORL_SCENE_MATERIAL_KINDS_H
@@ -11,6 +12,10 @@
 #include "scene/material/patterns/pattern.h"
 #include "scene/material/patterns/texture.h"
 #include "scene/material/scatter.h"
+
+/*
+ * Colours and shares of a material at a hit; the only place that evaluates patterns of materials.
+ */
 
 /* Returns the reflectance as written, or the radiance of a light, times the pattern. */
 static inline struct orl_rgb orl_color_at(const struct orl_material *material,
@@ -102,11 +107,11 @@ double orl_ward_pdf_transmitted(const struct orl_ward *ward, struct orl_vec3 fro
                                 struct orl_vec3 to);
 
 /*
- * The kinds of material that scatter.c dispatches to, one file each. Arguments are as in scatter.h;
- * u holds three numbers in [0,1), the last of which chooses between parts.
+ * The kinds of material that scatter.c dispatches to. Arguments are as in scatter.h; u holds three
+ * numbers in [0,1), the last of which chooses a lobe.
  */
 
-/* glass.c: thin panes. */
+/* specular.c: thin panes. */
 struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
                                        const struct orl_hit *hit, double cosine);
 struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,
@@ -134,7 +139,7 @@ struct orl_rgb orl_reflector_lobes(const struct orl_material *material, const st
                                    struct orl_vec3 light, struct orl_vec3 eye);
 struct orl_surface_sample orl_reflector_sample(const struct orl_bsdf_query *query,
                                                const double u[3]);
-/* Samples materials that are only diffuse: the draws listed in `which`, at most
+/* Samples materials that are only diffuse: the queries listed in `which`, at most
  * ORL_MATT_SAMPLES_MAX. */
 enum { ORL_MATT_SAMPLES_MAX = 16 };
 bool orl_reflector_is_matt(const struct orl_bsdf_query *query);
@@ -168,13 +173,13 @@ struct orl_rgb orl_glazing_lobes(const struct orl_material *material, const stru
 struct orl_surface_sample orl_glazing_sample(const struct orl_bsdf_query *query, const double u[3]);
 double orl_glazing_pdf(const struct orl_bsdf_query *query, struct orl_vec3 towards);
 
-/* dielectric.c: clear solids and liquids. */
+/* specular.c: clear solids and liquids. */
 double orl_dielectric_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                   struct orl_vec3 from);
 struct orl_surface_sample orl_dielectric_sample(const struct orl_bsdf_query *query,
                                                 const double u[3]);
 
-/* prism.c: returns the number of scatters that an eye ray or light is sent on to. */
+/* prism.c: returns the number of deviated rays in which an eye ray or light continues. */
 int orl_prism_deviated_rays(const struct orl_material *material, const struct orl_hit *hit,
                             struct orl_vec3 from, enum orl_transport transport,
                             struct orl_surface_sample ret_samples[ORL_PRISM_RAYS]);
@@ -240,7 +245,7 @@ struct orl_surface_sample orl_mixture_sample(const struct orl_mixture_callbacks 
 double orl_mixture_pdf(const struct orl_mixture_callbacks *callbacks,
                        const struct orl_bsdf_query *query, struct orl_vec3 towards);
 
-/* mirror.c */
+/* specular.c: mirrors. */
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
                                       const struct orl_hit *hit, struct orl_vec3 from);
 struct orl_surface_sample orl_mirror_sample(const struct orl_bsdf_query *query);
@@ -257,7 +262,7 @@ struct orl_rgb orl_bsdf_surface_straight(const struct orl_material *material,
                                          const struct orl_hit *hit, struct orl_vec3 eye);
 struct orl_surface_sample orl_bsdf_surface_sample(const struct orl_bsdf_query *query,
                                                   const double u[3]);
-/* Samples BSDF materials by orl_bsdf_sample_many: the draws listed in `which`, at most
+/* Samples BSDF materials by orl_bsdf_sample_many: the queries listed in `which`, at most
  * ORL_BSDF_SAMPLES_MAX. */
 enum { ORL_BSDF_SAMPLES_MAX = 16 };
 void orl_bsdf_surface_sample_many(const struct orl_bsdf_query *queries, const double (*u)[3],
@@ -266,7 +271,7 @@ double orl_bsdf_surface_pdf(const struct orl_bsdf_query *query, struct orl_vec3 
 
 /*
  * A BSDF surface prepared for light from a narrow cone, such as the sun through a window: samples
- * are table look-ups (bsdf/cone_table.h).
+ * are table look-ups (bsdf/loaded_bsdf.h).
  *
  * Borrows the material. Immutable once made; any number of threads may sample.
  */
@@ -274,13 +279,13 @@ double orl_bsdf_surface_pdf(const struct orl_bsdf_query *query, struct orl_vec3 
 struct orl_sun_bsdf_table;
 
 /*
- * The cone is about the unit direction towards. *ret_passage is NULL if orl_material_sample serves
- * as well: for other materials, or data that tables do not speed up. Returns 0 or ORL_ERR_NOMEM.
+ * The cone is about the unit direction towards. *ret_table is NULL if orl_material_sample serves as
+ * well: for other materials, or data that tables do not speed up. Returns 0 or ORL_ERR_NOMEM.
  */
 int orl_sun_bsdf_table_new(const struct orl_material *material, struct orl_vec3 normal,
                            struct orl_vec3 towards, double half_angle_rad,
                            struct orl_sun_bsdf_table **ret_table);
-/* Returns true if the passage was made of these arguments. */
+/* Returns true if the table was made from these arguments. */
 bool orl_sun_bsdf_table_matches(const struct orl_sun_bsdf_table *sun_bsdf_table,
                                 const struct orl_material *material, struct orl_vec3 normal,
                                 struct orl_vec3 towards);

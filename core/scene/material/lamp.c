@@ -3,8 +3,8 @@
  * with a share of glow.
  *
  * A spotlight's irradiance falls off as if its beam started `focus` behind the lamp: at distance d
- * it is (d / (d + focus))^2 of an isotropic lamp's beam (spotout and srcray of Radiance's
- * rt/source.c). Views see the lamp at the same radiance from everywhere.
+ * it is (d / (d + focus))^2 of an isotropic lamp's (spotout and srcray of Radiance). Views see the
+ * lamp at the same radiance from everywhere.
  */
 #include "scene/material/kinds.h"
 

@@ -1,10 +1,10 @@
 /*
  * Mixtures of two materials of different kinds. Every quantity is the sum of both, weighted by
- * their shares; or the plain sum, if they are parts of one material (WGMDfunc).
+ * their shares; or the plain sum, if they are terms of one material (WGMDfunc).
  *
  * Shares that depend on the ray's direction use the eye's direction, as in Radiance. Reflectance
- * then depends on the viewer, so such a mixture has no diffuse part that photon maps could store.
- * The diffuse reflection of its materials counts as a lobe as wide as the hemisphere; with a
+ * then depends on the viewer, so such a mixture has no diffuse reflection that photon maps could
+ * store. The diffuse reflection of its materials counts as a lobe as wide as the hemisphere; with a
  * texture, that lobe is weighted by the cosine to the perturbed normal.
  */
 #include "scene/material/kinds.h"

@@ -52,7 +52,7 @@ struct orl_rgb orl_trans_straight(const struct orl_material *material, const str
                                                           material->transmitted_specular);
 }
 
-/* Returns the parts of the allowed lobes, and their luminances, by which one is chosen. */
+/* Returns the weights of the allowed lobes, and their luminances, by which one is chosen. */
 static void parts_of(const struct orl_material *m, const struct orl_hit *hit, enum orl_lobes lobes,
                      struct orl_rgb ret_part[PARTS], double ret_luma[PARTS])
 {
@@ -70,7 +70,7 @@ static void parts_of(const struct orl_material *m, const struct orl_hit *hit, en
     ret_luma[STRAIGHT] = orl_luma(ret_part[STRAIGHT]);
 }
 
-/* Chooses in sequence: this part, or one of those that follow. */
+/* Chooses in sequence: this lobe, or one of those that follow. */
 static enum part choose_part(const double luma[PARTS], double u, double *ret_chance)
 {
     double after[PARTS];
@@ -99,7 +99,7 @@ static struct orl_vec3 facing(const struct orl_hit *hit, struct orl_vec3 from)
     return orl_dot(from, hit->normal) >= 0 ? hit->normal : orl_neg(hit->normal);
 }
 
-/* Sets event and direction; returns f cos / pdf of the part alone, 0 if the light is lost. */
+/* Sets event and direction; returns f cos / pdf of the lobe alone, 0 if the light is lost. */
 static double sample_part(struct orl_surface_sample *s, enum part part,
                           const struct orl_bsdf_query *query, const double u[2])
 {
@@ -222,7 +222,7 @@ double orl_reflector_pdf(const struct orl_bsdf_query *query, struct orl_vec3 tow
     return sum / total;
 }
 
-/* Returns true if a part of a material is not zero, whatever its pattern does. */
+/* Returns true if a colour of a material is not zero, for any values of its pattern. */
 static bool is_part(struct orl_rgb (*part)(const struct orl_material *material,
                                            const struct orl_hit *hit),
                     const struct orl_material *material)

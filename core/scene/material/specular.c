@@ -1,3 +1,7 @@
+/*
+ * Materials that only reflect and refract specularly: thin glass, interfaces of clear media,
+ * mirrors.
+ */
 #include "scene/material/kinds.h"
 
 /* Fresnel reflectance and transmittance of one surface for one polarisation. Both are stored
@@ -238,7 +242,7 @@ struct orl_rgb orl_dielectric_transmittance(const struct orl_material *material,
     return orl_medium_transmittance(medium_transmissivity, hit->distance);
 }
 
-/* A mirror: specular on its front; its back is black. */
+/* Mirrors: specular on the front; the back is black. */
 
 struct orl_rgb orl_mirror_reflectance(const struct orl_material *material,
                                       const struct orl_hit *hit, struct orl_vec3 from)

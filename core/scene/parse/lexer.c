@@ -114,7 +114,7 @@ static int bad_byte(const struct orl_lexer *lexer, struct orl_error *err)
     return ORL_ERR_SYNTAX;
 }
 
-/* Reads a word with quotes in it: drops them, and keeps blanks between them. */
+/* Reads a word with quotes in it: drops them; blanks between them stay. */
 static int quoted_word(struct orl_lexer *lexer, struct orl_word *word, struct orl_error *err)
 {
     char quote = '\0';

@@ -1,9 +1,9 @@
 /*
- * The files of a scene: found, opened once, hashed in order of first use, and closed at the end.
- * Names are resolved lexically ("a/../b" is "b"): first in the folder of the file that mentions
- * them, then as written.
+ * Parses Radiance scene files into a struct orl_parsed_scene. The commands that they call are
+ * executed natively (command/piped_commands.c). Any other command, and any primitive that Oriel
+ * does not support, is an error with file, line and primitive. No shell is ever started.
  *
- * Ownership: orl_sources_done closes all files; names are stored in the description's arena.
+ * The files of a scene are opened once (struct orl_sources).
  */
 #ifndef ORL_SCENE_PARSE_PARSE_H
 #define ORL_SCENE_PARSE_PARSE_H
@@ -18,6 +18,14 @@
 
 #include "base/memory/memory.h"
 #include "scene/parsed_scene.h"
+
+/*
+ * The files of a scene: found, opened once, hashed in order of first use, and closed at the end.
+ * Names are resolved lexically ("a/../b" is "b"): first in the folder of the file that mentions
+ * them, then as written.
+ *
+ * Ownership: orl_sources_done closes all files; names are stored in the parsed scene's arena.
+ */
 
 struct orl_source {
     char *name;   /* resolved name, for the provider */
@@ -84,14 +92,8 @@ int orl_sources_bsdf(struct orl_sources *sources, size_t index, struct orl_bsdf 
                      struct orl_error *err);
 
 /*
- * Radiance scene files -> struct orl_parsed_scene. The commands that they call are executed
- * natively (commands.c); any other, and any primitive that Oriel does not support, is an error with
- * file, line and primitive. No shell is ever started.
- */
-
-/*
  * Parses the named main files in order (names ending in .xml are resources, not scene text), and
- * all files they refer to. Fills *ret_description, which the caller passes to
+ * all files they refer to. Fills *ret_parsed_scene, which the caller passes to
  * orl_parsed_scene_done, or fails with the place in err.
  */
 int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
@@ -102,7 +104,7 @@ int orl_scene_parse_with(const char *const *names, size_t count, const struct or
                          struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err);
 /* orl_scene_parse_with on sources in which some of the main files are open, in their order, and
  * nothing else. Takes over sources and their arena, also on failure. apart: instances with patterns
- * get surfaces of their own, because some will get other materials (override.h). */
+ * get surfaces of their own, because some will get other materials (orl_material_overrides). */
 int orl_scene_parse_opened(const char *const *names, size_t count, struct orl_sources *sources,
                            bool apart, struct orl_parsed_scene *ret_parsed_scene,
                            struct orl_error *err);

@@ -1,5 +1,5 @@
 /*
- * Shared state of the scene parser: the description being built, the modifiers defined so far, and
+ * Shared state of the scene parser: the parsed scene being built, the modifiers defined so far, and
  * the scope of the text being read. Internal to this folder.
  *
  * Errors have file, line and primitive set. Threads: one at a time.
@@ -49,31 +49,32 @@ struct orl_parser {
 
 /* Context of text: transform and overrides for its surfaces, and the folder for file names. */
 struct orl_scope {
-    const char *file; /* for messages and surfaces; lives as long as the description */
+    const char *file; /* for messages and surfaces; lives as long as the parsed scene */
     const char *folder;
     struct orl_xform xform;
     const char *modifier; /* replaces that of surfaces; or NULL */
     const char *prefix;   /* prefix of surface names; or NULL */
     const struct orl_scope *outer;
     unsigned depth;
-    const struct orl_markers *markers; /* markers.h: polygons to replace by objects; or NULL */
+    const struct orl_markers *markers; /* commands.h: polygons to replace by objects; or NULL */
     /* with markers: transform from here to the scope of replmarks */
     struct orl_xform since;
 };
 
-/* parse.c: reads text in a scope; line > 0: a command at this line wrote the text. */
+/* parse_scene.c: reads text in a scope; line > 0: a command at this line wrote the text. */
 int orl_parser_read(struct orl_parser *parser, const struct orl_scope *scope, const char *text,
                     size_t size, int line, struct orl_error *err);
 
-/* parse.c: reads a file in the scope made for it: scene text, or an object (mesh_import.h). */
+/* parse_scene.c: reads a file in the scope made for it: scene text, or an object (mesh_import.h).
+ */
 int orl_parser_file(struct orl_parser *parser, const struct orl_scope *scope,
                     const struct orl_file *file, struct orl_error *err);
 
-/* commands.c: a '!' line. */
+/* command/piped_commands.c: a '!' line. */
 int orl_parser_command(struct orl_parser *parser, const struct orl_scope *scope, const char *line,
                        int number, struct orl_error *err);
 
-/* commands.c: reads a file in the scope made for it. */
+/* command/piped_commands.c: reads a file in the scope made for it. */
 int orl_parser_include(struct orl_parser *parser, const struct orl_scope *inner, const char *name,
                        struct orl_error *err);
 
@@ -91,13 +92,12 @@ bool orl_parser_is_modifier(const char *type);
 
 /* patterns.c: a brightfunc that is not a sky, a colorpict, a texfunc and the like. color, texture:
  * patterns of either sort that modify it, or NULL. of_material: it is modified by a material with
- * these; the name may stand for a material that already has this pattern, which is then kept. */
+ * these; the name may stand for a material that already has this pattern, which then stays. */
 bool orl_parser_is_pattern(const char *type);
 int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_pattern *color, const struct orl_pattern *texture,
                        bool of_material, struct orl_error *err);
-/* Adds the pattern to the description; takes it also on failure. Returns 0 or
- * ORL_ERR_NOMEM. */
+/* Adds the pattern to the parsed scene; takes it also on failure. Returns 0 or ORL_ERR_NOMEM. */
 int orl_parser_add_pattern(struct orl_parser *parser, struct orl_pattern *pattern);
 
 /* patterns.c: reads a mixture. mixed: two materials that differ only in colour and pattern; the
@@ -110,13 +110,19 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* patterns.c: reads the functions of a material. */
 int orl_parser_function_brdf(struct orl_parser *parser, const struct orl_scope *scope,
-                             enum orl_function_brdf_kind own, struct orl_pattern **ret_pattern,
+                             enum orl_function_brdf_kind kind, struct orl_pattern **ret_pattern,
                              struct orl_error *err);
 
 /* sky_patterns.c: a brightfunc of a sky's function file. */
 bool orl_parser_is_sky(const struct orl_primitive *primitive);
 int orl_parser_sky(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                    struct orl_error *err);
+
+/* instance/compiled.c: the primitives instance and mesh. Reads the file that the current primitive
+ * names. */
+bool orl_parser_is_compiled(const char *type);
+int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_error *err);
 
 /* Defines a name as refused, with an error that is deferred until the name is used. */
 int orl_parser_define_refused(struct orl_parser *parser, const char *name,
@@ -130,7 +136,7 @@ bool orl_material_same(const struct orl_material *a, const struct orl_material *
 int orl_parser_add_material(struct orl_parser *parser, const char *name,
                             struct orl_material *material, uint32_t *ret_index);
 
-/* smoothing.c: returns a copy of the material with a mesh's corner normals as its texture. */
+/* material_table.c: returns a copy of the material with a mesh's corner normals as its texture. */
 int orl_parser_smooth(struct orl_parser *parser, uint32_t material, uint32_t *ret_index);
 
 /* material_table.c: returns the index of the material for "void". */
@@ -162,29 +168,12 @@ int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, 
 int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
                             struct orl_xform *ret_xform, struct orl_error *err);
 
-/* Adds a warning to the description, at most a hundred of them. */
+/* Adds a warning to the parsed scene, at most a hundred of them. */
 void orl_parser_warn(struct orl_parser *parser, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void orl_parser_tally(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_warning_tally *tally);
 /* Adds warnings for the tallies. */
 void orl_parser_report(struct orl_parser *parser);
-
-/*
- * The primitives instance and mesh: scenes that oconv has compiled into an octree, and triangles
- * that obj2mesh has compiled. Their octrees are skipped; for an octree that is not frozen, the
- * files it names are read.
- *
- * Names inside are separate: a file sees no modifiers from outside, and its own are not visible
- * there. A modifier of the primitive itself, other than void, replaces all modifiers inside.
- *
- * Normals and (u, v) of a mesh's corners are kept (smoothing.c). Files that occur several times may
- * be stored once (instanced_files.h).
- */
-
-bool orl_parser_is_compiled(const char *type);
-/* Reads the file that the current primitive names. */
-int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_error *err);
 
 #endif

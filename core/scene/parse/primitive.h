@@ -1,11 +1,5 @@
 /*
- * Splits Radiance scene text into words: blanks separate, quotes (' or ") join, '#' starts a
- * comment and '!' a command where a primitive could start. The text is a buffer with a size, need
- * not end in NUL, and is not changed. Line numbers are 1-based.
- *
- * Ownership: a word points into the text, or into the lexer's scratch if it was quoted; it is valid
- * until the next word is read. Errors have file and line set.
- * Reference: "The RADIANCE 6.0 Synthetic Imaging System", section 2, Scene Description.
+ * Scene text split into words (lexer.c) and read as primitives (primitive.c).
  */
 #ifndef ORL_SCENE_PARSE_PRIMITIVE_H
 #define ORL_SCENE_PARSE_PRIMITIVE_H
@@ -15,6 +9,16 @@
 
 #include <oriel/base/error.h>
 #include <oriel/base/limits.h>
+
+/*
+ * Splits Radiance scene text into words: blanks separate, quotes (' or ") join, '#' starts a
+ * comment and '!' a command where a primitive could start. The text is a buffer with a size, need
+ * not end in NUL, and is not changed. Line numbers are 1-based.
+ *
+ * Ownership: a word points into the text, or into the lexer's scratch if it was quoted; it is valid
+ * until the next word is read. Errors have file and line set.
+ * Reference: "The RADIANCE 6.0 Synthetic Imaging System", section 2, Scene Description.
+ */
 
 struct orl_lexer {
     const char *at, *end;

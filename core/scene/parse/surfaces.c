@@ -1,5 +1,5 @@
 /*
- * Surfaces and distant sources. Transforms keep a surface's front where Radiance's xform puts it:
+ * Surfaces and distant sources. Transforms leave a surface's front where Radiance's xform puts it:
  * polygons of a mirrored scene are listed backwards, all surfaces of an inverted one are flipped.
  * References: xform(1) and "The RADIANCE Synthetic Imaging System", section 2.1.1.
  */

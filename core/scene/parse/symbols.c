@@ -1,3 +1,4 @@
+/* Modifiers by name, refused content, and refused definitions. */
 #include "scene/parse/symbols.h"
 
 #include <sodium.h>

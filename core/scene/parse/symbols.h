@@ -1,6 +1,6 @@
 /*
- * Unsupported content of a scene: counted by kind while the rest is read, and reported all at once.
- * A scene with any of it is refused in the end.
+ * Modifiers by name, and what was refused: at once (refusals), or when it is used (deferred
+ * errors).
  */
 #ifndef ORL_SCENE_PARSE_SYMBOLS_H
 #define ORL_SCENE_PARSE_SYMBOLS_H
@@ -13,6 +13,11 @@
 #include <oriel/base/error.h>
 
 #include "base/memory/memory.h"
+
+/*
+ * Unsupported content of a scene: counted by kind while the rest is read, and reported all at once.
+ * A scene with any of it is refused in the end.
+ */
 
 enum { ORL_REFUSALS_MAX = 24 }; /* limit of kinds; further ones are counted together */
 
@@ -75,7 +80,7 @@ void orl_deferred_done(struct orl_deferred_errors *deferred);
  * Modifiers by name: the latest definition of each. Names are borrowed and must outlive the table.
  */
 
-/* REFUSED: the definition was refused; index is into the parser's deferred (deferred_errors.h).
+/* REFUSED: the definition was refused; index is into the parser's deferred (orl_deferred_errors).
  * Primitives with this modifier are refused, too. */
 enum orl_symbol_kind {
     ORL_SYMBOL_MATERIAL,
@@ -87,7 +92,7 @@ enum orl_symbol_kind {
 struct orl_symbol {
     const char *name;
     enum orl_symbol_kind kind;
-    uint32_t index; /* into the description's materials, skies or patterns, or into deferred */
+    uint32_t index; /* into the parsed scene's materials, skies or patterns, or into deferred */
     uint32_t order; /* rank of this definition among all, from 1; set by the table */
 };
 

@@ -378,7 +378,8 @@ static int run_kind(struct check *check, json_t **ret_result, struct orl_error *
 
 /* ---- Errors ---------------------------------------------------------------------------------- */
 
-json_t *orl_child_error_to_json(const struct orl_error *err)
+/* Converts an error to JSON for the verdict. */
+static json_t *error_to_json(const struct orl_error *err)
 {
     return json_pack("{s:i, s:i, s:o, s:o, s:o, s:o}", "code", err->code, "line", err->line, "file",
                      orl_json_from_text(err->file), "primitive", orl_json_from_text(err->primitive),
@@ -460,7 +461,7 @@ void orl_child_check(int fd)
         rc = run_kind(&check, &result, &err);
     if (rc == 0 && !result)
         rc = orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
-    json_t *verdict = rc ? json_pack("{s:o}", "error", orl_child_error_to_json(&err))
+    json_t *verdict = rc ? json_pack("{s:o}", "error", error_to_json(&err))
                          : json_pack("{s:o}", "result", result);
     char *text = verdict ? orl_json_text(verdict, JSON_COMPACT) : NULL;
     if (!text)

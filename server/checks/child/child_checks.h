@@ -1,25 +1,6 @@
 /*
- * The work of a check child: it reads its request, opens the files that the request names, gives up
- * every privilege that reading them does not need (sandbox.h), reads them, and sends a verdict.
- *
- * The request is {"kind", "memory", "cpu_s", ...}, the verdict {"error": {...}} or {"result": ...}:
- *
- *     scene     "files": [{"name", "path", "sha", "bytes", "resource"}], main files first
- *               -> the summary (scene_json.h); if the request has a "choice", with "project"
- *               (project/project.h)
- *     bsdf      "path", "name" -> the summary (bsdf_json.h)
- *     job       "path" -> job_manifest.h
- *     unzip     "path" -> FILE and DATA packets, then null
- *     files     "path", of {"files": [...], "bsdfs": {...}} -> FILE and DATA packets, then
- *               {"resources": [...], "bsdfs": {...}}; of a Honeybee model -> its files, then
- *               {"model": true}
- *     roles     "files", "choice": {"states", "sky"} -> for each file its place among the main
- *               files, else 0
- *     inputs    "files", "uses": [[name, role, entry or null], ...], "path" of the document or none
- *               -> the findings, in the order of struct orl_job_inputs_found (job_inputs.h)
- *     plan      "path", "files" -> child_plan.h
- *     outline   "files", "height"; polar: "path", "front", "theta_deg", "phi_deg" ->
- * child_previews.h
+ * Check children: the work of a child (child_checks.c, child_scene.c, scene_document.c), the fork
+ * server that starts it (fork_server.c), and its sandbox (sandbox.c).
  */
 #ifndef ORL_SERVER_CHECKS_CHILD_CHILD_CHECKS_H
 #define ORL_SERVER_CHECKS_CHILD_CHILD_CHECKS_H
@@ -33,20 +14,44 @@
 #include "checks/job_manifest.h"
 #include "uploads/uploads.h"
 
+/*
+ * The work of a check child: it reads its request and opens the files that the request names. It
+ * gives up every privilege that reading them does not need (orl_sandbox_enter), reads them, and
+ * sends a verdict.
+ *
+ * The request is {"kind", "memory", "cpu_s", ...}, the verdict {"error": {...}} or {"result": ...}:
+ *
+ *     scene     "files": [{"name", "path", "sha", "bytes", "resource"}], main files first
+ *               -> the summary (result_json.h); if the request has a "choice", with "project"
+ *               (project/project.h)
+ *     bsdf      "path", "name" -> the summary (bsdf_json.h)
+ *     job       "path" -> job_manifest.h
+ *     unzip     "path" -> FILE and DATA packets, then null
+ *     files     "path", of {"files": [...], "bsdfs": {...}} -> FILE and DATA packets, then
+ *               {"resources": [...], "bsdfs": {...}}; of a Honeybee model -> its files, then
+ *               {"model": true}
+ *     roles     "files", "choice": {"states", "sky"} -> for each file its place among the main
+ *               files, else 0
+ *     inputs    "files", "uses": [[name, role, entry or null], ...], "path" of the document or none
+ *               -> the findings, in the order of struct orl_job_inputs_found (job_manifest.h)
+ *     plan      "path", "files" -> orl_child_plan
+ *     outline   "files", "height" -> orl_child_outline
+ *     polar     "path", "front", "theta_deg", "phi_deg" -> orl_child_polar
+ */
+
 /* Runs one check in the child, over the socket, and ends the process. */
 void orl_child_check(int fd);
 
-/* Convert errors to and from JSON for the verdict. */
-json_t *orl_child_error_to_json(const struct orl_error *err);
+/* Reads an error from a verdict's JSON. */
 void orl_child_error_from_json(const json_t *json, struct orl_error *ret_err);
 
 /*
- * The fork server is a fork server: a process of the daemon's own program that only forks children.
- * Each child runs one check of untrusted data (child_checks.h); there is one child at a time. The
- * fork server is small, has one thread, and has its libraries loaded, so a child costs a
- * millisecond or two. It reads nothing of the data that its children receive.
+ * The fork server: a process of the daemon's own program that only forks children. Each child runs
+ * one check of untrusted data (orl_child_check); there is one child at a time. The fork server is
+ * small, has one thread, and has its libraries loaded, so a child costs a millisecond or two. It
+ * reads nothing of the data that its children receive.
  *
- * The daemon starts fork servers and talks to them through check_pool.h. A fork server ends with
+ * The daemon starts fork servers and talks to them through check_client.h. A fork server ends with
  * the daemon, and its children end with the fork server.
  */
 
@@ -95,7 +100,7 @@ int orl_scene_document_read(const struct orl_file *document, const struct orl_in
  * masks.
  */
 
-/* Runs in the child. opened: all files of the scene, with the document as its single file. Adds to
+/* Runs in the child. mapped: all files of the scene, with the document as its single file. Adds to
  * *found. */
 int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_found *found,
                        struct orl_error *err);
@@ -109,7 +114,7 @@ int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_f
 enum { ORL_PLAN_SKIES = 16 };
 
 /*
- * Plans the job. opened: the scene's files, with the document as the single file. *ret_result is a
+ * Plans the job. mapped: the scene's files, with the document as the single file. *ret_result is a
  * new reference: {"plans": [{"sky", "plan", "warnings", "curve"}], "more"}. sky is null if the job
  * has no list of skies.
  */
@@ -120,7 +125,7 @@ int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct
  * which a BSDF scatters light. Nothing is freed: the process ends with the check.
  */
 
-/* The request has "height", a number or null; the result is scene_json.h's. */
+/* The request has "height", a number or null; the result is result_json.h's. */
 int orl_child_outline(const json_t *request, struct orl_mapped_inputs *mapped, json_t **ret_result,
                       struct orl_error *err);
 /* The request has "front", "theta_deg" and "phi_deg"; the result is bsdf_json.h's. */

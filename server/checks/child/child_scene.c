@@ -1,3 +1,7 @@
+/*
+ * Checks that need a whole scene, in the child: a job's document with the scene's files, plans, and
+ * previews.
+ */
 #include <math.h>
 #include <stdatomic.h>
 
@@ -47,6 +51,8 @@ int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_f
     return rc;
 }
 
+/* ---- Plans ----------------------------------------------------------------------------------- */
+
 static double now_s(void *ctx)
 {
     (void)ctx;
@@ -89,6 +95,8 @@ int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct
                       "work", (int)work.work_class, work.s);
     return rc;
 }
+
+/* ---- Previews -------------------------------------------------------------------------------- */
 
 int orl_child_outline(const json_t *request, struct orl_mapped_inputs *mapped, json_t **ret_result,
                       struct orl_error *err)

@@ -64,6 +64,8 @@ json_t *orl_mapped_inputs_to_json(const struct orl_bundle *bundle)
     return files;
 }
 
+/* ---- Mapped files --------------------------------------------------------------------------- */
+
 /* Maps one file. A file that was just written is not read again to verify its digest. */
 static int open_file(struct orl_mapped_inputs *mapped, const json_t *entry, struct orl_error *err)
 {

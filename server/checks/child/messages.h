@@ -1,14 +1,4 @@
-/*
- * Messages between daemon and child: packets over a socket, each a byte with its kind followed by
- * data. A packet arrives whole or not at all, even when a process dies.
- *
- *     daemon -> child   REQUEST ..., REQUEST_END: a JSON text, in parts
- *     child -> daemon   FILE (its name), DATA ..., FILE, ...: files unpacked
- *                       VERDICT ..., VERDICT_END: a JSON text, in parts
- *     keeper -> daemon  END: struct orl_child_end, after the child has ended
- *
- * Threads: any; one at a time for each socket. Errors: false, with errno set.
- */
+/* Messages between daemon and child: packets over a socket, and the files that a request names. */
 #ifndef ORL_SERVER_CHECKS_CHILD_MESSAGES_H
 #define ORL_SERVER_CHECKS_CHILD_MESSAGES_H
 
@@ -18,6 +8,18 @@
 #include <stdint.h>
 
 #include "store/files/scene_bundle.h"
+
+/*
+ * Packets over the socket, each a byte with its kind followed by data. A packet arrives whole or
+ * not at all, even when a process dies.
+ *
+ *     daemon -> child         REQUEST ..., REQUEST_END: a JSON text, in parts
+ *     child -> daemon         FILE (its name), DATA ..., FILE, ...: files unpacked
+ *                             VERDICT ..., VERDICT_END: a JSON text, in parts
+ *     fork server -> daemon   END: struct orl_child_end, after the child has ended
+ *
+ * Threads: any; one at a time for each socket. Errors: false, with errno set.
+ */
 
 enum orl_frame_kind {
     ORL_FRAME_REQUEST = 'r',
@@ -70,7 +72,7 @@ struct orl_mapped_inputs {
 int orl_mapped_inputs_open(const json_t *request, struct orl_mapped_inputs *ret_mapped,
                            struct orl_error *err);
 
-/* Returns a file provider that borrows opened. */
+/* Returns a file provider that borrows mapped. */
 struct orl_files orl_mapped_inputs_provider(struct orl_mapped_inputs *mapped);
 
 /* Converts a bundle to the request's "files". Returns a new reference; NULL: out of memory. */

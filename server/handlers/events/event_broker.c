@@ -16,7 +16,7 @@ enum { ID = 48 };
 struct event {
     uint64_t serial;
     char job[ORL_JOB_ID];
-    char *tags;                        /* labels_json.h; NULL: none */
+    char *tags;                        /* job_json.h; NULL: none */
     char content_id[ORL_JOB_EVENT_ID]; /* the id of its contents while the job runs */
     struct orl_event_text *text;
     struct event *older, *newer;

@@ -9,7 +9,8 @@
 #include "server.h"
 #include "json/encode.h"
 
-struct orl_event_text *orl_event_text_new(const char *data, size_t size)
+/* Returns a text with one reference. NULL when out of memory. */
+static struct orl_event_text *new_text(const char *data, size_t size)
 {
     struct orl_event_text *text = malloc(sizeof *text + size);
     if (!text)
@@ -33,7 +34,7 @@ struct orl_event_text *orl_event_text_of(const char *id, const char *name, json_
     char *line = NULL;
     const int size = json ? asprintf(&line, "id: %s\nevent: %s\ndata: %s\n\n", id, name, json) : -1;
     if (size > 0)
-        text = orl_event_text_new(line, (size_t)size);
+        text = new_text(line, (size_t)size);
     if (size >= 0)
         free(line);
     free(json);
@@ -172,7 +173,7 @@ int orl_event_source_init(struct orl_event_source *source, struct orl_server *se
     const double half_s = server->config.idle_timeout_s / 2.0;
     *source = (struct orl_event_source){.server = server,
                                         .calls = calls,
-                                        .heartbeat = orl_event_text_new(":\n\n", 3),
+                                        .heartbeat = new_text(":\n\n", 3),
                                         .heartbeat_s = half_s < HEARTBEAT_S ? half_s : HEARTBEAT_S};
     if (!source->heartbeat)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");

@@ -1,4 +1,7 @@
-/* A text for event streams, shared by all streams that send it. Threads: the loop thread only. */
+/*
+ * Streams of server-sent events (WHATWG HTML, 9.2): the common part of streams of one job
+ * (events.c) and of all jobs (event_broker.c).
+ */
 #ifndef ORL_SERVER_HANDLERS_EVENTS_EVENT_STREAM_H
 #define ORL_SERVER_HANDLERS_EVENTS_EVENT_STREAM_H
 
@@ -10,14 +13,14 @@
 #include "http/access/access.h"
 #include "http/request/request.h"
 
+/* A text for event streams, shared by all streams that send it. Threads: the loop thread only. */
+
 struct orl_event_text {
     unsigned refs;
     size_t size;
     char data[];
 };
 
-/* Returns a text with one reference. NULL when out of memory. */
-struct orl_event_text *orl_event_text_new(const char *data, size_t size);
 void orl_event_text_unref(struct orl_event_text *text); /* NULL is allowed */
 
 /* Returns the text "id: ...\nevent: NAME\ndata: {...}\n\n". Takes ownership of data. NULL if data
@@ -25,9 +28,6 @@ void orl_event_text_unref(struct orl_event_text *text); /* NULL is allowed */
 struct orl_event_text *orl_event_text_of(const char *id, const char *name, json_t *data);
 
 /*
- * Streams of server-sent events (WHATWG HTML, 9.2): the common part of streams of one job
- * (events.h) and of all jobs (event_broker.h).
- *
  * A stream is a suspended connection and a small struct, without a thread or timer of its own.
  * Streams of one source share its timer. It looks for news four times a second, and once more when
  * it is woken. A text whose sending has begun is sent to its end; a slow client delays no other. In
@@ -48,7 +48,7 @@ struct orl_event_stream {
     struct orl_event_text *sending;
     size_t sent; /* bytes sent of it */
     struct orl_credentials credentials;
-    double checked_s; /* time of the last check of admission */
+    double checked_s; /* time of the last check of credentials */
     double active_s;  /* time when the last text was begun */
     bool suspended, heartbeat_due, ended;
     struct orl_event_stream *next, **link;

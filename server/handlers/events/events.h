@@ -1,8 +1,19 @@
 /*
- * Event streams: GET /v1/jobs/{id}/events as server-sent events (WHATWG HTML, 9.2).
+ * Events of jobs: streams of one job (events.c), their contents (job_event.c), and the stream of
+ * all jobs (event_broker.c).
+ */
+#ifndef ORL_SERVER_HANDLERS_EVENTS_EVENTS_H
+#define ORL_SERVER_HANDLERS_EVENTS_EVENTS_H
+
+#include "http/request/request.h"
+#include "job/job_json.h"
+#include "jobs/jobs.h"
+
+/*
+ * Streams of one job: GET /v1/jobs/{id}/events as server-sent events (WHATWG HTML, 9.2).
  *
- * An event is a short form of a job's status (job_event.h), sent when it differs from the last one.
- * Its id encodes the contents. So a client that returns with a Last-Event-ID, even to another
+ * An event is a short form of a job's status (orl_job_event), sent when it differs from the last
+ * one. Its id encodes the contents. So a client that returns with a Last-Event-ID, even to another
  * daemon on the same data, gets only news. Nothing is replayed: the latest event says everything. A
  * stream (event_stream.h) ends after the job's final state.
  *
@@ -11,12 +22,6 @@
  *
  * Threads: the loop thread only.
  */
-#ifndef ORL_SERVER_HANDLERS_EVENTS_EVENTS_H
-#define ORL_SERVER_HANDLERS_EVENTS_EVENTS_H
-
-#include "http/request/request.h"
-#include "job/job_json.h"
-#include "jobs/jobs.h"
 
 struct orl_events;
 
@@ -68,7 +73,7 @@ json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
 /*
  * Events of all jobs in one stream: GET /v1/events.
  *
- *     event: job        a JobSummary (job_summary.h): the job is new, or has changed
+ *     event: job        a JobSummary (job_status.h): the job is new, or has changed
  *     event: removed    {"id"}
  *     event: reset      {}: earlier events are not known here, so fetch all lists again
  *
@@ -104,8 +109,8 @@ void orl_event_broker_stop(struct orl_event_broker *broker); /* NULL is allowed 
 /* Frees the event broker. Call it once the loop has ended and no response exists. */
 void orl_event_broker_free(struct orl_event_broker *broker);
 
-/* changed: announces that the job is new or has changed. forget: announces that it is about to be
- * removed. */
+/* job_changed: announces that the job is new or has changed. job_removed: announces that it is
+ * about to be removed. */
 void orl_event_broker_job_changed(struct orl_event_broker *broker, const struct orl_jobs_job *job);
 void orl_event_broker_job_removed(struct orl_event_broker *broker, const struct orl_jobs_job *job);
 

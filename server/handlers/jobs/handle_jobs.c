@@ -1,3 +1,29 @@
+/*
+ * /v1/jobs: submitting a job (POST), and its status (GET), cancelling (POST .../cancel) and removal
+ * (DELETE).
+ *
+ * The states of a job (jobs/jobs.h). A running job is cancelled once its threads have noticed:
+ *
+ *     POST --> queued --------> running ------> succeeded, failed --+
+ *              |    ^           |     |                             |
+ *              |    +-----------+     |                             +-- DELETE --> removed
+ *              |     daemon ended     | cancel                      |
+ *              | cancel               v                             |
+ *              +------------------> cancelled ----------------------+
+ *
+ * The steps of submitting, in the order of time. A step that fails sends the error, and no later
+ * step runs. In the right column, `pool` marks steps that block, and `child` those that read
+ * untrusted data in a child (checks/checks.h):
+ *
+ *     orl_handle_job_post      reads the headers: the client's name and the Idempotency-Key
+ *     read_document            reads a small document, and computes its digest            pool
+ *     check_document           does so for a large document                               child
+ *     look_up_references       finds the scene and its files, and estimates the memory
+ *     check_inputs             reads the files that the document names, if any            child
+ *     check_capacity           claims the document's blob, and checks the storage budget
+ *     store_document           moves the document to its blob                             pool
+ *     submit_job               queues the job; replies 202 once its row is on disk
+ */
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,52 +48,12 @@
 #include "store/rows/scenes.h"
 #include "uploads/uploads.h"
 
-static bool is_name(const char *text)
-{
-    const size_t length = strlen(text);
-    for (size_t i = 0; i < length; i++)
-        if (text[i] < 0x20 || text[i] > 0x7e)
-            return false;
-    return length >= 1 && length <= ORL_CLIENT_OWN_NAME;
-}
-
-static void name_by_address(const struct orl_request *request, char ret_name[ORL_CLIENT_NAME])
-{
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-    char text[INET6_ADDRSTRLEN] = "unknown";
-    if (info && info->client_addr && info->client_addr->sa_family == AF_INET6) {
-        struct sockaddr_in6 v6;
-        memcpy(&v6, info->client_addr, sizeof v6);
-        inet_ntop(AF_INET6, &v6.sin6_addr, text, sizeof text);
-    } else if (info && info->client_addr && info->client_addr->sa_family == AF_INET) {
-        struct sockaddr_in v4;
-        memcpy(&v4, info->client_addr, sizeof v4);
-        inet_ntop(AF_INET, &v4.sin_addr, text, sizeof text);
-    }
-    snprintf(ret_name, ORL_CLIENT_NAME, "address:%s", text);
-}
-
-bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME])
-{
-    const char *own = orl_request_header(request, "X-Oriel-Client");
-    if (request->context->config->needs_token) {
-        snprintf(ret_name, ORL_CLIENT_NAME, "token:%s", request->token);
-        return true;
-    }
-    if (!own) {
-        name_by_address(request, ret_name);
-        return true;
-    }
-    if (!is_name(own)) {
-        orl_reply_problem(request, 400, "invalid", "A header is not understood",
-                          "X-Oriel-Client is a name of 1 to %d printable characters",
-                          ORL_CLIENT_OWN_NAME);
-        return false;
-    }
-    snprintf(ret_name, ORL_CLIENT_NAME, "name:%s", own);
-    return true;
-}
+/*
+ * The name of a request's client, as job documents show it. If tokens are not required, clients
+ * choose their own names, and the job queue is fair between names. If they are required, the queue
+ * is fair between token ids (orl_jobs_fairness_key).
+ */
+enum { CLIENT_NAME = 80, CLIENT_OWN_NAME = 64 };
 
 enum { REQUEST_KEY_MAX = 255 };
 
@@ -78,7 +64,7 @@ struct job_post {
     struct orl_job_inputs inputs;
     struct orl_job_inputs_found found; /* results of reading them */
     struct orl_check check;
-    char document[ORL_SHA_HEX], client[ORL_CLIENT_NAME];
+    char document[ORL_SHA_HEX], client[CLIENT_NAME];
     char key[REQUEST_KEY_MAX + 1]; /* Idempotency-Key; "": none */
     struct orl_blobs *blobs;       /* holds a claim on the document; NULL: no claim */
     struct orl_blob_claims claims; /* claims on the input files */
@@ -97,61 +83,19 @@ static void job_post_free(void *state)
     free(post);
 }
 
-/* ---- On the pool ---------------------------------------------------------------------------- */
+/* ---- The steps of submitting, defined below in this order ------------------------------------ */
 
-static void read_document(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    struct orl_file body;
-    post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
-    if (post->rc == 0)
-        orl_sha256_hex(body.data, body.size, post->document);
-    if (post->rc == 0)
-        post->rc = orl_job_manifest_read(&body, &post->manifest, &post->err);
-}
+static void read_document(struct orl_request *request);
+static void check_document(struct orl_request *request);
+static void look_up_checked_document(struct orl_request *request);
+static void look_up_references(struct orl_request *request);
+static void check_inputs(struct orl_request *request);
+static void inputs_checked(struct orl_request *request);
+static void check_capacity(struct orl_request *request);
+static void store_document(struct orl_request *request);
+static void submit_job(struct orl_request *request);
 
-/* Reads a large document in a child. */
-static void check_document(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    const struct orl_folders *folders = &request->server->folders;
-    const char *path = NULL;
-    struct orl_file body;
-    post->rc = orl_body_view(&request->body, folders, &body, &post->err);
-    if (post->rc == 0)
-        post->rc = orl_body_file(&request->body, folders, &path, &post->err);
-    if (post->rc)
-        return;
-    orl_sha256_hex(body.data, body.size, post->document);
-    post->rc = orl_check_client_job(&post->check.call, path, &post->manifest, &post->err);
-}
-
-static void check_inputs(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    const char *document = NULL;
-    post->rc = post->inputs.whole_scene
-                   ? orl_body_file(&request->body, &request->server->folders, &document, &post->err)
-                   : 0;
-    if (post->rc == 0)
-        post->rc = orl_check_client_inputs(&post->check.call, &post->inputs, document, &post->found,
-                                           &post->err);
-}
-
-static void store_document(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    const struct orl_folders *folders = &request->server->folders;
-    char path[ORL_PATH_MAX];
-    post->rc = orl_body_take_file(&request->body, folders, path, &post->err);
-    if (post->rc)
-        return;
-    post->rc = orl_blob_store(folders, path, post->document, &post->err);
-    if (post->rc)
-        unlink(path);
-}
-
-/* ---- On the loop ---------------------------------------------------------------------------- */
+/* ---- Replies --------------------------------------------------------------------------------- */
 
 static void reply_document(struct orl_request *request, unsigned status,
                            const struct orl_jobs_job *job)
@@ -221,6 +165,142 @@ static bool answer_by_key(struct orl_request *request)
                           "another document came with it, and became the job %s", job->row.id);
     return true;
 }
+
+/* ---- The headers ----------------------------------------------------------------------------- */
+
+static bool is_name(const char *text)
+{
+    const size_t length = strlen(text);
+    for (size_t i = 0; i < length; i++)
+        if (text[i] < 0x20 || text[i] > 0x7e)
+            return false;
+    return length >= 1 && length <= CLIENT_OWN_NAME;
+}
+
+static void name_by_address(const struct orl_request *request, char ret_name[CLIENT_NAME])
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    char text[INET6_ADDRSTRLEN] = "unknown";
+    if (info && info->client_addr && info->client_addr->sa_family == AF_INET6) {
+        struct sockaddr_in6 v6;
+        memcpy(&v6, info->client_addr, sizeof v6);
+        inet_ntop(AF_INET6, &v6.sin6_addr, text, sizeof text);
+    } else if (info && info->client_addr && info->client_addr->sa_family == AF_INET) {
+        struct sockaddr_in v4;
+        memcpy(&v4, info->client_addr, sizeof v4);
+        inet_ntop(AF_INET, &v4.sin_addr, text, sizeof text);
+    }
+    snprintf(ret_name, CLIENT_NAME, "address:%s", text);
+}
+
+/*
+ * Writes the client's name. With tokens it is "token:" and the token's name. Without tokens it is
+ * "name:" and the header X-Oriel-Client, or else "address:" and the address. Returns false after a
+ * 400: the header must have 1 to 64 printable ASCII characters.
+ */
+static bool read_client_name(struct orl_request *request, char ret_name[CLIENT_NAME])
+{
+    const char *own = orl_request_header(request, "X-Oriel-Client");
+    if (request->context->config->needs_token) {
+        snprintf(ret_name, CLIENT_NAME, "token:%s", request->token);
+        return true;
+    }
+    if (!own) {
+        name_by_address(request, ret_name);
+        return true;
+    }
+    if (!is_name(own)) {
+        orl_reply_problem(request, 400, "invalid", "A header is not understood",
+                          "X-Oriel-Client is a name of 1 to %d printable characters",
+                          CLIENT_OWN_NAME);
+        return false;
+    }
+    snprintf(ret_name, CLIENT_NAME, "name:%s", own);
+    return true;
+}
+
+/* Reads the key, in quotes (a structured string) or without. Returns false after a 400. */
+static bool read_key(struct orl_request *request, const char *key,
+                     char ret_key[REQUEST_KEY_MAX + 1])
+{
+    const size_t length = key ? strlen(key) : 0;
+    const bool quoted = length >= 2 && key[0] == '"' && key[length - 1] == '"';
+    bool good = !key || (length > (quoted ? 2 : 0) && length - (quoted ? 2 : 0) <= REQUEST_KEY_MAX);
+    for (size_t i = 0; i < length && good; i++)
+        good = key[i] >= 0x20 && key[i] <= 0x7e;
+    if (!good)
+        orl_reply_problem(request, 400, "invalid", "A header is not understood",
+                          "an Idempotency-Key has 1 to %d printable characters", REQUEST_KEY_MAX);
+    else if (key)
+        snprintf(ret_key, REQUEST_KEY_MAX + 1, "%.*s", (int)(length - (quoted ? 2 : 0)),
+                 key + quoted);
+    return good;
+}
+
+void orl_handle_job_post(struct orl_request *request)
+{
+    const char *key = orl_request_header(request, "Idempotency-Key");
+    if (request->server->draining) {
+        orl_reply_stopping(request);
+        return;
+    }
+    if (!key && refuse_when_full(request))
+        return;
+    struct job_post *post = calloc(1, sizeof *post);
+    if (!post) {
+        orl_reply_json(request, 503, NULL);
+        return;
+    }
+    request->state = post;
+    request->free_state = job_post_free;
+    if (!read_client_name(request, post->client) || !read_key(request, key, post->key))
+        return;
+    if (request->body.size <= ORL_SERVER_SMALL_JSON)
+        orl_request_work(request, read_document, look_up_references);
+    else
+        orl_check_begin(&request->server->checks, &post->check, request, check_document,
+                        look_up_checked_document);
+}
+
+/* ---- The document ---------------------------------------------------------------------------- */
+
+/* Reads a small document. */
+static void read_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, &request->server->folders, &body, &post->err);
+    if (post->rc == 0)
+        orl_sha256_hex(body.data, body.size, post->document);
+    if (post->rc == 0)
+        post->rc = orl_job_manifest_read(&body, &post->manifest, &post->err);
+}
+
+/* Reads a large document in a child. */
+static void check_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    const char *path = NULL;
+    struct orl_file body;
+    post->rc = orl_body_view(&request->body, folders, &body, &post->err);
+    if (post->rc == 0)
+        post->rc = orl_body_file(&request->body, folders, &path, &post->err);
+    if (post->rc)
+        return;
+    orl_sha256_hex(body.data, body.size, post->document);
+    post->rc = orl_check_client_job(&post->check.call, path, &post->manifest, &post->err);
+}
+
+static void look_up_checked_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (orl_check_finish(&post->check, &post->rc, &post->err))
+        look_up_references(request);
+}
+
+/* ---- The scene and the memory ---------------------------------------------------------------- */
 
 static uint64_t number_at(const json_t *object, const char *name)
 {
@@ -295,6 +375,83 @@ static int check_references(struct orl_server *server, struct job_post *post)
     return rc ? rc : check_memory(server, post);
 }
 
+static void look_up_references(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (*post->document && answer_by_key(request))
+        return;
+    if (post->rc == 0 && refuse_when_full(request))
+        return;
+    if (post->rc == 0)
+        post->rc = check_references(request->server, post);
+    if (post->rc == 0)
+        post->rc = orl_blobs_claim_files(request->server->blobs, &post->inputs.files, &post->claims,
+                                         &post->err);
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else if (post->inputs.files.count > 0)
+        orl_check_begin(&request->server->checks, &post->check, request, check_inputs,
+                        inputs_checked);
+    else
+        check_capacity(request);
+}
+
+/* ---- The files that the document names ------------------------------------------------------- */
+
+static void check_inputs(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const char *document = NULL;
+    post->rc = post->inputs.whole_scene
+                   ? orl_body_file(&request->body, &request->server->folders, &document, &post->err)
+                   : 0;
+    if (post->rc == 0)
+        post->rc = orl_check_client_inputs(&post->check.call, &post->inputs, document, &post->found,
+                                           &post->err);
+}
+
+static void inputs_checked(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    if (!orl_check_finish(&post->check, &post->rc, &post->err))
+        return;
+    if (post->rc)
+        orl_reply_error(request, &post->err);
+    else
+        check_capacity(request);
+}
+
+/* ---- Storage and the queue ------------------------------------------------------------------- */
+
+static void check_capacity(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    struct orl_server *server = request->server;
+    const bool here = orl_blob_exists(&server->folders, post->document);
+    post->rc = orl_blobs_claim(server->blobs, post->document, &post->err);
+    if (post->rc) {
+        orl_reply_error(request, &post->err);
+        return;
+    }
+    post->blobs = server->blobs;
+    const uint64_t bytes = post->manifest.result_bytes + (here ? 0 : request->body.size);
+    if (!orl_reply_if_full(request, bytes))
+        orl_request_work(request, store_document, submit_job);
+}
+
+static void store_document(struct orl_request *request)
+{
+    struct job_post *post = request->state;
+    const struct orl_folders *folders = &request->server->folders;
+    char path[ORL_PATH_MAX];
+    post->rc = orl_body_take_file(&request->body, folders, path, &post->err);
+    if (post->rc)
+        return;
+    post->rc = orl_blob_store(folders, path, post->document, &post->err);
+    if (post->rc)
+        unlink(path);
+}
+
 /* Cancels a job whose id could not be sent (out of memory). The client will retry, and only a key
  * would lead it to this job. */
 static void cancel_unacknowledged(struct orl_server *server, const struct orl_jobs_job *job)
@@ -346,103 +503,7 @@ static void submit_job(struct orl_request *request)
         cancel_unacknowledged(request->server, job);
 }
 
-static void check_capacity(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    struct orl_server *server = request->server;
-    const bool here = orl_blob_exists(&server->folders, post->document);
-    post->rc = orl_blobs_claim(server->blobs, post->document, &post->err);
-    if (post->rc) {
-        orl_reply_error(request, &post->err);
-        return;
-    }
-    post->blobs = server->blobs;
-    const uint64_t bytes = post->manifest.result_bytes + (here ? 0 : request->body.size);
-    if (!orl_reply_if_full(request, bytes))
-        orl_request_work(request, store_document, submit_job);
-}
-
-static void inputs_checked(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    if (!orl_check_finish(&post->check, &post->rc, &post->err))
-        return;
-    if (post->rc)
-        orl_reply_error(request, &post->err);
-    else
-        check_capacity(request);
-}
-
-static void look_up_references(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    if (*post->document && answer_by_key(request))
-        return;
-    if (post->rc == 0 && refuse_when_full(request))
-        return;
-    if (post->rc == 0)
-        post->rc = check_references(request->server, post);
-    if (post->rc == 0)
-        post->rc = orl_blobs_claim_files(request->server->blobs, &post->inputs.files, &post->claims,
-                                         &post->err);
-    if (post->rc)
-        orl_reply_error(request, &post->err);
-    else if (post->inputs.files.count > 0)
-        orl_check_begin(&request->server->checks, &post->check, request, check_inputs,
-                        inputs_checked);
-    else
-        check_capacity(request);
-}
-
-/* Reads the key, in quotes (a structured string) or without. Returns false after a 400. */
-static bool read_key(struct orl_request *request, const char *key,
-                     char ret_key[REQUEST_KEY_MAX + 1])
-{
-    const size_t length = key ? strlen(key) : 0;
-    const bool quoted = length >= 2 && key[0] == '"' && key[length - 1] == '"';
-    bool good = !key || (length > (quoted ? 2 : 0) && length - (quoted ? 2 : 0) <= REQUEST_KEY_MAX);
-    for (size_t i = 0; i < length && good; i++)
-        good = key[i] >= 0x20 && key[i] <= 0x7e;
-    if (!good)
-        orl_reply_problem(request, 400, "invalid", "A header is not understood",
-                          "an Idempotency-Key has 1 to %d printable characters", REQUEST_KEY_MAX);
-    else if (key)
-        snprintf(ret_key, REQUEST_KEY_MAX + 1, "%.*s", (int)(length - (quoted ? 2 : 0)),
-                 key + quoted);
-    return good;
-}
-
-static void look_up_checked_document(struct orl_request *request)
-{
-    struct job_post *post = request->state;
-    if (orl_check_finish(&post->check, &post->rc, &post->err))
-        look_up_references(request);
-}
-
-void orl_handle_job_post(struct orl_request *request)
-{
-    const char *key = orl_request_header(request, "Idempotency-Key");
-    if (request->server->draining) {
-        orl_reply_stopping(request);
-        return;
-    }
-    if (!key && refuse_when_full(request))
-        return;
-    struct job_post *post = calloc(1, sizeof *post);
-    if (!post) {
-        orl_reply_json(request, 503, NULL);
-        return;
-    }
-    request->state = post;
-    request->free_state = job_post_free;
-    if (!orl_client_name(request, post->client) || !read_key(request, key, post->key))
-        return;
-    if (request->body.size <= ORL_SERVER_SMALL_JSON)
-        orl_request_work(request, read_document, look_up_references);
-    else
-        orl_check_begin(&request->server->checks, &post->check, request, check_document,
-                        look_up_checked_document);
-}
+/* ---- Status, cancelling, removal ------------------------------------------------------------- */
 
 void orl_handle_job_get(struct orl_request *request)
 {

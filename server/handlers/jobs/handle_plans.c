@@ -1,6 +1,6 @@
 /*
  * POST /v1/plans: the plan of a render job, with reasons, without rendering it. A child makes it
- * (checks/child/child_plan.h), like checks of uploads; nothing is stored.
+ * (checks/child/child_scene.c), like checks of uploads; nothing is stored.
  */
 #include "handlers/handlers.h"
 

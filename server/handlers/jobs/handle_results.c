@@ -1,3 +1,7 @@
+/*
+ * GET /v1/jobs/{id}/result and /files/{name}: a job's results; GET /v1/jobs/{id}/document: its
+ * document.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <jansson.h>
@@ -281,8 +285,9 @@ void orl_handle_job_file(struct orl_request *request)
     send_results(request, request->params[1]);
 }
 
-/* GET /v1/jobs/{id}/document: the submitted document, byte for byte, so that it can be submitted
- * again. */
+/* ---- The document ---------------------------------------------------------------------------- */
+
+/* Sends the submitted document, byte for byte, so that it can be submitted again. */
 
 void orl_handle_job_document(struct orl_request *request)
 {

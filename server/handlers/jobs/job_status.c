@@ -18,7 +18,8 @@
 #include "server.h"
 #include "json/encode.h"
 
-json_t *orl_job_time(int64_t ms)
+/* Returns a time in milliseconds since 1970 as text, or null for 0. A new reference. */
+static json_t *time_to_json(int64_t ms)
 {
     char text[ORL_TIME_TEXT];
     if (ms == 0)
@@ -27,12 +28,14 @@ json_t *orl_job_time(int64_t ms)
     return json_string(text);
 }
 
-json_t *orl_job_eta(const struct orl_job_progress *progress)
+/* Returns the seconds that a running job has left, to a tenth, or null. A new reference. */
+static json_t *eta_to_json(const struct orl_job_progress *progress)
 {
     return orl_json_from_real(round(10 * progress->eta_s) / 10);
 }
 
-json_t *orl_job_tags(const struct orl_jobs_job *job)
+/* Returns the job's tags: a new reference; NULL when out of memory. */
+static json_t *tags_to_json(const struct orl_jobs_job *job)
 {
     return job->row.tags ? orl_json_read_stored(job->row.tags) : json_array();
 }
@@ -178,7 +181,7 @@ static int add_running(json_t *doc, json_t *links, const struct orl_jobs_job *jo
     orl_worker_progress(orl_jobs_worker(job), &progress);
     rc |= add_kind[job->row.kind](doc, &progress);
     rc |= json_object_set_new(doc, "percent", json_real(100 * progress.job_fraction));
-    rc |= json_object_set_new(doc, "eta_s", orl_job_eta(&progress));
+    rc |= json_object_set_new(doc, "eta_s", eta_to_json(&progress));
     rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
     rc |= json_object_set_new(doc, "shared", json_boolean(job->leader || job->followers));
     if (*progress.why_here)
@@ -211,7 +214,7 @@ static int add_finished(json_t *doc, json_t *links, const struct orl_jobs_job *j
         return rc;
     json_t *outcome = orl_json_read_stored(job->outcome);
     if (job->row.evicted_ms > 0)
-        rc = json_object_set_new(doc, "evicted", orl_job_time(job->row.evicted_ms));
+        rc = json_object_set_new(doc, "evicted", time_to_json(job->row.evicted_ms));
     else
         rc = add_links(links, job->row.id, outcome);
     if (job->row.state == ORL_JOB_SUCCEEDED)
@@ -240,10 +243,10 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     snprintf(cancel, sizeof cancel, "/v1/jobs/%s/cancel", row->id);
     json_t *doc = json_pack(
         "{s:s, s:s?, s:o, s:s, s:s, s:s, s:i, s:s, s:i, s:o, s:o, s:o, s:{s:s}}", "id", row->id,
-        "name", row->name, "tags", orl_job_tags(job), "kind", orl_job_request_kind_name(row->kind),
+        "name", row->name, "tags", tags_to_json(job), "kind", orl_job_request_kind_name(row->kind),
         "state", orl_jobs_state_name(job), "scene", row->scene, "priority", row->priority, "client",
-        row->client, "attempts", row->attempts, "created", orl_job_time(row->created_ms), "started",
-        orl_job_time(row->started_ms), "finished", orl_job_time(row->finished_ms), "links", "self",
+        row->client, "attempts", row->attempts, "created", time_to_json(row->created_ms), "started",
+        time_to_json(row->started_ms), "finished", time_to_json(row->finished_ms), "links", "self",
         self);
     if (!doc)
         return NULL;
@@ -265,6 +268,8 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     }
     return doc;
 }
+
+/* ---- The short form in lists ----------------------------------------------------------------- */
 
 /* The state of a running job. */
 struct running {
@@ -300,12 +305,12 @@ json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
         seen.error = orl_job_results_error(jobs, row->id);
     json_t *doc = json_pack(
         "{s:s, s:s?, s:o, s:s, s:s, s:s, s:s, s:i, s:s?, s:o, s:o, s:o, s:o, s:o, s:o}", "id",
-        row->id, "name", row->name, "tags", orl_job_tags(job), "kind",
+        row->id, "name", row->name, "tags", tags_to_json(job), "kind",
         orl_job_request_kind_name(row->kind), "state", orl_jobs_state_name(job), "scene",
         row->scene, "client", row->client, "priority", row->priority, "stage", seen.stage,
         "percent", orl_json_from_real(seen.percent), "eta_s", orl_json_from_real(seen.eta_s),
-        "error", orl_json_from_real(seen.error), "created", orl_job_time(row->created_ms),
-        "started", orl_job_time(row->started_ms), "finished", orl_job_time(row->finished_ms));
+        "error", orl_json_from_real(seen.error), "created", time_to_json(row->created_ms),
+        "started", time_to_json(row->started_ms), "finished", time_to_json(row->finished_ms));
     if (doc && row->state == ORL_JOB_QUEUED &&
         json_object_set_new(doc, "queue_position",
                             json_integer((json_int_t)orl_jobs_position(jobs, job)))) {
@@ -314,6 +319,8 @@ json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
     }
     return doc;
 }
+
+/* ---- The cache of ended jobs' documents ------------------------------------------------------ */
 
 struct orl_status_cache *orl_status_cache_new(void)
 {
@@ -355,6 +362,8 @@ const char *orl_status_cache_text(struct orl_status_cache *cache, const struct o
     *ret_size = entry->size;
     return entry->text;
 }
+
+/* ---- The job in a request's path ------------------------------------------------------------- */
 
 const struct orl_jobs_job *orl_job_of_path(struct orl_request *request)
 {

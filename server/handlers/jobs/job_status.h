@@ -1,4 +1,17 @@
 /*
+ * How clients see a job (job_status.c): its document, its short form in lists, the cache of ended
+ * jobs' documents, and the job in a request's path.
+ */
+#ifndef ORL_SERVER_HANDLERS_JOBS_JOB_STATUS_H
+#define ORL_SERVER_HANDLERS_JOBS_JOB_STATUS_H
+
+#include <jansson.h>
+#include <stddef.h>
+
+#include "http/request/request.h"
+#include "jobs/jobs.h"
+
+/*
  * A job's document, as GET /v1/jobs/{id} shows it, made from memory alone:
  *
  *     {"id", "name", "tags", "kind", "state", "stage", "percent", "eta_s", "attempts", "scene",
@@ -17,33 +30,16 @@
  * number of finished ones, and the current one, to which stage and maps refer. A running study has
  * "study" in place of stage and maps: the current run, and the points so far.
  */
-#ifndef ORL_SERVER_HANDLERS_JOBS_JOB_STATUS_H
-#define ORL_SERVER_HANDLERS_JOBS_JOB_STATUS_H
 
-#include <jansson.h>
-#include <stddef.h>
-
-#include "http/request/request.h"
-#include "jobs/jobs.h"
-
-/* A new reference; NULL when out of memory. */
+/* Returns a new reference; NULL when out of memory. */
 json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *job);
-
-/* A new reference; NULL when out of memory. */
-json_t *orl_job_tags(const struct orl_jobs_job *job);
 
 /* Returns the path of a file of the job's results. Slashes in a name are escaped, since they do not
  * separate parts of the path. A new reference; NULL when out of memory. */
 json_t *orl_job_file_url(const char *id, const char *name);
 
-/* Returns a time in milliseconds since 1970 as text, or null for 0. A new reference. */
-json_t *orl_job_time(int64_t ms);
-
 /* Returns the warnings so far of a running job. A new reference. */
 json_t *orl_job_warnings(const struct orl_job_progress *progress);
-
-/* Returns the seconds that a running job has left, to a tenth, or null. A new reference. */
-json_t *orl_job_eta(const struct orl_job_progress *progress);
 
 /*
  * A short form of a job for lists that are polled: no files, maps or links.

@@ -1,5 +1,5 @@
 /*
- * Previews of stored objects, made each time in a child (checks/child/child_previews.h): GET
+ * Previews of stored objects, made each time in a child (checks/child/child_scene.c): GET
  * /v1/scenes/ID/outline, a scene's floor plan; GET /v1/bsdfs/ID/polar, the directions into which a
  * BSDF scatters light; and GET /v1/bsdfs/ID for BSDFs that came with a scene. For other BSDFs the
  * summary of their check is stored.

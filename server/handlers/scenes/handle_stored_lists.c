@@ -1,3 +1,7 @@
+/*
+ * Lists of stored objects (GET /v1/scenes, /v1/bsdfs and /v1/maps), the document of one item, and
+ * the removal of maps.
+ */
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +17,8 @@
 #include "server.h"
 #include "store/rows/scenes.h"
 #include "json/encode.h"
+
+/* ---- One item -------------------------------------------------------------------------------- */
 
 const struct orl_item_kind orl_item_scene = {"scene", "/v1/scenes", orl_scene_find};
 const struct orl_item_kind orl_item_bsdf = {"BSDF", "/v1/bsdfs", orl_bsdf_find};
@@ -57,6 +63,8 @@ void orl_reply_stored_item(struct orl_request *request, const struct orl_item_ki
     }
     free(item.summary);
 }
+
+/* ---- Maps ------------------------------------------------------------------------------------ */
 
 static json_t *map_to_json(const struct orl_stored_map *map)
 {
@@ -108,7 +116,7 @@ void orl_handle_map_delete(struct orl_request *request)
     orl_reply_when_durable(request);
 }
 
-/* GET /v1/scenes and GET /v1/bsdfs: stored objects, their uses, and when they were last used. */
+/* ---- Scenes and BSDFs: their uses, and when they were last used ------------------------------ */
 
 struct list {
     json_t *items; /* NULL: out of memory */

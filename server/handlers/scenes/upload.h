@@ -1,6 +1,6 @@
 /*
- * The common part of scenes and BSDFs: content-addressed items with an id, a size, a date and a
- * summary.
+ * The common part of the handlers of uploads: stored items (handle_stored_lists.c), and a scene
+ * being uploaded (scene_upload.c).
  */
 #ifndef ORL_SERVER_HANDLERS_SCENES_UPLOAD_H
 #define ORL_SERVER_HANDLERS_SCENES_UPLOAD_H
@@ -11,6 +11,11 @@
 #include "checks/check_client.h"
 #include "http/request/request.h"
 #include "store/rows/scenes.h"
+
+/*
+ * Stored items, that is, scenes and BSDFs: content-addressed items with an id, a size, a date and a
+ * summary.
+ */
 
 struct orl_item_kind {
     const char *name;   /* "scene" */
@@ -62,11 +67,11 @@ int orl_scene_upload_choose_sky(struct orl_scene_upload *upload, const char *nam
 int orl_scene_upload_multipart(struct orl_scene_upload *upload, struct MHD_Connection *connection,
                                const struct orl_file *body, const struct orl_folders *folders,
                                struct orl_check_call *call, struct orl_error *err);
-/* Reads the file of a document (checks/child/scene_document.h). */
+/* Reads the file of a document (checks/child/child_checks.h). */
 int orl_scene_upload_json(struct orl_scene_upload *upload, const char *path,
                           const struct orl_folders *folders, struct orl_check_call *call,
                           struct orl_error *err);
-/* Reads a zip of the scene's folder (unzip.h). */
+/* Reads a zip of the scene's folder (uploads.h). */
 int orl_scene_upload_zip(struct orl_scene_upload *upload, const char *path,
                          const struct orl_folders *folders, struct orl_check_call *call,
                          struct orl_error *err);

@@ -94,6 +94,8 @@ bool orl_access_check_origin(struct orl_request *request)
     return !refusal;
 }
 
+/* ---- Tokens and owners ----------------------------------------------------------------------- */
+
 static void log_refusal(struct orl_request *request, const char *why)
 {
     char peer[80] = "-";
@@ -246,6 +248,8 @@ bool orl_access_is_valid(struct orl_http_context *context,
                                 &found, &err);
     return rc || found;
 }
+
+/* ---- Pages of other origins (CORS) ----------------------------------------------------------- */
 
 bool orl_cors_preflight(struct orl_request *request, const char *allow)
 {

@@ -1,7 +1,6 @@
 /*
- * Access control of requests. Without tokens, any program of this machine may use the daemon, and
- * web pages are kept out (origin_policy.h). Tokens are required when other machines can reach the
- * daemon. Threads: the loop thread only.
+ * Access control of requests: tokens, owners and pages of other origins (access.c), browsers'
+ * sessions (sessions.c), and signed links with their key (signed_links.c).
  */
 #ifndef ORL_SERVER_HTTP_ACCESS_ACCESS_H
 #define ORL_SERVER_HTTP_ACCESS_ACCESS_H
@@ -10,15 +9,21 @@
 #include "store/files/folders.h"
 #include "store/rows/stored_tokens.h"
 
+/*
+ * Tokens and owners. Without tokens, any program of this machine may use the daemon, and web pages
+ * are kept out (origin_policy.h). Tokens are required when other machines can reach the daemon.
+ * Threads: the loop thread only.
+ */
+
 /* Checks the origin, before the route is known. Returns false, with a 403 made, for another site's
  * page. Fills request->cross_origin. */
 bool orl_access_check_origin(struct orl_request *request);
 
 /*
  * Checks that the request's token has the scope of the route. The Authorization header carries the
- * token. Without that header, a signed link (signed_links.h) or a cookie (sessions.h) may stand for
- * a token. Otherwise returns false, with a 401 or 403 made (RFC 6750). Fills request->token with
- * the token's name, and request->holder.
+ * token. Without that header, a signed link or a session's cookie may stand for a token. Otherwise
+ * returns false, with a 401 or 403 made (RFC 6750). Fills request->token with the token's name, and
+ * request->token_row.
  */
 bool orl_access_check_token(struct orl_request *request);
 
@@ -100,7 +105,7 @@ int orl_session_end(struct orl_request *request, bool all, char ret_cookie[ORL_S
                     struct orl_error *err);
 
 /*
- * The key of signed links (signed_links.h): 32 random bytes in the data folder's file oriel.key,
+ * The key of signed links: 32 random bytes in the data folder's file oriel.key,
  * which only its owner can read. It is not in the database or in a backup, so copies of these are
  * not enough to sign a link. A data folder without the file, such as one restored from a backup,
  * gets a new key. Links that were signed before are then invalid.
@@ -121,7 +126,7 @@ int orl_link_key_open(const struct orl_folders *folders, unsigned char ret_key[O
  *                                    a token's id     s since 1970
  *
  * The signature is a keyed BLAKE2b-256 over job, file, time, and the id and hash of the token, by
- * the key of link_key.h. A link gives access to that file alone, until its time is over or the
+ * the key above. A link gives access to that file alone, until its time is over or the
  * token is removed. The daemon stores no links. It refuses a time more than ORL_SERVER_LINK_S
  * ahead, even with a valid signature.
  *

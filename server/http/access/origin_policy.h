@@ -37,7 +37,7 @@ struct orl_origin_policy_input {
     bool follows_link;                      /* a link to the dashboard's page, as above */
     bool tokens;                            /* tokens are required */
     bool http, https;                       /* schemes that the daemon's own pages may use */
-    const char *const *allowed;             /* allowed other origins: process/origin.h */
+    const char *const *allowed;             /* allowed other origins (process/config.h) */
     size_t n_allowed;
 };
 

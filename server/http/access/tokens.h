@@ -20,12 +20,9 @@ enum { ORL_TOKEN_TEXT = 80 };
 int orl_token_make(const char *name, enum orl_token_scope scope, struct orl_token_row *ret_row,
                    char ret_text[ORL_TOKEN_TEXT], struct orl_error *err);
 
-/* Returns the row of a token. finder: orl_token_find_statement's. *ret_known is false for a token
- * that never existed or has been removed. */
+/* Returns the row of a token. statement: orl_token_find_statement's. *ret_known is false for a
+ * token that never existed or has been removed. */
 int orl_token_verify(struct orl_db *db, sqlite3_stmt *statement, const char *text,
                      struct orl_token_row *ret_row, bool *ret_known, struct orl_error *err);
-
-/* Runs `orield token ...`: argv[0] is "token". Prints; returns the exit status. */
-int orl_token_command(int argc, char **argv);
 
 #endif

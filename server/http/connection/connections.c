@@ -60,7 +60,7 @@ struct orl_connection {
     /* Found by the last sweep: bytes of the body received, and bytes read of the connection. */
     uint64_t swept, swept_taken;
     bool stuck;    /* true if the last sweep found no progress */
-    uint64_t left; /* bytes read by the last look if more were unread; 0: none */
+    uint64_t left; /* bytes read by the last check if more were unread; 0: none */
     double idle_s;
     struct orl_connection *next, *before;
 };
@@ -340,7 +340,7 @@ void orl_connections_refuse_unparsed(struct orl_connections *all)
             refuse_unparsed(one);
 }
 
-/* Cuts a connection that libmicrohttpd did not read between two looks, although data was ready. */
+/* Cuts a connection that libmicrohttpd did not read between two checks, although data was ready. */
 static void check_unread(struct orl_connections *all, struct orl_connection *one)
 {
     uint64_t taken = 0, unread = 0;

@@ -1,5 +1,19 @@
 /*
- * Open connections, and time limits for slow clients.
+ * Open connections, their time limits for slow clients and the keys of their addresses
+ * (connections.c), and the certificate of HTTPS (tls.c).
+ */
+#ifndef ORL_SERVER_HTTP_CONNECTION_CONNECTIONS_H
+#define ORL_SERVER_HTTP_CONNECTION_CONNECTIONS_H
+
+#include <microhttpd.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/base/error.h>
+#include <sys/socket.h>
+
+/*
+ * Time limits for slow clients.
  *
  * libmicrohttpd closes a connection that is silent for the idle timeout. A client that sends a byte
  * now and then is never silent, so two more limits hold. Headers must be complete within
@@ -16,15 +30,6 @@
  *
  * Threads: the loop thread only.
  */
-#ifndef ORL_SERVER_HTTP_CONNECTION_CONNECTIONS_H
-#define ORL_SERVER_HTTP_CONNECTION_CONNECTIONS_H
-
-#include <microhttpd.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <oriel/base/error.h>
-#include <sys/socket.h>
 
 enum { ORL_ADDRESS_BUCKETS = 256 };
 
@@ -35,7 +40,7 @@ struct orl_connections {
     size_t open, unwatched;   /* unwatched: opened without memory for an entry */
     uint64_t started;         /* total so far; the serial number of the newest connection */
     uint64_t cut;             /* total cut off for slowness */
-    double idle_s, checked_s; /* looked_s: time of the last orl_connections_cut_stuck */
+    double idle_s, checked_s; /* checked_s: time of the last orl_connections_cut_stuck */
 };
 
 /* MHD's connection callback; the closure is the struct orl_connections. */
@@ -58,7 +63,7 @@ enum MHD_Result orl_connections_allow(void *connections, const struct sockaddr *
 void orl_connection_headers_complete(struct MHD_Connection *connection);
 /* Counts received bytes of the body. */
 void orl_connection_received(struct MHD_Connection *connection, size_t bytes);
-/* hold: the connection is suspended and waits for the daemon. go_on: it resumes. */
+/* suspend: the connection is suspended and waits for the daemon. resume: it resumes. */
 void orl_connection_suspend(struct MHD_Connection *connection);
 void orl_connection_resume(struct MHD_Connection *connection);
 /* The body is complete; nothing more is awaited. */
@@ -76,7 +81,7 @@ void orl_connections_refuse_unparsed(struct orl_connections *connections);
 void orl_connection_end_request(struct MHD_Connection *connection);
 
 /* Cuts off clients whose data does not fit libmicrohttpd's buffer: it was not read between two
- * looks. Call it from a loop that stays busy, after everything that is ready has run once. */
+ * calls. Call it from a loop that stays busy, after everything that is ready has run once. */
 void orl_connections_cut_stuck(struct orl_connections *connections);
 
 /* Cuts off clients that are too slow or have disconnected. Called about every second. */

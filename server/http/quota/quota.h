@@ -1,13 +1,4 @@
-/*
- * Quotas for bytes in flight: the disk space of request bodies, and of files unpacked from them,
- * before they are stored. They count against the storage budget (storage.h), and no client may use
- * all of it (clients.h).
- *
- * A quota is a limit and the bytes reserved below it. A reservation is one request's share of two
- * quotas; it grows until the request ends.
- *
- * Threads: a quota's any; a reservation's one at a time.
- */
+/* Quotas for bytes in flight (quota.c), and clients with their work in progress (clients.c). */
 #ifndef ORL_SERVER_HTTP_QUOTA_QUOTA_H
 #define ORL_SERVER_HTTP_QUOTA_QUOTA_H
 
@@ -17,6 +8,17 @@
 #include <stdint.h>
 
 #include <oriel/base/error.h>
+
+/*
+ * Quotas for bytes in flight: the disk space of request bodies, and of files unpacked from them,
+ * before they are stored. They count against the storage budget (storage.h), and no client may use
+ * all of it.
+ *
+ * A quota is a limit and the bytes reserved below it. A reservation is one request's share of two
+ * quotas; it grows until the request ends.
+ *
+ * Threads: a quota's any; a reservation's one at a time.
+ */
 
 struct orl_quota {
     atomic_uint_least64_t reserved, most;
@@ -30,8 +32,8 @@ struct orl_reservation {
     enum orl_quota_refusal refused; /* why the last orl_reservation_grow failed */
 };
 
-/* Reserves bytes more. ORL_ERR_FULL, with hold->refused set, if they do not fit. With NULL every
- * reservation succeeds. */
+/* Reserves bytes more. ORL_ERR_FULL, with reservation->refused set, if they do not fit. With NULL
+ * every reservation succeeds. */
 int orl_reservation_grow(struct orl_reservation *reservation, uint64_t bytes,
                          struct orl_error *err);
 /* Releases the whole reservation. */
@@ -44,7 +46,7 @@ void orl_reservation_release(struct orl_reservation *reservation);
  * tokens are not required, all requests come from programs of this machine over loopback. They form
  * one client by address (IPv6: the /64 network), which may use all that the daemon has.
  *
- * Threads: the loop thread only, except for the quota of bytes (quota.h).
+ * Threads: the loop thread only, except for the quota of bytes.
  */
 
 struct orl_client {

@@ -1,4 +1,5 @@
 #include <ctype.h>
+#include <microhttpd.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -28,6 +29,8 @@ const char *orl_target_split(const char *url, struct orl_target *ret_target, con
     *ret_target = target;
     return NULL;
 }
+
+/* ---- Framing --------------------------------------------------------------------------------- */
 
 /* Headers that give the host and the length of a request. */
 struct framing {
@@ -166,6 +169,8 @@ size_t orl_framing_unescape(char *text)
     return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
 }
 
+/* ---- Query arguments ------------------------------------------------------------------------- */
+
 bool orl_query_count(const char *text, unsigned long most, unsigned long *ret_count)
 {
     const size_t length = strlen(text);
@@ -190,6 +195,8 @@ bool orl_query_number(const char *text, double low, double high, double *ret_num
     *ret_number = number;
     return true;
 }
+
+/* ---- Content negotiation --------------------------------------------------------------------- */
 
 /* Returns how specific a matching range is: 3 the name, 2 its type, 1 anything; 0: no match. */
 static int closeness(const char *range, size_t length, const char *name)
@@ -246,6 +253,8 @@ double orl_negotiate_weight(const char *header, const char *name)
     }
     return weight;
 }
+
+/* ---- Range ----------------------------------------------------------------------------------- */
 
 /* Reads a number; too large ones become UINT64_MAX. Returns false if there are no digits. */
 static bool read_number(const char **at, uint64_t *ret_value)

@@ -1,4 +1,17 @@
 /*
+ * Parsers of a request's target, framing, query arguments, content negotiation and Range. They have
+ * no state.
+ */
+#ifndef ORL_SERVER_HTTP_REQUEST_PARSE_REQUEST_H
+#define ORL_SERVER_HTTP_REQUEST_PARSE_REQUEST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct MHD_Connection;
+
+/*
  * A request's target: a path, or in absolute form (RFC 9112, 3.2.2) with scheme and authority.
  * Clients send the latter to proxies, and servers must accept it:
  *
@@ -6,12 +19,6 @@
  *
  * The authority then replaces the Host header, and access.h applies the same checks to it.
  */
-#ifndef ORL_SERVER_HTTP_REQUEST_PARSE_REQUEST_H
-#define ORL_SERVER_HTTP_REQUEST_PARSE_REQUEST_H
-
-#include <microhttpd.h>
-#include <stdbool.h>
-#include <stdint.h>
 
 enum { ORL_AUTHORITY_MAX = 256 };
 
@@ -45,7 +52,7 @@ bool orl_framing_cut_query(const char *uri);
  * %00, which would end the text early. Returns the length. */
 size_t orl_framing_unescape(char *text);
 
-/* Parsers for the arguments of a request's target. Threads: any. */
+/* The arguments of a request's target. Threads: any. */
 
 /* Reads a number from 1 to most: decimal digits only. */
 bool orl_query_count(const char *text, unsigned long most, unsigned long *ret_count);

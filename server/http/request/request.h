@@ -1,10 +1,5 @@
 /*
- * The body of one request: in memory while small, spilled to a file below tmp/ when larger.
- *
- * The loop thread appends. When append returns true, the caller suspends the connection and has a
- * pool thread flush. Afterwards a pool thread views the whole body. A body larger than its limit is
- * read and dropped (over is set), so that an answer can still be sent.
- * Threads: one at a time.
+ * One HTTP request, from its first header to its last byte sent (request.c), and its body (body.c).
  */
 #ifndef ORL_SERVER_HTTP_REQUEST_REQUEST_H
 #define ORL_SERVER_HTTP_REQUEST_REQUEST_H
@@ -23,6 +18,15 @@
 #include "store/rows/stored_jobs.h"
 #include "store/rows/stored_tokens.h"
 
+/*
+ * The body of one request: in memory while small, spilled to a file below tmp/ when larger.
+ *
+ * The loop thread appends. When append returns true, the caller suspends the connection and has a
+ * pool thread flush. Afterwards a pool thread views the whole body. A body larger than its limit is
+ * read and dropped (over is set), so that an answer can still be sent.
+ * Threads: one at a time.
+ */
+
 struct orl_body {
     uint64_t size, limit;
     bool over;   /* larger than limit */
@@ -33,7 +37,7 @@ struct orl_body {
     int fd; /* the open file; -1 while all data is in the buffer */
     char path[ORL_PATH_MAX];
     struct orl_reservation *reservation; /* bounds the bytes on disk; borrowed; NULL: no bound */
-    uint64_t written, reserved; /* bytes written to disk; bytes of them already reserved in hold */
+    uint64_t written, reserved;          /* bytes written to disk; bytes of them already reserved */
     struct orl_file view;
 };
 
@@ -57,7 +61,7 @@ int orl_body_take_file(struct orl_body *body, const struct orl_folders *folders,
                        char ret_path[ORL_PATH_MAX], struct orl_error *err);
 
 /*
- * One HTTP request, from its first header to its last byte sent.
+ * The request.
  *
  * A handler runs on the loop thread once the body is complete. It either replies (reply.h) or calls
  * orl_request_work: `run` executes on the pool while the connection is suspended. Then `then`
@@ -94,7 +98,7 @@ struct orl_request {
     struct orl_token_row token_row;         /* row of that token, if tokens are required */
     char params[ORL_ROUTE_PARAMS][ORL_PARAM_MAX];
     struct orl_target target;           /* its authority, if given; its path is above */
-    struct orl_client *client;          /* clients.h; NULL: the request was refused before */
+    struct orl_client *client;          /* quota.h; NULL: the request was refused before */
     struct orl_reservation reservation; /* bytes on disk, in flight */
     struct orl_body body;
     const char *version_at; /* where MHD must find the version, unless the target has a NUL */
@@ -125,9 +129,10 @@ void orl_request_step_run(struct orl_request *request, orl_request_step step);
 void orl_request_work(struct orl_request *request, orl_request_step run, orl_request_step then);
 
 /*
- * The parts of orl_request_work, for operations that start later or not on the pool. wait makes the
- * operation pending. If one is pending already, wait changes nothing and returns false. queue sends
- * `run` to the pool. go_on ends the operation: it calls `then` and resumes the connection.
+ * The parts of orl_request_work, for operations that start later or not on the pool. set_pending
+ * makes the operation pending. If one is pending already, it changes nothing and returns false.
+ * queue sends `run` to the pool. resume ends the operation: it calls `then` and resumes the
+ * connection.
  */
 bool orl_request_set_pending(struct orl_request *request, orl_request_step run,
                              orl_request_step then);
@@ -135,26 +140,11 @@ void orl_request_queue(struct orl_request *request);
 void orl_request_resume(struct orl_request *request);
 
 /* Returns the server's folders, for the lifetime of the request. Bytes written to tmp/ are reserved
- * in its hold. */
+ * in its reservation. */
 struct orl_folders orl_request_folders(struct orl_request *request);
 
 /* Return a query argument or header, or NULL. */
 const char *orl_request_query(const struct orl_request *request, const char *name);
 const char *orl_request_header(const struct orl_request *request, const char *name);
-
-/*
- * The name of a request's client, as job documents show it. If tokens are not required, clients
- * choose their own names, and the job queue is fair between names. If they are required, the queue
- * is fair between token ids (orl_jobs_fairness_key).
- */
-
-enum { ORL_CLIENT_NAME = 80, ORL_CLIENT_OWN_NAME = 64 };
-
-/*
- * Writes the client's name. With tokens it is "token:" and the token's name. Without tokens it is
- * "name:" and the header X-Oriel-Client, or else "address:" and the address. Returns false after a
- * 400: the header must have 1 to 64 printable ASCII characters.
- */
-bool orl_client_name(struct orl_request *request, char ret_name[ORL_CLIENT_NAME]);
 
 #endif

@@ -206,7 +206,8 @@ void orl_reply_no_content(struct orl_request *request)
                  NULL);
 }
 
-void orl_reply_not_modified(struct orl_request *request)
+/* Replies 304, without a body. */
+static void reply_not_modified(struct orl_request *request)
 {
     set_response(request, 304, MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT),
                  NULL);
@@ -226,7 +227,7 @@ bool orl_reply_if_none_match(struct orl_request *request, const char *tag)
     snprintf(quoted, sizeof quoted, "\"%s\"", tag);
     if (!known || (strcmp(known, "*") != 0 && !strstr(known, quoted)))
         return false;
-    orl_reply_not_modified(request);
+    reply_not_modified(request);
     orl_reply_etag(request, tag);
     return true;
 }

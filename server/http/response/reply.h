@@ -50,8 +50,6 @@ void orl_reply_file_range(struct orl_request *request, int fd, uint64_t size, co
 void orl_reply_no_content(struct orl_request *request);
 /* Replies with a response that generates its body; NULL (out of memory) becomes a 503. */
 void orl_reply_stream(struct orl_request *request, struct MHD_Response *response, const char *type);
-/* 304, without a body. */
-void orl_reply_not_modified(struct orl_request *request);
 
 /* Adds a header to the response made. */
 void orl_reply_header(struct orl_request *request, const char *name, const char *value);
@@ -61,7 +59,7 @@ bool orl_reply_if_none_match(struct orl_request *request, const char *tag);
 void orl_reply_etag(struct orl_request *request, const char *tag);
 
 /*
- * Delays the answer until everything committed is on disk (wal_sync.h). If that fails, a request
+ * Delays the answer until everything committed is on disk (wal.h). If that fails, a request
  * that changes something gets the error instead; a GET or HEAD is answered unchanged.
  */
 void orl_reply_when_durable(struct orl_request *request);

@@ -1,13 +1,6 @@
 /*
- * Estimate of a job's memory from its document and its scene.
- *
- * The figures are peaks of jobs that varied one number at a time, measured on one room and rounded
- * up (health/README.md has them). They are the bytes of a surface with its part of the hierarchy, a
- * photon while its map is built, a sensor in the document, a sensor of a file, and a pixel with its
- * error. The figure for a byte of a BSDF file is a bound for files of one-digit numbers, well above
- * ordinary files. Check: in an annual job of 8760 rows the daemon's peak was 89 MB with 57 sensors
- * (estimate 172 MB), and 199 MB with 2000 sensors (estimate 290 MB).
- * Threads: any.
+ * Estimates made before a job is accepted: its memory (job_memory.c), its limits and result bytes
+ * by kind (job_kinds.c), and its work (job_work.c).
  */
 #ifndef ORL_SERVER_RUNNER_ESTIMATE_JOB_ESTIMATE_H
 #define ORL_SERVER_RUNNER_ESTIMATE_JOB_ESTIMATE_H
@@ -20,6 +13,18 @@
 #include <oriel/job/plan.h>
 
 #include "job/job_request_json.h"
+
+/*
+ * Estimate of a job's memory from its document and its scene.
+ *
+ * The figures are peaks of jobs that varied one number at a time, measured on one room and rounded
+ * up (health/README.md has them). They are the bytes of a surface with its part of the hierarchy, a
+ * photon while its map is built, a sensor in the document, a sensor of a file, and a pixel with its
+ * error. The figure for a byte of a BSDF file is a bound for files of one-digit numbers, well above
+ * ordinary files. Check: in an annual job of 8760 rows the daemon's peak was 89 MB with 57 sensors
+ * (estimate 172 MB), and 199 MB with 2000 sensors (estimate 290 MB).
+ * Threads: any.
+ */
 
 struct orl_job_memory {
     uint64_t surfaces, triangles; /* size of the scene */
@@ -47,10 +52,6 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs);
 
 /* Returns an upper bound of the hours with light of all sensors of an annual job together. */
 uint64_t orl_job_memory_hours(const struct orl_job_memory *needs);
-
-/* Returns the bytes for window groups: an annual job sums light by group for at least eight sensors
- * at a time. */
-uint64_t orl_job_memory_groups(const struct orl_job_memory *needs);
 
 /* Returns the bytes of the glare viewpoints' views, pictures and hours. */
 uint64_t orl_job_memory_viewpoints(const struct orl_job_memory *needs);

@@ -28,9 +28,9 @@ uint64_t orl_job_memory_windows(const struct orl_job_memory *needs)
 uint64_t orl_job_memory_viewpoints(const struct orl_job_memory *needs)
 {
     /* VIEW: bound of the terms, spots and places of one view while it is made. YEAR: the sums of a
-     * block of sensors, and the pictures of the hours that threads rate. ROW, ROW_SEAT: at most six
-     * tenths of the rows of weather have light; each then has four floats of a viewpoint, two of a
-     * place. */
+     * block of sensors, and the pictures of the hours that threads rate. ROW, ROW_VIEWPOINT: at
+     * most six tenths of the rows of weather have light; each then has four floats of a viewpoint,
+     * two of a place. */
     enum { VIEW = 64 << 20, YEAR = 64 << 20, ROW_VIEWPOINT = 10, ROW = 640 };
     const uint64_t at_once = ORL_GLARE_VIEWPOINTS_AT_ONCE;
     const uint64_t views = needs->viewpoints < at_once ? needs->viewpoints : at_once;
@@ -39,7 +39,9 @@ uint64_t orl_job_memory_viewpoints(const struct orl_job_memory *needs)
                : YEAR + VIEW * views + needs->year_rows * (ROW + ROW_VIEWPOINT * needs->viewpoints);
 }
 
-uint64_t orl_job_memory_groups(const struct orl_job_memory *needs)
+/* Returns the bytes for window groups: an annual job sums light by group for at least eight sensors
+ * at a time. */
+static uint64_t window_group_bytes(const struct orl_job_memory *needs)
 {
     enum { LEAST = 128 << 20, GROUP = 4 << 20 };
     const uint64_t bytes = GROUP * (needs->window_groups + 1);
@@ -76,8 +78,7 @@ static void list_parts(const struct orl_job_memory *needs, struct part ret_parts
         (struct part){"bytes of given matrices", needs->matrix_bytes, needs->matrix_bytes};
     ret_parts[13] =
         (struct part){"glare seats", needs->viewpoints, orl_job_memory_viewpoints(needs)};
-    ret_parts[14] =
-        (struct part){"window groups", needs->window_groups, orl_job_memory_groups(needs)};
+    ret_parts[14] = (struct part){"window groups", needs->window_groups, window_group_bytes(needs)};
     ret_parts[15] =
         (struct part){"extra sets of sun nodes", needs->sun_nodes, SUN_NODES * needs->sun_nodes};
 }

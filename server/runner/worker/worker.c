@@ -12,7 +12,7 @@
 
 enum { RENDER_NICE = 10 };
 
-/* One pool work, which runs one member of the crew. */
+/* One libuv work, which runs one thread of the job's thread pool. */
 struct orl_worker_member {
     uv_work_t work;
     struct orl_worker *worker;
@@ -56,7 +56,7 @@ static void worker_free(struct orl_worker *worker)
 
 static void member_back(uv_work_t *work, int status)
 {
-    (void)status; /* works are never cancelled: the lead must dismiss the crew */
+    (void)status; /* works are never cancelled: the lead must dismiss the thread pool */
     struct orl_worker *worker = ((struct orl_worker_member *)work->data)->worker;
     if (--worker->queued > 0)
         return;
@@ -81,7 +81,7 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
         worker_free(worker);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    /* The lead is queued first, so that it is never behind members that wait for it. */
+    /* The lead is queued first, so that it is never behind threads that wait for it. */
     for (uint32_t i = 0; i < spec->threads; i++) {
         worker->members[i] = (struct orl_worker_member){.worker = worker, .index = i};
         worker->members[i].work.data = &worker->members[i];

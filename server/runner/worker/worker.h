@@ -1,11 +1,11 @@
 /*
  * One running job on the libuv pool.
  *
- * The loop thread queues as many pool works as the crew has members. The first is the lead: it
- * reads the document, runs the request, and writes the results. The others serve it
- * (oriel/base/thread_pool.h). They run at a lower priority than the loop. Progress is reported by
- * atomics. News of maps and of studies go through a mutex that is held for copies only, so a status
- * poll never waits. Nothing here accesses the database.
+ * The loop thread queues one libuv work for each thread of the job's thread pool. The first is the
+ * lead thread: it reads the document, runs the request, and writes the results. The others work for
+ * the thread pool (oriel/base/thread_pool.h). They run at a lower priority than the loop. Progress
+ * is reported by atomics. News of maps and of studies go through a mutex that is held for copies
+ * only, so a status poll never waits. Nothing here accesses the database.
  *
  * Intermediate results are in the work folder. A render job with a goal has results after each of
  * its rounds. Other jobs have each view as soon as it is rendered, and jobs of several skies the
@@ -61,14 +61,14 @@ struct orl_worker_outcome {
 struct orl_worker_spec {
     char job_id[ORL_JOB_ID];
     char document_path[ORL_PATH_MAX], document[ORL_SHA_HEX]; /* document: its digest */
-    char scene[ORL_SHA_HEX];                                 /* id of the bundle: bundle.h */
+    char scene[ORL_SHA_HEX];                                 /* id of the bundle: scene_bundle.h */
     char key[ORL_SHA_HEX];                                   /* key of checkpoints: checkpoints.h */
     struct orl_bundle bundle;
     const struct orl_folders *folders; /* borrowed */
     struct orl_map_store maps;
     struct orl_memory_cache *memory_cache; /* borrowed; or NULL */
     const struct orl_slurm_config *slurm;  /* borrowed; NULL: no job is split into parts */
-    uint64_t memory_bytes;                 /* estimate: job_memory.h */
+    uint64_t memory_bytes;                 /* estimate: job_estimate.h */
     uint32_t threads;
     /* Called on the loop thread, once, when no pool thread works for the job any more. */
     void (*done)(void *ctx, const struct orl_worker_outcome *outcome);

@@ -1,4 +1,4 @@
-/* A running render job: its progress, and its parts as they are finished. */
+/* Render jobs: their progress, their parts as they are finished, and jobs of several skies. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,7 +80,8 @@ static void publish_intermediate(struct orl_worker *worker, char *summary)
         free(before);
 }
 
-void orl_worker_publish_files(struct orl_worker *worker)
+/* Publishes the list of finished files. */
+static void publish_files(struct orl_worker *worker)
 {
     json_t *summary = json_pack("{s:O}", "files", worker->files);
     char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
@@ -102,7 +103,7 @@ static void add_view_files(struct orl_worker *worker, json_t *files)
     json_array_extend(worker->part.files, files);
     if (worker->part.files != worker->files)
         json_array_extend(worker->files, files);
-    orl_worker_publish_files(worker);
+    publish_files(worker);
     pthread_mutex_lock(&worker->news_mutex);
     worker->n_views++;
     pthread_mutex_unlock(&worker->news_mutex);
@@ -214,7 +215,8 @@ struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_fi
     };
 }
 
-void orl_worker_add_times(struct orl_worker *worker, const struct orl_result *result)
+/* Adds the stage times of a successful run. */
+static void add_times(struct orl_worker *worker, const struct orl_result *result)
 {
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         worker->outcome.tally.stages_s[i] += result->timings_s[i];
@@ -231,13 +233,17 @@ int orl_worker_render(struct orl_worker *worker, const struct orl_job *job,
     json_decref(worker->files);
     if (rc)
         return rc;
-    orl_worker_add_times(worker, &result);
+    add_times(worker, &result);
     rc = orl_job_output_write(&result, "succeeded", worker->output, &worker->outcome.summary, err);
     orl_result_done(&result);
     return rc;
 }
 
-/* A job of several skies: each sky's result is a file of its own, kept once it is finished. */
+/* ---- Several skies --------------------------------------------------------------------------- */
+
+/*
+ * Each sky's result is a file of its own, kept once it is finished.
+ */
 
 struct skies_run {
     struct orl_worker *worker;
@@ -258,7 +264,7 @@ static void name_sky_part(const struct skies_run *p, size_t index, char ret_part
 
 static void count_sky(struct orl_worker *worker)
 {
-    orl_worker_publish_files(worker);
+    publish_files(worker);
     pthread_mutex_lock(&worker->news_mutex);
     worker->skies_done++;
     pthread_mutex_unlock(&worker->news_mutex);
@@ -334,7 +340,7 @@ static int on_done(void *ctx, size_t index, const struct orl_result *result, str
         json_array_extend(worker->part.files, files);
         name_sky_part(p, index, part);
         orl_checkpoint_add(worker->output, part, worker->part.files, json_object(), NULL);
-        orl_worker_add_times(worker, result);
+        add_times(worker, result);
         count_sky(worker);
     }
     json_decref(files);

@@ -1,4 +1,5 @@
-/* A running study: its current run, and its finished points. */
+/* The lead thread's work: its document, its results, and studies. */
+
 #include "runner/worker/worker_run.h"
 
 #include <malloc.h>
@@ -10,6 +11,8 @@
 #include "runner/checkpoints.h"
 #include "store/files/folders.h"
 #include "json/decode.h"
+
+/* ---- Studies --------------------------------------------------------------------------------- */
 
 static double now_s(void *ctx)
 {
@@ -38,8 +41,8 @@ static void on_study_point(void *ctx, const struct orl_study_point *point)
 
 /* Runs a study without the map cache, since its measurements must start without maps
  * (oriel/job/study.h). */
-int orl_worker_run_study(struct orl_worker *worker, struct orl_job_request *job_request,
-                         const struct orl_files *files, struct orl_error *err)
+static int run_study(struct orl_worker *worker, struct orl_job_request *job_request,
+                     const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_study_request *request = &job_request->of.study;
     struct orl_study study = {0};
@@ -71,6 +74,8 @@ int orl_worker_run_study(struct orl_worker *worker, struct orl_job_request *job_
     }
     return rc;
 }
+
+/* ---- All jobs -------------------------------------------------------------------------------- */
 
 /* Reads the job request from the document. Its main files come from the bundle. */
 static int read_document(struct orl_worker *worker, struct orl_job_request *ret_job_request,
@@ -145,7 +150,7 @@ static const struct {
                const struct orl_files *files, struct orl_error *err);
 } kinds[ORL_JOB_KIND_COUNT] = {
     [ORL_JOB_KIND_RENDER] = {render_keeps, run_render},
-    [ORL_JOB_KIND_STUDY] = {study_keeps, orl_worker_run_study},
+    [ORL_JOB_KIND_STUDY] = {study_keeps, run_study},
     [ORL_JOB_KIND_ANNUAL] = {annual_keeps, orl_worker_run_annual},
     [ORL_JOB_KIND_BSDF_MAKE] = {bsdf_keeps, orl_worker_run_bsdf},
     [ORL_JOB_KIND_BSDF_FIT] = {bsdf_keeps, orl_worker_run_fit},

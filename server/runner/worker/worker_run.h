@@ -1,6 +1,6 @@
 /*
- * The work of a worker's lead: it reads the document, runs it, and stores the results. Internal to
- * worker.h; only worker.c and worker_*.c include it.
+ * The work of a job's lead thread: it reads the document, runs it, and stores the results. Internal
+ * to worker.h; only worker.c and worker_*.c include it.
  */
 #ifndef ORL_SERVER_RUNNER_WORKER_WORKER_RUN_H
 #define ORL_SERVER_RUNNER_WORKER_WORKER_RUN_H
@@ -64,10 +64,7 @@ int orl_worker_lead(struct orl_worker *worker, struct orl_error *err);
 
 /* ---- Runners of each kind of job, for worker_run.c's table ---------------------------------- */
 
-/* Defined in worker_study.c, worker_annual.c and worker_bsdf.c; render jobs use the functions
- * below. */
-int orl_worker_run_study(struct orl_worker *worker, struct orl_job_request *job_request,
-                         const struct orl_files *files, struct orl_error *err);
+/* Defined in worker_annual.c and worker_bsdf.c; render jobs use the functions below. */
 int orl_worker_run_annual(struct orl_worker *worker, struct orl_job_request *job_request,
                           const struct orl_files *files, struct orl_error *err);
 int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_job_request *job_request,
@@ -81,14 +78,13 @@ int orl_worker_run_fit(struct orl_worker *worker, struct orl_job_request *job_re
 struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_files *files);
 /* Reports the seconds that the job has left; NaN: no estimate. */
 void orl_worker_set_eta(struct orl_worker *worker, double left_s);
-/* Publishes the list of finished files. */
-void orl_worker_publish_files(struct orl_worker *worker);
-/* spent: adds the health counters of a run, however it ended. add_times: adds the stage times of a
- * successful run. */
+/* Adds the health counters of a run, however it ended. */
 void orl_worker_add_health(void *ctx, const struct orl_result *spent);
-void orl_worker_add_times(struct orl_worker *worker, const struct orl_result *result);
 int orl_worker_render(struct orl_worker *worker, const struct orl_job *job,
                       const struct orl_files *files, struct orl_error *err);
+/* Renders a job of several skies. */
+int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job,
+                            const struct orl_files *files, struct orl_error *err);
 
 /* ---- worker_parts.c ------------------------------------------------------------------------ */
 
@@ -99,10 +95,5 @@ int orl_worker_begin_parts(struct orl_worker *worker, const struct orl_job_reque
 /* Ends the distributed job. code: the run's code. For a stopped job, finished parts and pending
  * tasks stay for the restart. */
 void orl_worker_end_parts(struct orl_worker *worker, int code);
-
-/* ---- worker_skies.c ------------------------------------------------------------------------- */
-
-int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job,
-                            const struct orl_files *files, struct orl_error *err);
 
 #endif

@@ -1,10 +1,6 @@
 /*
- * The SQLite database of one data folder: opening, pragmas, statements.
- *
- * Invariants: WAL, foreign keys on, synchronous=FULL, so that a committed row survives a power cut;
- * but see orl_db_serve. Rows name files; a row is written only when its file is in place. Threads:
- * the loop thread only. Errors: ORL_ERR_IO with SQLite's message; ORL_ERR_VERSION for a database of
- * a later Oriel.
+ * The SQLite database of one data folder: statements (db.c), migrations and the check of their
+ * result (migrate.c), and opening the database with its folder (store_open.c).
  */
 #ifndef ORL_STORE_DATABASE_DB_H
 #define ORL_STORE_DATABASE_DB_H
@@ -17,6 +13,15 @@
 #include <oriel/base/error.h>
 
 #include "store/files/folders.h"
+
+/*
+ * Opening, pragmas, statements.
+ *
+ * Invariants: WAL, foreign keys on, synchronous=FULL, so that a committed row survives a power cut;
+ * but see orl_db_serve. Rows name files; a row is written only when its file is in place. Threads:
+ * the loop thread only. Errors: ORL_ERR_IO with SQLite's message; ORL_ERR_VERSION for a database of
+ * a later Oriel.
+ */
 
 struct orl_db {
     sqlite3 *handle;
@@ -32,7 +37,7 @@ int orl_db_check(struct orl_db *db, struct orl_error *err);
  * Prepares the database of a daemon that is about to serve. Refuses a damaged database
  * (ORL_ERR_CORRUPT). From then on calls wait only briefly for another program's lock, and not for
  * the disk, since they block the loop. A commit survives the end of the program, and a power cut
- * once it is durable (wal_sync.h).
+ * once it is durable (wal.h).
  */
 int orl_db_serve(struct orl_db *db, struct orl_error *err);
 void orl_db_close(struct orl_db *db); /* a zeroed struct is allowed */
@@ -67,15 +72,6 @@ int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const
 const char *orl_db_text(sqlite3_stmt *stmt, int column);
 
 /*
- * Checks that a database has all tables and columns that the migrations make. A database that
- * another program has changed may list every migration and lack some of them.
- */
-
-/* Compares db with wanted, a database that the migrations have just made. ORL_ERR_CORRUPT: db lacks
- * a table or column of it. */
-int orl_schema_check(struct orl_db *db, struct orl_db *wanted, struct orl_error *err);
-
-/*
  * Migrates a database to the current schema.
  *
  * Migrations are numbered from 1 without gaps, append-only, each run in one transaction together
@@ -108,7 +104,7 @@ int orl_db_migrate_embedded(struct orl_db *db, struct orl_error *err);
  *   - a database whose id is not the one in the folder's file oriel.id: it is another folder's.
  *
  * In the first case, ORL_LOST_DATABASE_SET_ASIDE starts with a new database: the files, and the
- * rest of the database, move to orphans/ (orphans.h). In the second case it adopts the database;
+ * rest of the database, move to orphans/ (removal.h). In the second case it adopts the database;
  * files that this does not know are then orphans.
  *
  * A folder from before ids were introduced gets the id of its database. Copies of a database have

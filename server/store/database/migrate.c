@@ -14,6 +14,8 @@
 #include "process/embedded_files.h"
 #include "process/times.h"
 
+/* ---- The schema ------------------------------------------------------------------------------ */
+
 /* Counts the columns of a table that have the name; an empty name counts all of them. */
 static int count_column(struct orl_db *db, const char *table, const char *column, int *ret_count,
                         struct orl_error *err)
@@ -57,7 +59,12 @@ static int check_column(struct orl_db *db, const char *table, const char *column
     return rc ? rc : refuse_incomplete(db, table, column, of_table > 0, err);
 }
 
-int orl_schema_check(struct orl_db *db, struct orl_db *wanted, struct orl_error *err)
+/*
+ * Compares the tables and columns of db with those of wanted, a database that the migrations have
+ * just made. ORL_ERR_CORRUPT if db lacks one. A database that another program has changed may list
+ * every migration and lack some of their tables.
+ */
+static int compare_schema(struct orl_db *db, struct orl_db *wanted, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(wanted, err,
                                         "SELECT t.name, c.name FROM sqlite_schema AS t, "
@@ -74,6 +81,8 @@ int orl_schema_check(struct orl_db *db, struct orl_db *wanted, struct orl_error 
     sqlite3_finalize(stmt);
     return rc;
 }
+
+/* ---- The list of migrations ------------------------------------------------------------------ */
 
 enum { DIGEST_HEX = 65 };
 
@@ -264,7 +273,7 @@ static int check_schema(struct orl_db *db, const struct orl_migration *list, siz
     if (rc == 0)
         rc = orl_db_migrate(&made, list, count, err);
     if (rc == 0)
-        rc = orl_schema_check(db, &made, err);
+        rc = compare_schema(db, &made, err);
     orl_db_close(&made);
     return rc;
 }

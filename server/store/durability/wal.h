@@ -1,19 +1,6 @@
 /*
- * Makes commits survive a power cut without blocking the loop on the disk.
- *
- * The loop's commits go into SQLite's write-ahead log without a sync: they survive any end of the
- * program. On request a thread syncs the log, and then reports that on the loop. All requests that
- * arrive before the sync begins share it. Earlier commits become safe with it, since the log is in
- * order. Code that must answer for a commit waits for that, and so does code that removes files
- * which a deleted row named. The loop itself waits for the disk only at the first sync of a
- * restarted log (wal_checkpoint.h), once in ORL_WAL_CHECKPOINT_PAGES pages.
- *
- * Errors: after a failed sync the system may have dropped data that it could not write, and report
- * the next sync as successful. So from then on each request checkpoints the log into the database
- * instead, synced, until SQLite has restarted the log. If that fails too, the waiters get the
- * error, and the next request tries again.
- *
- * Threads: the loop thread.
+ * SQLite's write-ahead log: syncs that make commits durable (wal_sync.c), and checkpoints
+ * (wal_checkpoint.c).
  */
 #ifndef ORL_STORE_DURABILITY_WAL_H
 #define ORL_STORE_DURABILITY_WAL_H
@@ -23,6 +10,24 @@
 #include <uv.h>
 
 #include "store/database/db.h"
+
+/*
+ * Makes commits survive a power cut without blocking the loop on the disk.
+ *
+ * The loop's commits go into SQLite's write-ahead log without a sync: they survive any end of the
+ * program. On request a thread syncs the log, and then reports that on the loop. All requests that
+ * arrive before the sync begins share it. Earlier commits become safe with it, since the log is in
+ * order. Code that must answer for a commit waits for that, and so does code that removes files
+ * which a deleted row named. The loop itself waits for the disk only at the first sync of a
+ * restarted log, once in ORL_WAL_CHECKPOINT_PAGES pages.
+ *
+ * Errors: after a failed sync the system may have dropped data that it could not write, and report
+ * the next sync as successful. So from then on each request checkpoints the log into the database
+ * instead, synced, until SQLite has restarted the log. If that fails too, the waiters get the
+ * error, and the next request tries again.
+ *
+ * Threads: the loop thread.
+ */
 
 struct orl_wal_sync;
 
@@ -44,8 +49,8 @@ void orl_wal_sync_stop(struct orl_wal_sync *wal_sync);
 /* Frees it after the loop has ended, before db is closed; NULL is allowed. */
 void orl_wal_sync_free(struct orl_wal_sync *wal_sync);
 
-/* last: returns the number of the last commit. is_safe: returns true if that commit is safe on
- * disk. */
+/* last_commit: returns the number of the last commit. is_durable: returns true if that commit is
+ * safe on disk. is_idle: returns true if there are no waiters. */
 uint64_t orl_wal_sync_last_commit(const struct orl_wal_sync *wal_sync);
 bool orl_wal_sync_is_durable(const struct orl_wal_sync *wal_sync, uint64_t commit);
 bool orl_wal_sync_is_idle(const struct orl_wal_sync *wal_sync); /* NULL is allowed */
@@ -54,8 +59,8 @@ bool orl_wal_sync_is_idle(const struct orl_wal_sync *wal_sync); /* NULL is allow
 void orl_wal_sync_request(struct orl_wal_sync *wal_sync, struct orl_wal_sync_wait *wait);
 
 /*
- * Checkpoints SQLite's write-ahead log ("folds" it into the database), on a thread and a connection
- * of its own. A checkpoint writes a thousand pages and syncs twice; by default the next commit has
+ * Checkpoints: copies SQLite's write-ahead log into the database, on a thread and a connection of
+ * its own. A checkpoint writes a thousand pages and syncs twice; by default the next commit has
  * to wait for that.
  *
  * If commits come so fast that the thread cannot keep up, the committing connection itself runs the

@@ -5,7 +5,7 @@
  * while a request that is about to write such a row claims it. When the last claim or row goes, a
  * blob without either is removed. So a failed upload leaves no blobs, and no blob is removed that
  * another upload of identical bytes needs. If its row was deleted, the blob stays until that is
- * safe on disk (wal_sync.h). A start sets blobs without a row aside (orphans.h).
+ * safe on disk (wal.h). A start sets blobs without a row aside (removal.h).
  *
  * Threads: the loop thread. A request claims before the pool may store the file, and releases after
  * the row is written, or has failed for good.

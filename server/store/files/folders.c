@@ -19,6 +19,8 @@
 #include "process/times.h"
 #include "store/files/scene_bundle.h"
 
+/* ---- Memory maps ----------------------------------------------------------------------------- */
+
 int orl_map_file(const char *path, struct orl_file *ret_file, struct orl_error *err)
 {
     struct stat st;
@@ -51,6 +53,8 @@ void orl_unmap_file(struct orl_file *file)
         munmap(file->handle, file->size);
     *file = (struct orl_file){0};
 }
+
+/* ---- The data folder ------------------------------------------------------------------------- */
 
 static int io_error(struct orl_error *err, const char *what, const char *path)
 {
@@ -203,6 +207,8 @@ int orl_write_file(const char *path, const void *data, size_t size, struct orl_e
         unlink(part);
     return rc;
 }
+
+/* ---- Blobs ----------------------------------------------------------------------------------- */
 
 void orl_blob_path(const struct orl_folders *folders, const char *sha, char ret_path[ORL_PATH_MAX])
 {

@@ -1,10 +1,10 @@
 /*
- * The data folder on disk:
+ * The data folder on disk, its blobs, and memory maps of its files:
  *
  *     oriel.db  oriel.lock  blobs/ab/<sha256>  maps/<kind>-<key>.opm  results/<job>/...
- *     partial/<job>/...  oriel.running (crash_record.h)  tmp/
- *     oriel.id (store_open.h)  oriel.key (link_key.h)  oriel.reserve (disk_reserve.h)
- *     orphans/<time>/... (orphans.h)
+ *     partial/<job>/...  oriel.running (crash.h)  tmp/
+ *     oriel.id (db.h)  oriel.key (access.h)  oriel.reserve (storage.h)
+ *     orphans/<time>/... (removal.h)
  *
  * Files appear in their place by rename, after fsync, so that existing files are complete. tmp/
  * holds files being written; it is emptied when the folder is opened. A lock on oriel.lock allows

@@ -80,6 +80,8 @@ void orl_remove_when_durable(struct orl_wal_sync *wal_sync, uv_loop_t *loop,
     orl_wal_sync_request(wal_sync, &deferred_removal->wait);
 }
 
+/* ---- Orphans --------------------------------------------------------------------------------- */
+
 void orl_orphans_path(const struct orl_folders *folders, char ret_path[ORL_PATH_MAX])
 {
     char start[ORL_TIME_TEXT];
@@ -123,8 +125,6 @@ int orl_orphan_set_aside(const struct orl_folders *folders, const char *below,
     return 0;
 }
 
-/* ---- Counting -------------------------------------------------------------------------------- */
-
 static void count_below(const char *path, struct orl_orphans_found *found)
 {
     DIR *folder = opendir(path);
@@ -156,8 +156,6 @@ struct orl_orphans_found orl_orphans_count(const struct orl_folders *folders)
     return found;
 }
 
-/* ---- Removal --------------------------------------------------------------------------------- */
-
 void orl_orphans_purge(uv_loop_t *loop, const struct orl_folders *folders, int64_t now_ms,
                        uint32_t keep_days)
 {
@@ -176,6 +174,8 @@ void orl_orphans_purge(uv_loop_t *loop, const struct orl_folders *folders, int64
     if (folder)
         closedir(folder);
 }
+
+/* ---- The retention clock --------------------------------------------------------------------- */
 
 enum { HOUR_MS = 3600000 };
 

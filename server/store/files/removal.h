@@ -1,8 +1,6 @@
 /*
- * Removes files without blocking the loop: a rename into tmp/ takes them away at once, and the pool
- * deletes them. Files left there by a crash are removed when tmp/ is emptied.
- *
- * Threads: the loop thread.
+ * How files leave the data folder: they are deleted on the pool, or set aside as orphans. The
+ * retention clock measures the age of jobs and orphans.
  */
 #ifndef ORL_SERVER_STORE_FILES_REMOVAL_H
 #define ORL_SERVER_STORE_FILES_REMOVAL_H
@@ -13,6 +11,13 @@
 #include "store/database/db.h"
 #include "store/durability/wal.h"
 #include "store/files/folders.h"
+
+/*
+ * Removes files without blocking the loop: a rename into tmp/ takes them away at once, and the pool
+ * deletes them. Files left there by a crash are removed when tmp/ is emptied.
+ *
+ * Threads: the loop thread.
+ */
 
 /* Removes a file or a folder, if it exists. Borrows folders until the loop has ended. */
 void orl_remove_async(uv_loop_t *loop, const struct orl_folders *folders, const char *path);

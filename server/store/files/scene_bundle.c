@@ -219,7 +219,7 @@ const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, c
 
 /*
  * Returns true if the file still has the uploaded bytes. Large BSDFs are not checked here: one that
- * was loaded before is not read again, and core/run/cache/loaded_bsdf_cache.c checks it when it is
+ * was loaded before is not read again, and core/run/cache/parsed_scene_cache.c checks it when it is
  * read.
  */
 static bool is_whole(const struct orl_bundle_file *file, const struct orl_file *data)

@@ -168,6 +168,8 @@ int orl_stored_file_is_referenced(struct orl_db *db, const struct orl_stored_fil
                     ret_named, err);
 }
 
+/* ---- Verified files -------------------------------------------------------------------------- */
+
 static size_t place_of(const struct stat *st)
 {
     return (size_t)(((uint64_t)st->st_ino * 0x9E3779B97F4A7C15U) >> 32) % ORL_VERIFIED_FILES;

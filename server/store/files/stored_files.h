@@ -1,10 +1,4 @@
-/*
- * Iterates over all files that rows name: blobs, result files, maps. The daemon, maybe in another
- * process, continues meanwhile. So names are collected first, and no transaction stays open. A file
- * that is missing may have been removed since.
- *
- * Threads: one for each database handle.
- */
+/* The files that rows name, and a cache of the result files whose bytes were verified. */
 #ifndef ORL_STORE_FILES_STORED_FILES_H
 #define ORL_STORE_FILES_STORED_FILES_H
 
@@ -17,6 +11,14 @@
 
 #include "store/database/db.h"
 #include "store/files/folders.h"
+
+/*
+ * Iterates over all files that rows name: blobs, result files, maps. The daemon, maybe in another
+ * process, continues meanwhile. So names are collected first, and no transaction stays open. A file
+ * that is missing may have been removed since.
+ *
+ * Threads: one for each database handle.
+ */
 
 enum orl_stored_file_kind { ORL_STORED_FILE_BLOB, ORL_STORED_FILE_RESULT, ORL_STORED_FILE_MAP };
 

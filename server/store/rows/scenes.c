@@ -212,6 +212,8 @@ int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struc
                       ret_named, err);
 }
 
+/* ---- Lists ----------------------------------------------------------------------------------- */
+
 /* Prepares the statement of a page. */
 static sqlite3_stmt *prepare_page(struct orl_db *db, const char *sql,
                                   const struct orl_list_position *after, size_t limit,

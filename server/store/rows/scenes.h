@@ -49,10 +49,7 @@ int orl_blob_is_referenced(struct orl_db *db, const char *sha, bool *ret_named,
                            struct orl_error *err);
 int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struct orl_error *err);
 
-/*
- * Rows of scenes and BSDFs, a page at a time, most recently uploaded first, with their uses. Loop
- * thread only.
- */
+/* Lists: scenes and BSDFs, a page at a time, most recently uploaded first, with their uses. */
 
 /* The row before a page: its time and id; for the first page INT64_MAX and "". */
 struct orl_list_position {
@@ -79,7 +76,7 @@ struct orl_listed_bsdf {
 
 enum { ORL_LISTED_SCENES = 10 };
 
-/* Calls visit for at most limit scenes after `behind`. Stops when visit returns non-zero, and
+/* Calls visit for at most limit scenes after the position. Stops when visit returns non-zero, and
  * returns that. */
 int orl_scene_rows(struct orl_db *db, const struct orl_list_position *after, size_t limit,
                    int (*visit)(void *ctx, const struct orl_listed_scene *scene), void *ctx,

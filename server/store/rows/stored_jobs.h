@@ -32,16 +32,16 @@ struct orl_job_row {
     enum orl_job_state state;
     int attempts;
     int priority;
-    char client[ORL_JOB_CLIENT]; /* client_name.h */
+    char client[ORL_JOB_CLIENT]; /* handle_jobs.c */
     char owner[ORL_JOB_OWNER];   /* id of the token that submitted it; "": none */
-    char identity[ORL_SHA_HEX];  /* job_dedup.h; "" for jobs from before identities existed */
+    char identity[ORL_SHA_HEX];  /* job_results.h; "" for jobs from before identities existed */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
-    int64_t retained_ms;                         /* time of its end, by retention_clock.h */
+    int64_t retained_ms;                         /* time of its end, by removal.h */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
-    const char *name, *tags;                     /* labels_json.h, borrowed; NULL: none */
+    const char *name, *tags;                     /* job_json.h, borrowed; NULL: none */
     uint64_t result_bytes; /* bytes of its results; expected bytes while it waits or runs */
-    uint64_t memory_bytes; /* estimated: job_memory.h */
-    int crashes;           /* times that the daemon ended because of the job: crash_record.h */
+    uint64_t memory_bytes; /* estimated: job_estimate.h */
+    int crashes;           /* times that the daemon ended because of the job: crash.h */
     int64_t fetched_ms, evicted_ms; /* last fetch and eviction of the results; 0: never */
 };
 

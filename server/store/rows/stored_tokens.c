@@ -41,7 +41,8 @@ int orl_token_row_remove(struct orl_db *db, const char *name, struct orl_error *
     return rc;
 }
 
-struct orl_token_row orl_token_row_read(sqlite3_stmt *stmt)
+/* Reads the statement's current row; the token's columns come first. */
+static struct orl_token_row read_token_row(sqlite3_stmt *stmt)
 {
     struct orl_token_row row = {.scope = orl_scope_from_name(orl_db_text(stmt, 3)),
                                 .created_ms = sqlite3_column_int64(stmt, 4)};
@@ -64,7 +65,7 @@ int orl_token_row_find(struct orl_db *db, sqlite3_stmt *statement, const char *i
     if (sqlite3_bind_text(statement, 1, id, -1, SQLITE_STATIC) == SQLITE_OK)
         step = sqlite3_step(statement);
     if (step == SQLITE_ROW)
-        *ret_row = orl_token_row_read(statement);
+        *ret_row = read_token_row(statement);
     else if (step != SQLITE_DONE)
         rc = orl_db_error(db, "cannot read tokens", err);
     sqlite3_reset(statement); /* ends the read, so that the next one sees later changes */
@@ -82,7 +83,7 @@ int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_t
         return ORL_ERR_IO;
     int rc = 0, step = SQLITE_DONE;
     while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
-        const struct orl_token_row row = orl_token_row_read(stmt);
+        const struct orl_token_row row = read_token_row(stmt);
         rc = visit(ctx, &row);
     }
     if (rc == 0 && step != SQLITE_DONE)
@@ -90,6 +91,8 @@ int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_t
     sqlite3_finalize(stmt);
     return rc;
 }
+
+/* ---- Sessions -------------------------------------------------------------------------------- */
 
 static int insert_row(struct orl_db *db, const char *hash, const char *token_id, int64_t now_ms,
                       int64_t expires_ms, unsigned most, struct orl_error *err)
@@ -132,7 +135,7 @@ int orl_session_row_find(struct orl_db *db, const char *hash, int64_t now_ms,
     const int step = sqlite3_step(stmt);
     if (step == SQLITE_ROW) {
         snprintf(ret_row->hash, sizeof ret_row->hash, "%s", hash);
-        ret_row->token = orl_token_row_read(stmt);
+        ret_row->token = read_token_row(stmt);
         ret_row->expires_ms = sqlite3_column_int64(stmt, 5);
     } else if (step != SQLITE_DONE) {
         rc = orl_db_error(db, "cannot read sessions", err);

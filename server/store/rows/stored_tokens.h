@@ -1,7 +1,7 @@
 /*
- * Rows of access tokens. The daemon reads them. `orield token` writes them, also while a daemon
- * runs on the same folder; SQLite's locks allow that.
- * Threads: those of the database.
+ * Rows of access tokens, and of browsers' sessions. The daemon reads the tokens. `orield token`
+ * writes them, also while a daemon runs on the same folder; SQLite's locks allow that. Threads:
+ * those of the database.
  */
 #ifndef ORL_SERVER_STORE_ROWS_STORED_TOKENS_H
 #define ORL_SERVER_STORE_ROWS_STORED_TOKENS_H
@@ -40,8 +40,6 @@ int orl_token_row_remove(struct orl_db *db, const char *name, struct orl_error *
 /* Returns the statement that finds rows. It is prepared once, since every request may need it. The
  * caller owns it and must finalize it before the database is closed; NULL on failure. */
 sqlite3_stmt *orl_token_find_statement(struct orl_db *db, struct orl_error *err);
-/* Reads the statement's current row; the token's columns come first. */
-struct orl_token_row orl_token_row_read(sqlite3_stmt *stmt);
 int orl_token_row_find(struct orl_db *db, sqlite3_stmt *statement, const char *id,
                        struct orl_token_row *ret_row, bool *ret_found, struct orl_error *err);
 
@@ -50,7 +48,7 @@ int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_t
                    void *ctx, struct orl_error *err);
 
 /*
- * Rows of browsers' sessions (http/access/sessions.h). A session whose token was removed, or whose
+ * Rows of browsers' sessions (http/access/access.h). A session whose token was removed, or whose
  * time is over, is not found. Loop thread only.
  */
 

@@ -2,8 +2,8 @@
  * Measurements of goniophotometers as scans: the rows of one incident direction and one side out.
  *
  * Directions are on the hemisphere above the surface, whichever side they are on: x and y as in
- * oriel/bsdf/bsdf.h, z at least 0. Both point away from the sample. Light from in that passes
- * straight, or is mirrored, leaves along (-in.x, -in.y, in.z).
+ * oriel/bsdf/bsdf.h, z at least 0. Both point away from the sample. Light from the direction in
+ * that passes straight, or is mirrored, leaves along (-in.x, -in.y, in.z).
  *
  * Bounds: ORL_LIMIT_MEASURED_ROWS and _SCANS. Ownership: the caller's, freed by orl_fit_data_done.
  */
@@ -33,8 +33,8 @@ struct orl_fit_scan {
     struct orl_vec3 in;
     struct orl_fit_row *rows; /* owned */
     size_t n_rows, capacity;
-    size_t n_measured; /* without mirror images; scans.h sets it and file, that of the first row */
-    uint32_t file;
+    size_t n_measured; /* without mirror images; set by orl_fit_sort_scans */
+    uint32_t file;     /* that of the first row; set by orl_fit_sort_scans */
 };
 
 enum { ORL_FIT_NAME_MAX = 128 };
@@ -61,45 +61,14 @@ int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
                  struct orl_error *err);
 void orl_fit_data_done(struct orl_fit_data *data); /* a zeroed struct is allowed */
 
-/* ---- For the readers of the two formats ----------------------------------------------------- */
-
-/* One file's text, read line by line. */
-struct orl_fit_lines {
-    struct orl_scanner scanner;
-    uint32_t file;
-    const struct orl_fit_read_options *options;
-};
-
-/* Returns the next line; *ret_more is false after the last. Returns 0 or ORL_ERR_CANCELLED. */
-int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,
-                      struct orl_error *err);
-
-/* Sets an error at the line that was read last; returns code. */
-int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
-                 const char *format, ...) __attribute__((format(printf, 4, 5)));
-/* Parses a number; an error names it with `what`. */
-int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, const char *what,
-                   double *ret_value, struct orl_error *err);
-
-/* Angles as filed, in degrees. up_deg: the azimuth that is up. */
-struct orl_fit_angles {
-    double theta_in, phi_in, theta_out, phi_out, up_deg;
-};
-int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data,
-                    const struct orl_fit_angles *angles, double value, bool is_dsf,
-                    struct orl_error *err);
-
-int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err);
-int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err);
-
 /*
- * Sorts scans by component, then by direction, and applies the sample's symmetry. If a mirror
- * leaves a direction in place, the images of its rows are added. Isotropic samples are turned so
- * that all light comes from -x; directions of equal theta are merged.
+ * Sorts scans by component, then by direction, and applies the sample's symmetry (scans.c). If a
+ * mirror leaves a direction in place, the images of its rows are added. Isotropic samples are
+ * turned so that all light comes from -x; directions of equal theta are merged.
+ *
+ * *ret_symmetry: as requested, or derived from the incident azimuths. Returns 0, ORL_ERR_INVALID
+ * (no rows; azimuths that are ambiguous or contradict the symmetry) or ORL_ERR_NOMEM.
  */
-
-/* *ret_symmetry: as asked, or derived from the incident azimuths. Returns 0, ORL_ERR_INVALID (no
- * rows; azimuths that are ambiguous or contradict the symmetry) or ORL_ERR_NOMEM. */
 int orl_fit_sort_scans(struct orl_fit_data *data, enum orl_bsdf_fit_symmetry requested,
                        enum orl_bsdf_fit_symmetry *ret_symmetry, struct orl_error *err);
 

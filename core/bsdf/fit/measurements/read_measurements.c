@@ -1,3 +1,5 @@
+/* Reads measurements: lines and scans, then pab-opto's text and CSV, then the choice between
+ * them. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,10 +15,21 @@
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-enum { LINES_A_POLL = 4096 };
+enum { LINES_A_POLL = 4096 }; /* lines read between two checks of the cancel flag */
 
-int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *err,
-                 const char *format, ...)
+/* One file's text, read line by line. */
+struct text_lines {
+    struct orl_scanner scanner;
+    uint32_t file;
+    const struct orl_fit_read_options *options;
+};
+
+static int fail_at_line(const struct text_lines *lines, int code, struct orl_error *err,
+                        const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* Sets an error at the line that was read last; returns code. */
+static int fail_at_line(const struct text_lines *lines, int code, struct orl_error *err,
+                        const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -26,8 +39,9 @@ int orl_fit_fail(const struct orl_fit_lines *lines, int code, struct orl_error *
     return code;
 }
 
-int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, bool *ret_more,
-                      struct orl_error *err)
+/* Returns the next line; *ret_more is false after the last. Returns 0 or ORL_ERR_CANCELLED. */
+static int next_line(struct text_lines *lines, struct orl_slice *ret_line, bool *ret_more,
+                     struct orl_error *err)
 {
     if (lines->scanner.line % LINES_A_POLL == 1 && orl_is_cancelled(lines->options->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
@@ -35,15 +49,16 @@ int orl_fit_next_line(struct orl_fit_lines *lines, struct orl_slice *ret_line, b
     return 0;
 }
 
-int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, const char *what,
-                   double *ret_value, struct orl_error *err)
+/* Parses a number; an error names it with `what`. */
+static int parse_number(const struct text_lines *lines, struct orl_slice word, const char *what,
+                        double *ret_value, struct orl_error *err)
 {
     double value;
     const int code = orl_scanner_number(&lines->scanner, word, what, &value, err);
     if (code < 0)
         return code;
     if (!(fabs(value) <= ORL_BSDF_VALUE_MAX))
-        return orl_fit_fail(lines, ORL_ERR_RANGE, err, "%s is beyond all bounds", what);
+        return fail_at_line(lines, ORL_ERR_RANGE, err, "%s is beyond all bounds", what);
     *ret_value = value;
     return 0;
 }
@@ -52,6 +67,11 @@ int orl_fit_number(const struct orl_fit_lines *lines, struct orl_slice word, con
 
 /* Incident directions are the same if they are within half of this, in degrees. */
 static const double same_deg = 0.02;
+
+/* Angles as filed, in degrees. up_deg: the azimuth that is up. */
+struct filed_angles {
+    double theta_in, phi_in, theta_out, phi_out, up_deg;
+};
 
 static struct orl_vec3 direction_of(double theta_deg, double phi_deg)
 {
@@ -67,7 +87,7 @@ static double wrap_azimuth(double phi_deg)
     return phi < 0 ? phi + 360 : phi;
 }
 
-/* Near the normal the azimuth is ignored. */
+/* Returns true if the row belongs to the scan. Near the normal the azimuth is ignored. */
 static bool is_scan_of(const struct orl_fit_scan *scan, bool front, bool transmitted, double theta,
                        double phi)
 {
@@ -78,15 +98,15 @@ static bool is_scan_of(const struct orl_fit_scan *scan, bool front, bool transmi
             fmin(apart, 360 - apart) * sin(theta * ORL_DEG_TO_RAD) <= 0.5 * same_deg);
 }
 
-static int add_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data, bool front,
+static int add_scan(const struct text_lines *lines, struct orl_fit_data *data, bool front,
                     bool transmitted, double theta, double phi, struct orl_error *err)
 {
     if (data->n_scans >= ORL_LIMIT_MEASURED_SCANS)
-        return orl_fit_fail(lines, ORL_ERR_LIMIT, err,
+        return fail_at_line(lines, ORL_ERR_LIMIT, err,
                             "more than %u incident directions and sides out",
                             ORL_LIMIT_MEASURED_SCANS);
     if (!orl_array_reserve(&data->scans, &data->capacity, data->n_scans, sizeof *data->scans))
-        return orl_fit_fail(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
+        return fail_at_line(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
     data->last = data->n_scans;
     data->scans[data->n_scans++] = (struct orl_fit_scan){.front = front,
                                                          .transmitted = transmitted,
@@ -97,7 +117,7 @@ static int add_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data
 }
 
 /* Finds or adds the scan of a row; usually it is that of the previous row. */
-static int find_scan(const struct orl_fit_lines *lines, struct orl_fit_data *data, bool front,
+static int find_scan(const struct text_lines *lines, struct orl_fit_data *data, bool front,
                      bool transmitted, double theta, double phi, struct orl_error *err)
 {
     if (data->n_scans > 0 && is_scan_of(&data->scans[data->last], front, transmitted, theta, phi))
@@ -119,26 +139,27 @@ static bool fold_theta(double *theta_deg)
     return front;
 }
 
-static int check_angles(const struct orl_fit_lines *lines, const struct orl_fit_angles *a,
+static int check_angles(const struct text_lines *lines, const struct filed_angles *a,
                         struct orl_error *err)
 {
     if (!(a->theta_in >= 0 && a->theta_in <= 180 && fabs(a->theta_in - 90) > 1e-6))
-        return orl_fit_fail(lines, ORL_ERR_RANGE, err,
+        return fail_at_line(lines, ORL_ERR_RANGE, err,
                             "theta of the incident direction is %g: from 0 to 180 degrees, and "
                             "not 90",
                             a->theta_in);
     if (!(a->theta_out >= 0 && a->theta_out <= 180))
-        return orl_fit_fail(lines, ORL_ERR_RANGE, err,
+        return fail_at_line(lines, ORL_ERR_RANGE, err,
                             "theta of the direction out is %g: from 0 to 180 degrees are",
                             a->theta_out);
     if (!(fabs(a->phi_in) <= 720 && fabs(a->phi_out) <= 720 && fabs(a->up_deg) <= 720))
-        return orl_fit_fail(lines, ORL_ERR_RANGE, err, "an azimuth is from -720 to 720 degrees");
+        return fail_at_line(lines, ORL_ERR_RANGE, err, "an azimuth is from -720 to 720 degrees");
     return 0;
 }
 
-int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data,
-                    const struct orl_fit_angles *angles, double value, bool is_dsf,
-                    struct orl_error *err)
+/* Adds a row to its scan. is_dsf: the value is the BSDF times the cosine of the angle out. */
+static int add_row(const struct text_lines *lines, struct orl_fit_data *data,
+                   const struct filed_angles *angles, double value, bool is_dsf,
+                   struct orl_error *err)
 {
     int code = check_angles(lines, angles, err);
     if (code < 0)
@@ -152,10 +173,10 @@ int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data
     in_front ^= lines->options->reversed;
     out_front ^= lines->options->reversed;
     if (data->n_rows >= ORL_LIMIT_MEASURED_ROWS)
-        return orl_fit_fail(lines, ORL_ERR_LIMIT, err, "more than %lu rows of measurements",
+        return fail_at_line(lines, ORL_ERR_LIMIT, err, "more than %lu rows of measurements",
                             ORL_LIMIT_MEASURED_ROWS);
     data->n_rows++;
-    /* Along the surface a DSF is 0 for any BSDF. */
+    /* Along the surface a DSF is 0 whatever the BSDF. */
     if (90 - out < lines->options->grazing_deg || (is_dsf && d.z < 1e-3))
         return 0;
     code = find_scan(lines, data, in_front, in_front != out_front, in, phi_in, err);
@@ -163,7 +184,7 @@ int orl_fit_add_row(const struct orl_fit_lines *lines, struct orl_fit_data *data
         return code;
     struct orl_fit_scan *scan = &data->scans[data->last];
     if (!orl_array_reserve(&scan->rows, &scan->capacity, scan->n_rows, sizeof *scan->rows))
-        return orl_fit_fail(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
+        return fail_at_line(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
     scan->rows[scan->n_rows++] =
         (struct orl_fit_row){(float)d.x,  (float)d.y,
                              (float)d.z,  (float)(is_dsf ? value / d.z : value),
@@ -181,27 +202,26 @@ void orl_fit_data_done(struct orl_fit_data *data)
     memset(data, 0, sizeof *data);
 }
 
-/* Measurements in pab-opto's text format: header lines that begin with #, then rows of theta, phi
- * and values. */
+/* ---- pab-opto's text: header lines that begin with #, then rows ------------------------------ */
 
 /* Header read so far. */
 struct header {
-    struct orl_fit_angles angles;
+    struct filed_angles angles;
     bool has_theta, has_phi, has_format, is_dsf;
     int values; /* number of values in a row */
 };
 
-static int read_angle(const struct orl_fit_lines *lines, struct orl_slice *line, const char *what,
+static int read_angle(const struct text_lines *lines, struct orl_slice *line, const char *what,
                       double *into, bool *has, struct orl_error *err)
 {
-    const int code = orl_fit_number(lines, orl_slice_take_word(line), what, into, err);
+    const int code = parse_number(lines, orl_slice_take_word(line), what, into, err);
     if (code == 0)
         *has = true;
     return code;
 }
 
-static int read_format(const struct orl_fit_lines *lines, struct orl_slice line,
-                       struct header *header, struct orl_error *err)
+static int read_format(const struct text_lines *lines, struct orl_slice line, struct header *header,
+                       struct orl_error *err)
 {
     static const char *const bsdf[] = {"BSDF", "BRDF", "BTDF"};
     const bool angles = orl_slice_is_nocase(orl_slice_take_word(&line), "theta") &&
@@ -213,12 +233,12 @@ static int read_format(const struct orl_fit_lines *lines, struct orl_slice line,
         known = known || orl_slice_is_nocase(kind, bsdf[i]);
     header->has_format = true;
     return angles && known ? 0
-                           : orl_fit_fail(lines, ORL_ERR_UNSUPPORTED, err,
+                           : fail_at_line(lines, ORL_ERR_UNSUPPORTED, err,
                                           "the format is none that is read: \"theta phi DSF\", or "
                                           "BSDF, BRDF, BTDF in place of DSF");
 }
 
-static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_slice word,
+static int read_colorimetry(const struct text_lines *lines, struct orl_slice word,
                             struct header *header, struct orl_fit_data *data, struct orl_error *err)
 {
     if (orl_slice_is_nocase(word, "CIE-XYZ")) {
@@ -227,7 +247,7 @@ static int read_colorimetry(const struct orl_fit_lines *lines, struct orl_slice 
     } else if (orl_slice_is_nocase(word, "CIE-Y")) {
         header->values = 1;
     } else {
-        return orl_fit_fail(lines, ORL_ERR_UNSUPPORTED, err,
+        return fail_at_line(lines, ORL_ERR_UNSUPPORTED, err,
                             "the colorimetry is neither CIE-Y nor CIE-XYZ");
     }
     return 0;
@@ -247,8 +267,8 @@ static void read_sample_name(struct orl_slice line, struct orl_fit_data *data)
     data->name[length] = '\0';
 }
 
-/* Unknown lines are ignored; they are the instrument's own. */
-static int read_header(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
+/* Reads one header line. Unknown lines belong to the instrument and are ignored. */
+static int read_header(const struct text_lines *lines, struct orl_slice line, struct header *h,
                        struct orl_fit_data *data, struct orl_error *err)
 {
     bool ignored;
@@ -276,45 +296,44 @@ static int read_header(const struct orl_fit_lines *lines, struct orl_slice line,
                                  &h->has_phi, err);
 }
 
-static int check_header(const struct orl_fit_lines *lines, const struct header *h,
+static int check_header(const struct text_lines *lines, const struct header *h,
                         struct orl_error *err)
 {
     if (!h->has_format)
-        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
                             "before the first row there is no \"#format: theta phi DSF\" (or BSDF, "
                             "BRDF, BTDF)");
     if (!h->has_theta || !h->has_phi)
-        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
                             "before the first row there is no \"#incident_angle theta phi\", nor "
                             "#intheta and #inphi");
     return 0;
 }
 
-static int read_pab_row(const struct orl_fit_lines *lines, struct orl_slice line, struct header *h,
+static int read_pab_row(const struct text_lines *lines, struct orl_slice line, struct header *h,
                         struct orl_fit_data *data, struct orl_error *err)
 {
     double values[3] = {0};
-    int code =
-        orl_fit_number(lines, orl_slice_take_word(&line), "theta", &h->angles.theta_out, err);
+    int code = parse_number(lines, orl_slice_take_word(&line), "theta", &h->angles.theta_out, err);
     if (code == 0)
-        code = orl_fit_number(lines, orl_slice_take_word(&line), "phi", &h->angles.phi_out, err);
+        code = parse_number(lines, orl_slice_take_word(&line), "phi", &h->angles.phi_out, err);
     for (int i = 0; i < h->values && code == 0; i++)
-        code = orl_fit_number(lines, orl_slice_take_word(&line), "the value", &values[i], err);
+        code = parse_number(lines, orl_slice_take_word(&line), "the value", &values[i], err);
     if (code == 0 && orl_slice_take_word(&line).length > 0)
-        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "a row is theta, phi and %s",
+        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "a row is theta, phi and %s",
                             h->values == 3 ? "three values" : "one value");
     if (code == 0)
-        code = orl_fit_add_row(lines, data, &h->angles, values[h->values / 2], h->is_dsf, err);
+        code = add_row(lines, data, &h->angles, values[h->values / 2], h->is_dsf, err);
     return code;
 }
 
-int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
+static int read_pab(struct text_lines *lines, struct orl_fit_data *data, struct orl_error *err)
 {
     struct header header = {.values = 1};
     struct orl_slice line;
     bool more, in_rows = false;
     int code;
-    while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
+    while ((code = next_line(lines, &line, &more, err)) == 0 && more) {
         struct orl_slice rest = line;
         const bool is_header = line.length > 0 && line.text[0] == '#';
         if (is_header && in_rows)
@@ -331,11 +350,11 @@ int orl_fit_read_pab(struct orl_fit_lines *lines, struct orl_fit_data *data, str
             return code;
     }
     if (code == 0 && !in_rows)
-        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
     return code;
 }
 
-/* Measurements as CSV: a line of column names, then rows. */
+/* ---- CSV: a line of column names, then rows -------------------------------------------------- */
 
 enum { THETA_IN, PHI_IN, THETA_OUT, PHI_OUT, BSDF, DSF, UP, KINDS, COLUMNS_MAX = 16 };
 
@@ -358,26 +377,26 @@ static char separator_of(struct orl_slice line)
     return ',';
 }
 
-static int read_column_name(const struct orl_fit_lines *lines, struct orl_slice field,
+static int read_column_name(const struct text_lines *lines, struct orl_slice field,
                             struct table *table, struct orl_error *err)
 {
     for (int kind = 0; kind < KINDS; kind++) {
         if (!orl_slice_is_nocase(field, names[kind]))
             continue;
         if (table->has[kind])
-            return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "the column %s comes twice",
+            return fail_at_line(lines, ORL_ERR_SYNTAX, err, "the column %s comes twice",
                                 names[kind]);
         table->has[kind] = true;
         table->kinds[table->n_columns++] = kind;
         return 0;
     }
-    return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+    return fail_at_line(lines, ORL_ERR_SYNTAX, err,
                         "\"%.*s\" is no column: they are theta_in, phi_in, theta_out, phi_out, "
                         "bsdf or dsf, and up",
                         (int)(field.length < 40 ? field.length : 40), field.text);
 }
 
-static int read_column_names(const struct orl_fit_lines *lines, struct orl_slice line,
+static int read_column_names(const struct text_lines *lines, struct orl_slice line,
                              struct table *table, struct orl_error *err)
 {
     struct orl_slice field;
@@ -389,14 +408,14 @@ static int read_column_names(const struct orl_fit_lines *lines, struct orl_slice
     }
     for (int kind = 0; kind <= PHI_OUT; kind++)
         if (!table->has[kind])
-            return orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no column %s", names[kind]);
+            return fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no column %s", names[kind]);
     if (table->has[BSDF] == table->has[DSF])
-        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
                             "one column of bsdf or dsf is wanted, and one alone");
     return 0;
 }
 
-static int read_csv_row(const struct orl_fit_lines *lines, struct orl_slice line,
+static int read_csv_row(const struct text_lines *lines, struct orl_slice line,
                         const struct table *table, struct orl_fit_data *data, struct orl_error *err)
 {
     double values[KINDS] = {[UP] = 90};
@@ -406,26 +425,26 @@ static int read_csv_row(const struct orl_fit_lines *lines, struct orl_slice line
         if (column >= table->n_columns)
             continue;
         const int kind = table->kinds[column];
-        const int code = orl_fit_number(lines, field, names[kind], &values[kind], err);
+        const int code = parse_number(lines, field, names[kind], &values[kind], err);
         if (code < 0)
             return code;
     }
     if (column != table->n_columns)
-        return orl_fit_fail(lines, ORL_ERR_SYNTAX, err,
+        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
                             "a row has %zu columns here, not fewer or more", table->n_columns);
-    const struct orl_fit_angles angles = {values[THETA_IN], values[PHI_IN], values[THETA_OUT],
-                                          values[PHI_OUT], values[UP]};
-    return orl_fit_add_row(lines, data, &angles, values[table->has[DSF] ? DSF : BSDF],
-                           table->has[DSF], err);
+    const struct filed_angles angles = {values[THETA_IN], values[PHI_IN], values[THETA_OUT],
+                                        values[PHI_OUT], values[UP]};
+    return add_row(lines, data, &angles, values[table->has[DSF] ? DSF : BSDF], table->has[DSF],
+                   err);
 }
 
-int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, struct orl_error *err)
+static int read_csv(struct text_lines *lines, struct orl_fit_data *data, struct orl_error *err)
 {
     struct table table = {0};
     struct orl_slice line;
     bool more, any = false;
     int code;
-    while ((code = orl_fit_next_line(lines, &line, &more, err)) == 0 && more) {
+    while ((code = next_line(lines, &line, &more, err)) == 0 && more) {
         struct orl_slice rest = line;
         const struct orl_slice first = orl_slice_take_word(&rest);
         if (first.length == 0 || first.text[0] == '#')
@@ -440,11 +459,11 @@ int orl_fit_read_csv(struct orl_fit_lines *lines, struct orl_fit_data *data, str
             return code;
     }
     if (code == 0 && !any)
-        code = orl_fit_fail(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
     return code;
 }
 
-/* Detects the format of a file and reads it. */
+/* ---- Choice of the format -------------------------------------------------------------------- */
 
 /* Returns true if the word begins with a number, including "nan" or "inf". */
 static bool begins_number(struct orl_slice word)
@@ -475,10 +494,10 @@ int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
                  const struct orl_fit_read_options *options, struct orl_fit_data *data,
                  struct orl_error *err)
 {
-    struct orl_fit_lines lines = {.file = file, .options = options};
+    struct text_lines lines = {.file = file, .options = options};
     const int code = orl_scanner_init(&lines.scanner, name, text, size, 0, err);
     if (code < 0)
         return code;
     const bool csv = is_csv(&lines.scanner);
-    return csv ? orl_fit_read_csv(&lines, data, err) : orl_fit_read_pab(&lines, data, err);
+    return csv ? read_csv(&lines, data, err) : read_pab(&lines, data, err);
 }

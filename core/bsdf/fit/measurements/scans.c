@@ -1,3 +1,4 @@
+/* Order of scans, symmetry of the sample, and mirror images of rows. */
 #include "bsdf/fit/measurements/measurements.h"
 
 #include <stdlib.h>

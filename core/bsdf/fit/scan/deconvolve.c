@@ -1,3 +1,4 @@
+/* Correction of the blur of a shape's Gaussians. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -6,9 +7,9 @@
 
 enum { DECONVOLUTIONS = 6, BLOCK = 64 };
 
-/* All lobes' Gaussians with the kernel of rasters (raster.h), in blocks of lobes that are close. */
+/* Gaussians of all lobes with the kernel of rasters (fit.h), in blocks of lobes that are close. */
 struct block {
-    float x, y, z, radius; /* bounding ball of the lobes' centres */
+    float x, y, z, radius; /* bounding sphere of the lobes' centres */
     float reach;           /* kernel radius of the widest lobe */
 };
 

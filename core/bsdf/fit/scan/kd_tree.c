@@ -1,3 +1,4 @@
+/* Kd-tree over the centers of an interpolant. */
 #include "bsdf/fit/scan/scan_light.h"
 
 static float coordinate_along(const struct orl_fit_center *k, unsigned axis)
@@ -54,7 +55,7 @@ static void select_nth(const struct orl_fit_rbf *t, unsigned axis, size_t begin,
     }
 }
 
-/* The recursion depth is the logarithm of the number of centers. */
+/* Orders a range of the tree. The recursion depth is the logarithm of the number of centers. */
 static void build_range(const struct orl_fit_rbf *t, size_t begin, size_t end)
 {
     if (end - begin < 2)

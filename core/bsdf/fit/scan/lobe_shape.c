@@ -1,3 +1,4 @@
+/* Light of a scan as lobes in three parts, and clusters of lobes. */
 #include "bsdf/fit/scan/scan_light.h"
 
 #include <oriel/base/thread_pool.h>
@@ -78,8 +79,8 @@ struct range {
     size_t begin, end; /* range of centers */
 };
 
-/* Leaves of different sizes next to each other cause ripples, so all are small in bright
- * regions. */
+/* Returns true if the leaf must be divided. Leaves of different sizes next to each other cause
+ * ripples, so all are small in bright regions. */
 static bool is_uneven(const struct tree *t, const double values[4], double z, unsigned level,
                       struct range centers)
 {
@@ -106,8 +107,8 @@ static bool add_leaf(struct tree *t, struct leaf leaf)
     return true;
 }
 
-/* Samples side * side values of a cell. Returns a leaf with their mean, weighted by projected solid
- * angle; values: the first four. */
+/* Returns a leaf with the mean of side * side values of a cell, weighted by projected solid angle.
+ * values: the first four. */
 static struct leaf sample_leaf(const struct tree *t, uint32_t code, unsigned level, int side,
                                double values[4])
 {
@@ -440,7 +441,7 @@ static bool make_shape(struct tree *t, struct orl_fit_shape *shape)
     if (!add_lobes(t, shape) || !orl_fit_deconvolve(shape))
         return false;
     bool fine = true;
-    shape->total = ORL_PI * shape->floor; /* equal to the light that is blended */
+    shape->total = ORL_PI * shape->floor; /* equal to the light that is interpolated */
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
         shape->total += shape->parts[kind].mass;
     for (int kind = 0; kind < ORL_FIT_KINDS && fine; kind++)

@@ -1,3 +1,4 @@
+/* Interpolant of one scan by radial basis functions; its noise and outliers. */
 #include "bsdf/fit/scan/scan_light.h"
 
 #include <oriel/base/thread_pool.h>
@@ -55,7 +56,7 @@ static bool sort_rows(struct orl_fit_scan *scan, uint64_t *keys)
     return true;
 }
 
-/* ---- Knots ----------------------------------------------------------------------------------- */
+/* ---- Centers --------------------------------------------------------------------------------- */
 
 struct builder {
     const struct orl_fit_scan *scan;
@@ -326,7 +327,7 @@ static size_t sift_center(struct orl_fit_rbf *k, size_t i, struct orl_fit_row *r
     return 1;
 }
 
-/* Knots with more rows are not searched: the neighbours' rows identify an outlier no better than
+/* Centers with more rows are not searched: the neighbours' rows identify an outlier no better than
  * the center's own mean. */
 enum { SIFTED_ROWS = 64 };
 
@@ -352,7 +353,7 @@ static void sift_outliers(struct orl_fit_rbf *k, const struct orl_fit_scan *scan
     }
 }
 
-/* ---- How much was seen ----------------------------------------------------------------------- */
+/* ---- Coverage -------------------------------------------------------------------------------- */
 
 static double covered_share(const struct orl_fit_rbf *k)
 {

@@ -1,7 +1,6 @@
 /*
- * Hemisphere as a square of equal solid angles: the map of Shirley and Chiu after stretching the
- * disk's radius by sqrt(2) sin(theta / 2). All cells have the same solid angle. They are numbered
- * in Morton order, so cells of a quadtree are ranges of numbers.
+ * Light of one scan: the hemisphere as a square of equal solid angles, the scan's interpolant by
+ * radial functions, the search for its nearest centers, and its lobes.
  */
 #ifndef ORL_BSDF_FIT_SCAN_SCAN_LIGHT_H
 #define ORL_BSDF_FIT_SCAN_SCAN_LIGHT_H
@@ -10,6 +9,12 @@
 
 #include "bsdf/fit/measurements/measurements.h"
 #include "bsdf/tree/shirley.h"
+
+/*
+ * Hemisphere as a square of equal solid angles: the map of Shirley and Chiu after stretching the
+ * disk's radius by sqrt(2) sin(theta / 2). All cells have the same solid angle. They are numbered
+ * in Morton order, so cells of a quadtree are ranges of numbers.
+ */
 
 enum { ORL_FIT_SQUARE_LEVELS = 14 }; /* cells of 0.01 degrees */
 
@@ -45,8 +50,8 @@ static inline uint32_t orl_fit_square_index(double s)
     return c > 0 ? (c < side ? (uint32_t)c : (uint32_t)side - 1) : 0;
 }
 
-/* Returns the cell's number at the finest level; numbers in a coarser cell begin with the same
- * bits. */
+/* Returns the number of a direction's cell at the finest level. Numbers in a coarser cell begin
+ * with the same bits. */
 static inline uint32_t orl_fit_morton_code(struct orl_vec3 d)
 {
     const double shrink = 1 / sqrt(1 + orl_larger(d.z, 0));
@@ -56,16 +61,16 @@ static inline uint32_t orl_fit_morton_code(struct orl_vec3 d)
 }
 
 /*
- * Interpolant of one scan.
+ * Interpolant of one scan by radial basis functions.
  *
- * A quadtree over the hemisphere (equal_area_square.h) groups rows. A cell is divided if at least
- * three of its quarters hold rows; two are enough for a few rows of very different values. The tree
- * thus follows the density of rows in both directions, also if rows are dense along lines that are
- * far apart. Each leaf is a center: mean direction and mean value of its rows, and a radius, that
- * of its cell. The value anywhere is the mean of the coefficients of the nearest centers, weighted
- * by a Gaussian of each center's radius. Coefficients are corrected towards an interpolant that has
- * the centers' values (normalised radial functions; Shepard 1968, Moody and Darken 1989). In gaps
- * and towards grazing the nearest centers extrapolate.
+ * A quadtree over the hemisphere groups rows. A cell is divided if at least three of its quarters
+ * hold rows; two are enough for a few rows of very different values. The tree thus follows the
+ * density of rows in both directions, also if rows are dense along lines that are far apart. Each
+ * leaf is a center: mean direction and mean value of its rows, and a radius, that of its cell. The
+ * value anywhere is the mean of the coefficients of the nearest centers, weighted by a Gaussian of
+ * each center's radius. Coefficients are corrected towards an interpolant that has the centers'
+ * values (normalised radial functions; Shepard 1968, Moody and Darken 1989). In gaps and towards
+ * grazing the nearest centers extrapolate.
  *
  * Outliers. A row is left out if it is alone in differing from its neighbours: by more than 12
  * times their spread, and by a factor of five from each of them. A single row could not say how
@@ -99,10 +104,10 @@ struct orl_fit_rbf {
     double covered;    /* share of the hemisphere within a center's reach, weighted by cosine */
 };
 
-/* Options, and room for outliers in the order of centers. Making centers reorders the rows. */
+/* Options, and an array for outliers in the order of centers. Making centers reorders the rows. */
 struct orl_fit_rbf_options {
     bool keep_outliers;
-    struct orl_bsdf_outlier *outliers; /* room for `most` entries */
+    struct orl_bsdf_outlier *outliers; /* array of `most` entries */
     size_t most;
     const atomic_bool *cancel;
 };
@@ -127,7 +132,7 @@ struct orl_fit_nearest {
     unsigned count;
 };
 
-/* Orders centers->tree and sets axes. */
+/* Orders centers->tree and sets its axes. */
 void orl_fit_kd_tree_build(struct orl_fit_rbf *centers);
 void orl_fit_kd_tree_find(const struct orl_fit_rbf *centers, struct orl_vec3 place,
                           struct orl_fit_nearest *ret_found);
@@ -136,15 +141,15 @@ void orl_fit_kd_tree_find(const struct orl_fit_rbf *centers, struct orl_vec3 pla
  * Light of a scan as lobes that can be moved. A lobe is a Gaussian whose mass is a share of the
  * incident light.
  *
- * Three parts add up to the interpolant (centers.h). The floor is the same in all directions out.
- * The broad part is the interpolant's morphological opening by a disc of 8 degrees, less the floor.
- * The narrow part is the rest. Each part changes between incident directions in its own way, so
- * each is transported separately. Otherwise light of a sharp peak would be filled up from its
- * surroundings, which is cheaper than moving it.
+ * Three parts add up to the interpolant. The floor is the same in all directions out. The broad
+ * part is the interpolant's morphological opening by a disc of 8 degrees, less the floor. The
+ * narrow part is the rest. The parts change differently between incident directions, so each is
+ * transported separately. Otherwise a sharp peak would receive light from its surroundings, which
+ * costs less than moving the peak.
  *
- * Lobes are the leaves of a quadtree (equal_area_square.h), which is divided where a leaf would
- * misplace more than a fixed share of the light. Clusters are ranges of lobes with a limited share
- * of the mass; transport plans are between clusters.
+ * Lobes are the leaves of a quadtree, which is divided where a leaf would misplace more than a
+ * fixed share of the light. Clusters are ranges of lobes with a limited share of the mass;
+ * transport plans are between clusters.
  *
  * Immutable once made. Ownership: the caller's, freed by orl_fit_shape_done.
  */

@@ -1,4 +1,4 @@
-/* Delaunay triangulation by insertion of points (Bowyer 1981, Watson 1981). */
+/* Mesh of incident directions, and its triangulation. */
 #include "bsdf/fit/transport/transport.h"
 
 #include <stdlib.h>
@@ -11,14 +11,16 @@ struct edge {
     uint32_t a, b;
 };
 
+/* ---- Delaunay triangulation by insertion of points (Bowyer 1981, Watson 1981) ---------------- */
+
 struct plane {
     struct orl_fit_mesh *mesh;
-    double (*at)[2]; /* projected places, slightly perturbed, and three distant points */
+    double (*at)[2]; /* projected directions, slightly perturbed, and three distant points */
     struct edge *edges;
     size_t n_edges, capacity;
 };
 
-/* Triangles are counter-clockwise. */
+/* Returns true if the point is in a triangle's circumcircle. Triangles are counter-clockwise. */
 static bool is_in_circle(const struct plane *p, const uint32_t t[ORL_FIT_CORNERS], const double *d)
 {
     double m[3][3];
@@ -93,7 +95,7 @@ static double area_of(const struct orl_fit_mesh *m, const uint32_t t[ORL_FIT_COR
     return orl_dot(m->shapes[t[0]]->in, orl_cross(m->shapes[t[1]]->in, m->shapes[t[2]]->in));
 }
 
-/* Keeps only triangles of places that have area. */
+/* Removes triangles without area and those with distant points. */
 static void keep_inner(struct plane *p)
 {
     struct orl_fit_mesh *m = p->mesh;
@@ -107,7 +109,8 @@ static void keep_inner(struct plane *p)
     m->n_triangles = kept;
 }
 
-bool orl_fit_triangulate(struct orl_fit_mesh *mesh)
+/* Triangulates the mesh's directions. Returns false if out of memory. */
+static bool triangulate_mesh(struct orl_fit_mesh *mesh)
 {
     static const double far[3][2] = {{-1000, -1000}, {1000, -1000}, {0, 1000}};
     struct plane p = {.mesh = mesh, .at = malloc((mesh->n + 3) * sizeof *p.at)};
@@ -139,6 +142,8 @@ void orl_fit_mesh_done(struct orl_fit_mesh *mesh)
     free(mesh->triangles);
     memset(mesh, 0, sizeof *mesh);
 }
+
+/* ---- Positions ------------------------------------------------------------------------------- */
 
 /* Sets the mesh coordinates of a direction. In a row only theta is used, signed by the side of the
  * normal; light comes from -x. */
@@ -240,7 +245,7 @@ int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool 
             qsort(m.shapes, n, sizeof(void *), compare_thetas);
         for (size_t i = 0; i < n; i++)
             set_position(&m, m.shapes[i]->in, m.positions[i]);
-        fine = isotropic || orl_fit_triangulate(&m);
+        fine = isotropic || triangulate_mesh(&m);
     }
     if (!fine) {
         orl_fit_mesh_done(&m);
@@ -276,7 +281,8 @@ void orl_fit_mesh_edge(const struct orl_fit_mesh *mesh, size_t index, uint32_t r
     ret_ends[1] = t ? t[(side + 1) % ORL_FIT_CORNERS] : (uint32_t)index + 1;
 }
 
-/* Triangles are counter-clockwise, so an inner edge comes once in each direction. */
+/* Returns true for an edge of the border. Triangles are counter-clockwise, so an inner edge comes
+ * once in each direction. */
 static bool is_outer(const struct orl_fit_mesh *mesh, const uint32_t ends[2])
 {
     for (size_t i = 0; i < orl_fit_mesh_edges(mesh); i++) {
@@ -345,7 +351,7 @@ static bool is_within(const struct orl_fit_mesh *m, const uint32_t *t, struct or
     return sum > 0;
 }
 
-/* Finds the nearest place on a triangle's side, an arc of a great circle. It is taken if nearer
+/* Finds the nearest direction on a triangle's side, an arc of a great circle. It is used if nearer
  * than *nearest, the largest cosine so far. */
 static void try_side(const struct orl_fit_mesh *m, uint32_t a, uint32_t b, double *nearest,
                      struct orl_fit_location *location)
@@ -409,7 +415,7 @@ static void set_lean(const struct orl_fit_mesh *m, struct orl_fit_location *p)
         p->lean[i] = sound ? raw[i] / sum : p->weight[i];
 }
 
-/* Returns the total at a place: the corners' mean plus half of what gradients predict, which is
+/* Returns the total at a location: the corners' mean plus half of what gradients predict, which is
  * exact for a parabola. The result is limited to the corners' range, extended by half of it. */
 static double total_at(const struct orl_fit_mesh *m, const struct orl_fit_location *p,
                        const double *x)

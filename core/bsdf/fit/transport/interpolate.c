@@ -1,3 +1,4 @@
+/* Interpolation between incident directions: moves the lobes of each corner and adds them. */
 #include "bsdf/fit/transport/transport.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@ struct cluster_mover {
     unsigned others;
     const struct orl_fit_moves *moves[2];
     double lean[3], weight[3];   /* own value, then the others' */
-    struct orl_fit_turn turn[3]; /* turn from each corner to the place */
+    struct orl_fit_turn turn[3]; /* turn from each corner to the location */
     double scale;                /* factor of the lobes' masses */
     bool turns;
     double axis[3][3]; /* rotation matrix, by rows */

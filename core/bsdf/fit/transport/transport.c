@@ -1,5 +1,4 @@
-/* Transportation simplex over a tree of arcs. Each step finds an arc of largest gain outside the
- * tree and the cycle that it closes. */
+/* Transport plans between the light of two scans; the transportation simplex comes first. */
 #include "bsdf/fit/transport/transport.h"
 
 #include <stdlib.h>
@@ -7,8 +6,14 @@
 
 #include <oriel/base/thread_pool.h>
 
-/* Sources are nodes 0 to n_from - 1, sinks follow. Every node except the root has an arc to its
- * parent in the tree. Light flows along it from the source to the sink. */
+/* ---- Transportation simplex ------------------------------------------------------------------ */
+
+/*
+ * Transportation simplex over a tree of arcs. Each step finds an arc of largest gain outside the
+ * tree and the cycle that it closes. Sources are nodes 0 to n_from - 1, sinks follow. Every node
+ * except the root has an arc to its parent in the tree. Light flows along it from the source to the
+ * sink.
+ */
 struct simplex {
     size_t n_from, n_to, n;
     const float *cost;
@@ -247,9 +252,11 @@ int orl_fit_transport(const double *supply, size_t n_from, const double *demand,
     return 0;
 }
 
+/* ---- Plans ----------------------------------------------------------------------------------- */
+
 /* Moves below this share of a cluster are dropped, and their light goes to the others. */
 static const double least_share = 1e-4;
-/* Destinations within this many widths of a cluster are joined. */
+/* Destinations within this many widths of a cluster are merged. */
 static const float close_sigmas = 4;
 
 void orl_fit_plan_done(struct orl_fit_plan *plan)
@@ -295,7 +302,7 @@ static float *costs_of(const struct orl_fit_part *from, const struct orl_fit_par
     return costs;
 }
 
-/* One way of a plan: its source, its destination, and the flows. */
+/* One direction of a plan: its source, its destination, and the flows. */
 struct plan_direction {
     const struct orl_fit_part *of, *to;
     const struct orl_fit_flow *flows;
@@ -314,7 +321,7 @@ static uint32_t target_of(const struct plan_direction *w, size_t flow)
     return w->number ? w->flows[flow].from : w->flows[flow].to;
 }
 
-/* Sorts the moves of one way by cluster; shares add up to 1. */
+/* Sorts the moves of one direction by cluster; shares add up to 1. */
 static bool sort_moves(const struct plan_direction *w, struct orl_fit_moves *moves)
 {
     const size_t clusters = w->of->n_clusters;
@@ -363,7 +370,7 @@ static bool are_close(const struct orl_fit_move *a, const struct orl_fit_move *b
     return a->fades == b->fades && x * x + y * y + z * z < near * near;
 }
 
-/* Joins moves close to the heaviest one, then to the heaviest of the rest. Returns the number
+/* Merges moves close to the heaviest one, then to the heaviest of the rest. Returns the number
  * left. */
 static size_t join_moves(struct orl_fit_moves *all, uint32_t at, size_t n, float sigma)
 {

@@ -1,12 +1,7 @@
 /*
- * Transport plans assign shares of one scan's light to another's at the least cost: displacement
- * interpolation (Bonneel, van de Panne, Paris and Heidrich 2011). The cost of a unit of light is
- * the squared chord of its move, up to a bound. Light that would have to move farther fades at one
- * place and appears at the other.
- *
- * Plans are solved by the transportation simplex (Dantzig 1951) over clusters (lobe_shape.h). The
- * solution is exact to 1e-7 of the largest cost, unless the limit on pivots is reached. Ownership:
- * the caller's, freed by orl_fit_plan_done.
+ * Interpolation between incident directions by transport of light: plans between two scans, the
+ * mesh of incident directions, motion at each of them, plans along the mesh's edges, and the
+ * result.
  */
 #ifndef ORL_BSDF_FIT_TRANSPORT_TRANSPORT_H
 #define ORL_BSDF_FIT_TRANSPORT_TRANSPORT_H
@@ -15,6 +10,17 @@
 
 #include "bsdf/fit/scan/scan_light.h"
 
+/*
+ * Transport plans assign shares of one scan's light to another's at the least cost: displacement
+ * interpolation (Bonneel, van de Panne, Paris and Heidrich 2011). The cost of a unit of light is
+ * the squared chord of its move, up to a bound. Light that would have to move farther fades at one
+ * place and appears at the other.
+ *
+ * Plans are solved by the transportation simplex (Dantzig 1951) over clusters
+ * (fit/scan/scan_light.h). The solution is exact to 1e-7 of the largest cost, unless the limit on
+ * pivots is reached. Ownership: the caller's, freed by orl_fit_plan_done.
+ */
+
 /* Motion and widening of a cluster per radian of turn of the incident direction, along the two axes
  * of the frame about that direction (orl_frame_about). */
 struct orl_fit_velocity {
@@ -22,15 +28,16 @@ struct orl_fit_velocity {
     bool known;
 };
 
-/* A part of a cluster and its destination; shares of a cluster add up to 1. Destinations that are
- * close compared with the clusters' widths are joined. The cluster then moves as a whole and is not
+/* Part of a cluster and its destination; shares of a cluster add up to 1. Destinations that are
+ * close compared with the clusters' widths are merged. The cluster then moves as a whole and is not
  * split towards its neighbours' destinations. */
 struct orl_fit_move {
     float x, y, z, sigma_rad; /* destination */
     float share;
-    bool fades;                       /* true if the destination is too far away */
-    uint32_t submove;                 /* the first leg of the heaviest of the joined moves */
-    struct orl_fit_velocity velocity; /* mean velocity of the clusters there; set by velocities.h */
+    bool fades;       /* true if the destination is too far away */
+    uint32_t submove; /* the first submove of the heaviest of the merged moves */
+    struct orl_fit_velocity
+        velocity; /* mean velocity of the clusters there; set by orl_fit_plans_make */
 };
 
 /* Part of a move, by destination cluster. */
@@ -39,8 +46,8 @@ struct orl_fit_submove {
     float share;
 };
 
-/* Moves by cluster of the one scan (way 0) or the other (way 1): moves[first[i]] to first[i +
- * 1]. */
+/* Moves of the clusters of one scan (direction 0) or the other (direction 1). Those of cluster i
+ * have the numbers from first[i] up to, but without, first[i + 1]. */
 struct orl_fit_moves {
     uint32_t *first;
     struct orl_fit_move *moves;
@@ -81,7 +88,7 @@ int orl_fit_transport(const double *supply, size_t n_from, const double *demand,
  * Isotropic samples: directions form a row by theta, preceded by the mirror images of the first
  * ones. Other samples: directions are corners of a Delaunay triangulation of the sphere (of its
  * stereographic projection), whose sides are arcs of great circles. Outside the mesh the nearest
- * place on its border is used.
+ * position on its border is used.
  *
  * Ownership: the caller's, freed by orl_fit_mesh_done; shapes are borrowed. Immutable once made.
  */
@@ -93,7 +100,7 @@ struct orl_fit_mesh {
     size_t n;
     const struct orl_fit_shape **shapes; /* owned array of borrowed shapes */
     double (*positions)[2]; /* theta by azimuth, radians; in a row only the first is used */
-    double (*gradients)[2]; /* gradients of totals along places, 1/radian */
+    double (*gradients)[2]; /* gradients of totals along positions, 1/radian */
     uint32_t (*triangles)[ORL_FIT_CORNERS];
     size_t n_triangles, capacity;
 };
@@ -103,14 +110,15 @@ int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool 
                       struct orl_fit_mesh *ret_mesh, struct orl_error *err);
 void orl_fit_mesh_done(struct orl_fit_mesh *mesh);
 
-/* Place of an incident direction in the mesh. */
+/* Location of an incident direction in the mesh. */
 struct orl_fit_location {
-    struct orl_vec3 in, at; /* in: the query; at: the nearest place within the mesh */
+    struct orl_vec3 in, at; /* in: the query; at: the nearest direction within the mesh */
     unsigned count;
     uint32_t corner[ORL_FIT_CORNERS];
     double weight[ORL_FIT_CORNERS]; /* weights of the corners; they add up to 1 */
-    double lean[ORL_FIT_CORNERS];   /* such that the weighted corner directions point to at */
-    double mass[ORL_FIT_MASSES];    /* mass of each kind, then of the floor */
+    double lean[ORL_FIT_CORNERS]; /* weights by which the corner directions add up to a vector along
+                                     at */
+    double mass[ORL_FIT_MASSES];  /* mass of each kind, then of the floor */
 };
 void orl_fit_mesh_locate(const struct orl_fit_mesh *mesh, struct orl_vec3 in,
                          struct orl_fit_location *ret_location);
@@ -121,14 +129,11 @@ void orl_fit_mesh_edge(const struct orl_fit_mesh *mesh, size_t index, uint32_t r
 /* Sets for each direction: true on the border of the mesh, or at an end of the row. */
 void orl_fit_mesh_border(const struct orl_fit_mesh *mesh, bool *ret_border);
 
-/* Triangulates the places (triangulate_incident.c). Returns false if out of memory. */
-bool orl_fit_triangulate(struct orl_fit_mesh *mesh);
-
 /*
  * Motion of light clusters as the incident direction turns, at each incident direction. It is
  * derived from moves to and from all neighbours in the mesh. Between two directions light then
- * follows a parabola instead of a line. Lobes thus separate, meet, widen and narrow at the right
- * places.
+ * follows a parabola instead of a line. Lobes thus separate, merge, widen and narrow at the right
+ * directions.
  *
  * A velocity maps turns of the incident direction to turns of the cluster. Mirrored light turns as
  * much as the incident direction at any distance. Light that does not move has velocity 0. Both are
@@ -147,9 +152,6 @@ struct orl_fit_velocities {
     struct orl_fit_velocity *of[ORL_FIT_KINDS]; /* owned; NULL: none is known */
 };
 
-/* Returns the tangent vector at `from` of the great circle to `to`, as long as the arc between
- * them. Both are unit vectors. */
-struct orl_vec3 orl_fit_arc(struct orl_vec3 from, struct orl_vec3 to);
 /* A tangent vector in the frame about an incident direction, radians. */
 struct orl_fit_turn {
     double u, v;
@@ -160,13 +162,6 @@ struct orl_vec3 orl_fit_arc_end(struct orl_vec3 from, struct orl_vec3 arc);
 /* Returns the arc of a velocity for a turn. */
 struct orl_vec3 orl_fit_velocity_arc(const struct orl_fit_velocity *velocity,
                                      struct orl_fit_turn turn);
-
-/* Sets the velocities of all directions, and of the moves in the edges' plans. edges: sorted by a,
- * then b. *ret_slopes: by direction of the mesh, owned by the caller, freed with
- * orl_fit_velocities_done. Returns false if out of memory. */
-bool orl_fit_velocities_make(struct orl_fit_edge *edges, size_t n, const struct orl_fit_mesh *mesh,
-                             struct orl_fit_velocities **ret_velocities);
-void orl_fit_velocities_done(struct orl_fit_velocities *velocities, size_t n);
 
 /*
  * Transport plans between the requested incident directions of a mesh, and velocities.
@@ -181,10 +176,10 @@ struct orl_fit_plans {
     size_t n_directions;
 };
 
-/* Requests the edges that a place needs; any order, repeats are allowed. Returns false if out of
- * memory. */
+/* Requests the edges that a location needs, in any order; repeats are allowed. Returns false if out
+ * of memory. */
 bool orl_fit_plans_request(struct orl_fit_plans *plans, const struct orl_fit_location *location);
-/* Sorts the edges and makes their plans, in parallel or serially (crew NULL). Returns 0 or a
+/* Sorts the edges and makes their plans, in parallel or serially (pool NULL). Returns 0 or a
  * negative enum orl_err. */
 int orl_fit_plans_make(struct orl_fit_plans *plans, const struct orl_fit_mesh *mesh,
                        struct orl_thread_pool *pool, const atomic_bool *cancel,
@@ -196,14 +191,14 @@ const struct orl_fit_moves *orl_fit_plans_moves(const struct orl_fit_plans *plan
                                                 uint32_t to, int kind);
 
 /*
- * Interpolation between incident directions: the lobes of each corner, moved as the plans to the
- * other corners say, and weighted.
+ * Interpolation between incident directions: the lobes of each corner, moved by the plans to the
+ * other corners, and weighted.
  *
  * A lobe moves with its cluster. Its offset from the cluster and its width are scaled like the
  * cluster's width. A cluster moves to a mean of its places at the corners and of the places that
  * the velocities at the corners predict. At a corner the result is therefore that corner's shape,
  * and it varies continuously between corners. Beyond the border of the mesh the narrow part is
- * turned with the straight direction; the rest stays.
+ * turned with the straight direction; the rest does not move.
  *
  * Ownership: lobes are owned by the caller, who frees them with _done.
  */

@@ -1,3 +1,4 @@
+/* Plans along the edges of the mesh, and the motion of light that follows from them. */
 #include "bsdf/fit/transport/transport.h"
 
 #include <stdlib.h>
@@ -5,7 +6,8 @@
 
 #include "base/memory/memory.h"
 
-/* Limit on turns, as a multiple of the turn of the incident direction (transport_plans.c). */
+/* Limit on turns, as a multiple of the turn of the incident direction. Equal to farthest_times
+ * below. */
 static const double steepest = 2.5;
 /* Smallest share of a cluster that must move to one place to define a velocity. */
 static const float least_whole = 0.7F;
@@ -16,7 +18,9 @@ static const float least_known = 0.8F;
 
 /* ---- Arcs ------------------------------------------------------------------------------------ */
 
-struct orl_vec3 orl_fit_arc(struct orl_vec3 from, struct orl_vec3 to)
+/* Returns the tangent vector at `from` of the great circle to `to`, as long as the arc between
+ * them. Both are unit vectors. */
+static struct orl_vec3 arc_between(struct orl_vec3 from, struct orl_vec3 to)
 {
     const double cosine = orl_dot(from, to);
     const struct orl_vec3 across = orl_madd(to, from, -cosine);
@@ -33,7 +37,7 @@ struct orl_vec3 orl_fit_arc_end(struct orl_vec3 from, struct orl_vec3 arc)
 struct orl_fit_turn orl_fit_turn_between(struct orl_vec3 from, struct orl_vec3 to)
 {
     const struct orl_frame frame = orl_frame_about(from);
-    const struct orl_vec3 arc = orl_fit_arc(from, to);
+    const struct orl_vec3 arc = arc_between(from, to);
     return (struct orl_fit_turn){orl_dot(arc, frame.u), orl_dot(arc, frame.v)};
 }
 
@@ -56,7 +60,7 @@ static struct orl_vec3 carry_tangent(struct orl_vec3 tangent, struct orl_vec3 fr
     return orl_madd(tangent, orl_add(from, to), -along);
 }
 
-/* ---- Making them ----------------------------------------------------------------------------- */
+/* ---- Velocities ------------------------------------------------------------------------------ */
 
 struct velocities {
     struct orl_fit_edge *edges;
@@ -102,7 +106,7 @@ static void add_edge(struct least_squares *s, const struct orl_fit_cluster *clus
     }
     const struct orl_vec3 from = orl_v3((double)cluster->x, (double)cluster->y, (double)cluster->z);
     const struct orl_vec3 to = place_of(move);
-    struct orl_vec3 arc = orl_fit_arc(from, to);
+    struct orl_vec3 arc = arc_between(from, to);
     double wider = (double)move->sigma_rad - (double)cluster->sigma_rad;
     if (continued && move->velocity.known) {
         const struct orl_fit_turn back = orl_fit_turn_between(in[1], in[0]);
@@ -236,8 +240,19 @@ static bool set_all_velocities(const struct velocities *s)
     return true;
 }
 
-bool orl_fit_velocities_make(struct orl_fit_edge *edges, size_t n, const struct orl_fit_mesh *mesh,
-                             struct orl_fit_velocities **ret_velocities)
+static void velocities_done(struct orl_fit_velocities *velocities, size_t n)
+{
+    for (size_t i = 0; velocities && i < n; i++)
+        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
+            free(velocities[i].of[kind]);
+    free(velocities);
+}
+
+/* Sets the velocities of all directions, and of the moves in the edges' plans. edges: sorted by a,
+ * then b. *ret_velocities: by direction of the mesh, owned by the caller, freed with
+ * velocities_done. Returns false if out of memory. */
+static bool derive_velocities(struct orl_fit_edge *edges, size_t n, const struct orl_fit_mesh *mesh,
+                              struct orl_fit_velocities **ret_velocities)
 {
     struct velocities s = {edges, n, mesh, calloc(mesh->n + 1, sizeof *s.velocities),
                            calloc(mesh->n + 1, sizeof *s.border)};
@@ -251,16 +266,8 @@ bool orl_fit_velocities_make(struct orl_fit_edge *edges, size_t n, const struct 
     if (fine)
         *ret_velocities = s.velocities;
     else
-        orl_fit_velocities_done(s.velocities, mesh->n);
+        velocities_done(s.velocities, mesh->n);
     return fine;
-}
-
-void orl_fit_velocities_done(struct orl_fit_velocities *velocities, size_t n)
-{
-    for (size_t i = 0; velocities && i < n; i++)
-        for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
-            free(velocities[i].of[kind]);
-    free(velocities);
 }
 
 /* ---- Plans ----------------------------------------------------------------------------------- */
@@ -375,7 +382,7 @@ int orl_fit_plans_make(struct orl_fit_plans *plans, const struct orl_fit_mesh *m
     for (size_t i = 0; i < plans->n && code == 0; i++)
         code = plans->edges[i].code;
     plans->n_directions = mesh->n;
-    if (code == 0 && !orl_fit_velocities_make(plans->edges, plans->n, mesh, &plans->velocities))
+    if (code == 0 && !derive_velocities(plans->edges, plans->n, mesh, &plans->velocities))
         code = ORL_ERR_NOMEM;
     return code == 0 ? 0
                      : orl_error_set(err, code,
@@ -391,7 +398,7 @@ void orl_fit_plans_done(struct orl_fit_plans *plans)
         for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
             orl_fit_plan_done(&plans->edges[i].plans[kind]);
     free(plans->edges);
-    orl_fit_velocities_done(plans->velocities, plans->n_directions);
+    velocities_done(plans->velocities, plans->n_directions);
     memset(plans, 0, sizeof *plans);
 }
 

@@ -1,3 +1,4 @@
+/* Light that left the panel, counted by cells of an angle basis. */
 #include "bsdf/make/klems/exit_histogram.h"
 
 #include <stdlib.h>
@@ -200,7 +201,7 @@ static struct images images_of(const struct orl_gonio_histogram *histogram, size
 }
 
 /* Returns the share of light that goes from in to out, averaged over all mirrors: in one batch, or
- * with batch = ORL_GONIO_BATCHES in all that were put aside. */
+ * with batch = ORL_GONIO_BATCHES in the pilot. */
 static struct orl_rgb share_of(const struct orl_gonio_histogram *histogram,
                                const struct images *images, size_t batch, bool transmitted)
 {
@@ -264,7 +265,7 @@ struct orl_gonio_value orl_gonio_histogram_value(const struct orl_gonio_histogra
                                         omega};
 }
 
-/* Returns the share of one batch, including counts put aside, averaged over all mirrors. */
+/* Returns the share of one batch, including the pilot's counts, averaged over all mirrors. */
 static double batch_total(const struct orl_gonio_histogram *histogram, size_t item, size_t batch,
                           bool transmitted)
 {

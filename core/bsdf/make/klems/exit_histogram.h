@@ -1,11 +1,11 @@
 /*
- * Light that left the panel, counted by cells of an angle basis. Counts are kept for incident cells
- * on both sides, in independent batches. An item is an incident cell on one side: front * cells +
- * cell.
+ * Light that left the panel, counted by cells of an angle basis. There are counts for incident
+ * cells on both sides, in independent batches. An item is an incident cell on one side: front *
+ * cells + cell.
  *
  * Batches used for the stopping rule underestimate the error, because they stopped when it appeared
- * small. They are put aside, and the errors of values come from fresh batches. Errors of shares are
- * not used for stopping and come from all batches.
+ * small. They become the pilot, and the errors of values come from fresh batches. Errors of shares
+ * are not used for stopping and come from all batches.
  *
  * Ownership: the caller's, freed by orl_gonio_histogram_done. Each item is measured by one thread
  * at a time.
@@ -22,12 +22,12 @@ struct orl_gonio_histogram {
     size_t items, channels; /* channels: 3, or 1 for luma only */
     bool exact;             /* true if read from a file, without random errors */
     double *sums;           /* weights: [item][batch][transmitted][cell out][channel] */
-    double *pilot;          /* sums of all batches put aside: like sums, without [batch] */
-    double *pilot_totals;   /* luma put aside, summed over cells: [item][batch][transmitted] */
+    double *pilot;          /* sums of all pilot batches: like sums, without [batch] */
+    double *pilot_totals;   /* pilot's luma, summed over cells: [item][batch][transmitted] */
     float *max_weight;      /* largest luma of a single path: [item][transmitted][cell out] */
-    double *lost;           /* weight of paths given up, by item */
+    double *lost;           /* weight of paths that were cut, by item */
     uint32_t *paths;        /* in each batch, by item */
-    uint32_t *pilot_paths;  /* paths put aside in each batch, by item */
+    uint32_t *pilot_paths;  /* paths of the pilot in each batch, by item */
 };
 
 int orl_gonio_histogram_init(struct orl_gonio_histogram *histogram, const char *basis, bool color,
@@ -48,7 +48,7 @@ void orl_gonio_histogram_measure(struct orl_gonio_histogram *histogram,
                                  const struct orl_gonio_emission *emission, size_t item,
                                  uint32_t paths);
 
-/* Puts an item's counts aside; new batches use other random numbers. */
+/* Ends an item's pilot: adds its counts to the pilot's. New batches use other random numbers. */
 void orl_gonio_histogram_end_pilot(struct orl_gonio_histogram *histogram, size_t item);
 
 /* Returns the weights counted in a batch: [cell out][channel]. */
@@ -59,9 +59,9 @@ double *orl_gonio_histogram_sums(const struct orl_gonio_histogram *histogram, si
 int orl_gonio_mirrored(const struct orl_basis *basis, int cell, enum orl_bsdf_symmetry mirrors);
 
 /*
- * A value of an item and a cell out: f in 1/sr; error: standard error of its luma, 1/sr. The error
- * includes one path's weight, even if batches agree: the heaviest path's or, in an empty cell, the
- * full weight.
+ * Value of an item and a cell out: f in 1/sr; error: standard error of its luma, 1/sr. The error
+ * includes one path's weight, even if batches agree. It is the weight of the heaviest path or, in
+ * an empty cell, the full weight.
  */
 struct orl_gonio_value {
     struct orl_rgb f;
@@ -76,22 +76,5 @@ struct orl_bsdf_share orl_gonio_histogram_share(const struct orl_gonio_histogram
                                                 size_t item, bool transmitted);
 struct orl_bsdf_share orl_gonio_histogram_diffuse(const struct orl_gonio_histogram *histogram,
                                                   bool front, bool transmitted);
-
-/* Figures of a result for a panel measured in a Klems basis. */
-
-/* Fills *made except xml and the cell's place. Returns 0 or ORL_ERR_NOMEM. */
-int orl_gonio_summarize(const struct orl_gonio_histogram *histogram,
-                        struct orl_bsdf_make_result *result, struct orl_error *err);
-
-/* Returns the largest relative error of an item, over values of at least a hundredth of the peaks.
- * peaks: reflected, transmitted. */
-double orl_gonio_max_error(const struct orl_gonio_histogram *histogram, size_t item,
-                           const double peaks[2]);
-/* Returns orl_gonio_max_error as predicted for twice as many paths. It includes values that may be
- * large enough within two of their errors. */
-double orl_gonio_item_predicted_error(const struct orl_gonio_histogram *histogram, size_t item,
-                                      const double peaks[2]);
-/* Returns the largest values of light from that side, 1/sr: reflected, transmitted. */
-void orl_gonio_peaks(const struct orl_gonio_histogram *histogram, bool front, double ret_peaks[2]);
 
 #endif

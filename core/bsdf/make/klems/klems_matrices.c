@@ -1,3 +1,5 @@
+/* Measures matrices in a Klems basis: rounds of paths until the accuracy is reached, and the
+ * figures of the result. */
 #include "bsdf/make/make_bsdf.h"
 
 #include <stdio.h>
@@ -8,7 +10,10 @@
 
 static const double counted_from = 0.01; /* share of the peak above which errors count */
 
-void orl_gonio_peaks(const struct orl_gonio_histogram *histogram, bool front, double ret_peaks[2])
+/* ---- Figures of the result ------------------------------------------------------------------- */
+
+/* Returns the largest values of light from that side, 1/sr: reflected, transmitted. */
+static void find_peaks(const struct orl_gonio_histogram *histogram, bool front, double ret_peaks[2])
 {
     const size_t cells = (size_t)histogram->basis.n_cells;
     for (int t = 0; t < 2; t++) {
@@ -21,7 +26,9 @@ void orl_gonio_peaks(const struct orl_gonio_histogram *histogram, bool front, do
     }
 }
 
-double orl_gonio_max_error(const struct orl_gonio_histogram *histogram, size_t item,
+/* Returns the largest relative error of an item, over values of at least a hundredth of the peaks.
+ * peaks: reflected, transmitted. */
+static double max_error_of(const struct orl_gonio_histogram *histogram, size_t item,
                            const double peaks[2])
 {
     double worst = 0;
@@ -35,8 +42,10 @@ double orl_gonio_max_error(const struct orl_gonio_histogram *histogram, size_t i
     return worst;
 }
 
-double orl_gonio_item_predicted_error(const struct orl_gonio_histogram *histogram, size_t item,
-                                      const double peaks[2])
+/* Returns the largest relative error of an item as predicted for twice as many paths. It includes
+ * values that may be large enough within two of their errors. */
+static double predicted_error_of(const struct orl_gonio_histogram *histogram, size_t item,
+                                 const double peaks[2])
 {
     double worst = 0;
     for (int t = 0; t < 2; t++)
@@ -95,12 +104,12 @@ static void set_totals(const struct orl_gonio_histogram *histogram,
     double lost = 0;
     for (int front = 0; front < 2; front++) {
         double peaks[2];
-        orl_gonio_peaks(histogram, front, peaks);
+        find_peaks(histogram, front, peaks);
         for (int t = 0; t < 2; t++)
             result->diffuse[front][t] = orl_gonio_histogram_diffuse(histogram, front, t);
         for (size_t in = 0; in < cells; in++)
-            result->worst = fmax(result->worst,
-                                 orl_gonio_max_error(histogram, (size_t)front * cells + in, peaks));
+            result->worst =
+                fmax(result->worst, max_error_of(histogram, (size_t)front * cells + in, peaks));
     }
     for (size_t item = 0; item < histogram->items; item++) {
         result->paths += (uint64_t)ORL_GONIO_BATCHES *
@@ -110,8 +119,9 @@ static void set_totals(const struct orl_gonio_histogram *histogram,
     result->lost = lost / (double)result->paths;
 }
 
-int orl_gonio_summarize(const struct orl_gonio_histogram *histogram,
-                        struct orl_bsdf_make_result *result, struct orl_error *err)
+/* Fills *result except the XML and the cell's extents. Returns 0 or ORL_ERR_NOMEM. */
+static int summarize_histogram(const struct orl_gonio_histogram *histogram,
+                               struct orl_bsdf_make_result *result, struct orl_error *err)
 {
     result->n_directions = (size_t)histogram->basis.n_cells;
     result->directions = calloc(result->n_directions, sizeof *result->directions);
@@ -122,6 +132,8 @@ int orl_gonio_summarize(const struct orl_gonio_histogram *histogram,
     set_totals(histogram, result);
     return 0;
 }
+
+/* ---- Rounds of paths ------------------------------------------------------------------------- */
 
 enum { CHUNK = 16 }; /* items between two progress reports */
 
@@ -135,7 +147,7 @@ struct round {
     uint32_t number;
     size_t first;
     bool not_converged;   /* true if a predicted error is above the accuracy at the most paths */
-    size_t *todo, n_todo; /* shared rounds: items that need more paths */
+    size_t *todo, n_todo; /* distributed rounds: items that need more paths */
     atomic_bool out_of_memory; /* true if memory was out while a file was read */
 };
 
@@ -169,9 +181,9 @@ static int measure_round(struct round *r, struct orl_error *err)
     return 0;
 }
 
-/* ---- Shared rounds -------------------------------------------------------------------------- */
+/* ---- Distributed rounds ---------------------------------------------------------------------- */
 
-/* Items per task (oriel/bsdf/bsdf_distributed.h). */
+/* Items per task (oriel/bsdf/bsdf_store.h). */
 enum { TASK_ITEMS = 4 };
 
 static size_t task_size(const struct round *r, size_t task)
@@ -180,7 +192,7 @@ static size_t task_size(const struct round *r, size_t task)
     return left < TASK_ITEMS ? left : TASK_ITEMS;
 }
 
-/* Header of a serialised item. Its sums of all batches and its heaviest paths follow. */
+/* Header of a serialised item. Its sums of all batches and its largest weights follow. */
 struct packed_item {
     double lost;
     uint64_t paths;
@@ -313,12 +325,12 @@ static void request_mirrored(struct round *r, size_t item, uint32_t paths)
 static bool needs_more(const struct round *r, size_t item, const double peaks[2])
 {
     const uint64_t most = r->request->paths_most / ORL_GONIO_BATCHES;
-    return orl_gonio_item_predicted_error(r->histogram, item, peaks) > r->request->accuracy &&
+    return predicted_error_of(r->histogram, item, peaks) > r->request->accuracy &&
            4ULL * r->histogram->paths[item] <= most;
 }
 
-/* Doubles the paths of items that need more. The others are measured once more with as many paths
- * for their errors. Returns true if any paths are needed. */
+/* Doubles the paths of items that need more. Other items end their pilot and are measured again
+ * with as many paths, for their errors. Returns true if any paths are needed. */
 static bool request_more_paths(struct round *r)
 {
     const size_t cells = (size_t)r->histogram->basis.n_cells;
@@ -327,15 +339,15 @@ static bool request_more_paths(struct round *r)
         r->wanted[item] = 0;
     for (size_t front = 0; front < 2; front++) {
         double peaks[2];
-        orl_gonio_peaks(r->histogram, front, peaks);
+        find_peaks(r->histogram, front, peaks);
         for (size_t item = front * cells; item < (front + 1) * cells; item++)
             if (r->histogram->pilot_paths[item] == 0 && needs_more(r, item, peaks))
                 request_mirrored(r, item, 2 * r->histogram->paths[item]);
         for (size_t item = front * cells; item < (front + 1) * cells; item++) {
             if (r->histogram->pilot_paths[item] == 0 && r->wanted[item] == 0) {
                 r->not_converged =
-                    r->not_converged || orl_gonio_item_predicted_error(r->histogram, item, peaks) >
-                                            r->request->accuracy;
+                    r->not_converged ||
+                    predicted_error_of(r->histogram, item, peaks) > r->request->accuracy;
                 r->wanted[item] = r->histogram->paths[item];
                 orl_gonio_histogram_end_pilot(r->histogram, item);
             }
@@ -438,7 +450,7 @@ int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
     code = wanted && todo ? measure_all(&round, err)
                           : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (code == 0)
-        code = orl_gonio_summarize(&histogram, result, err);
+        code = summarize_histogram(&histogram, result, err);
     if (code == 0) {
         result->reached = !round.not_converged;
         code = write_out(&round, false, result, err);

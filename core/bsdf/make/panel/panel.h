@@ -1,13 +1,6 @@
 /*
- * The unit cell of an endless panel with periodic boundaries: rays that leave by a side come in by
- * the opposite one. Nothing is copied, and nothing outside the cell is hit.
- *
- * Surfaces in a side belong to the cell. Rays go beyond a side by a margin, and come in by as much
- * in front of the opposite one. Walls in either side are thus hit, one after the other. The margin
- * is a few times the offset of ray origins from surfaces (orl_hit_ray_origin). The panel's period
- * is too long by the margins only.
- *
- * Moved coordinates (scene/geometry/geometry.h). Immutable.
+ * The measured sample: its unit cell, its loading, its mirrors, one path through it, and means over
+ * batches of paths.
  */
 #ifndef ORL_BSDF_MAKE_PANEL_PANEL_H
 #define ORL_BSDF_MAKE_PANEL_PANEL_H
@@ -19,6 +12,18 @@
 
 #include "base/sampling/sampling.h"
 #include "light/path.h"
+
+/*
+ * The unit cell of an endless panel with periodic boundaries: rays that leave by a side enter by
+ * the opposite one. Nothing is copied, and nothing outside the cell is hit.
+ *
+ * Surfaces in a side belong to the cell. Rays end beyond a side by a margin, and enter at the same
+ * distance in front of the opposite side. Walls in either side are thus hit, one after the other.
+ * The margin is a few times the offset of ray origins from surfaces (orl_hit_ray_origin). The
+ * panel's period is too long by the margins only.
+ *
+ * Moved coordinates (scene/geometry/geometry.h). Immutable.
+ */
 
 struct orl_gonio_unit_cell {
     struct orl_vec3 low, high; /* bounds, including margins */
@@ -41,7 +46,7 @@ enum orl_gonio_crossing {
 };
 
 /* Follows the path to the next surface or out of the panel. Its origin becomes the place where it
- * last came in. */
+ * last entered. */
 enum orl_gonio_crossing orl_gonio_unit_cell_intersect(const struct orl_gonio_unit_cell *cell,
                                                       const struct orl_lit_scene *lit_scene,
                                                       struct orl_path *path,
@@ -49,7 +54,7 @@ enum orl_gonio_crossing orl_gonio_unit_cell_intersect(const struct orl_gonio_uni
 
 /*
  * The measured sample: a panel read from scene texts, with its unit cell, or a BSDF's file
- * (resample_bsdf.h). Immutable once loaded, shared by all threads.
+ * (resample_bsdf.c). Immutable once loaded, shared by all threads.
  */
 
 struct orl_gonio_sample {
@@ -81,7 +86,7 @@ enum orl_bsdf_symmetry orl_gonio_mirrors_of(const struct orl_bsdf_make_request *
 
 /*
  * Traces one path of light through the panel. It starts beside the panel, samples its materials,
- * and ends when it leaves, is absorbed, or is given up.
+ * and ends when it leaves, is absorbed, or is cut.
  */
 
 /*
@@ -104,18 +109,17 @@ struct orl_gonio_exit {
 };
 
 /*
- * Traces a path that starts beside the panel and enters it. Calls the sink for every end that is
- * not absorption. Where clear surfaces reflect and transmit, both parts are traced while they are
- * strong enough. In clear panels only the place of entry is then random.
+ * Traces a path that starts beside the panel and enters it. Calls on_exit for every end that is not
+ * absorption. At clear surfaces the reflected and the transmitted part are both traced while they
+ * are strong enough. In clear panels only the place of entry is then random.
  */
 typedef void orl_gonio_on_exit(void *ctx, const struct orl_gonio_exit *exit);
 void orl_gonio_trace(const struct orl_gonio_sample *sample, struct orl_path path,
                      struct orl_gonio_sampler *sampler, orl_gonio_on_exit *on_exit, void *ctx);
 
-/* Values in independent batches: their mean, and its standard error. */
-
 enum { ORL_GONIO_BATCHES = ORL_BSDF_MAKE_BATCHES };
 
+/* Returns the mean of values in independent batches, and its standard error. */
 static inline struct orl_bsdf_share orl_gonio_batch_mean(const double values[ORL_GONIO_BATCHES])
 {
     double sum = 0, squares = 0;

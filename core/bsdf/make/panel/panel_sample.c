@@ -1,3 +1,4 @@
+/* The measured sample, and its mirror symmetries. */
 #include "bsdf/make/panel/panel.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Paths through a panel: the periodic unit cell, then one path from its entry to its exits. */
 #include "bsdf/make/panel/panel.h"
 
 #include "scene/geometry/instances.h"

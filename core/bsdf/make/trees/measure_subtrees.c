@@ -1,3 +1,5 @@
+/* Measures the subtrees of a panel's trees: whether an incident cell is sampled enough, then all
+ * subtrees in parallel. */
 #include "bsdf/make/trees/measure_subtrees.h"
 
 #include <math.h>
@@ -6,10 +8,18 @@
 
 #include "bsdf/make/make_bsdf.h"
 
-/* Updates the result with a cell; its merge error holds the mean variance of the cells joined into
+/* ---- Convergence of one incident cell -------------------------------------------------------- */
+
+/* Result for one component. */
+struct convergence {
+    double peak;      /* largest cell, 1/sr */
+    double max_error; /* largest relative error of a cell whose value is at least `from` */
+};
+
+/* Updates the result with a cell; its merge error is the mean variance of the cells merged into
  * it. */
-static void update_convergence(struct orl_gonio_convergence *convergence,
-                               const struct orl_gonio_node *cell, double from)
+static void update_convergence(struct convergence *convergence, const struct orl_gonio_node *cell,
+                               double from)
 {
     const double value = (double)cell->value;
     if (cell->branch)
@@ -20,10 +30,10 @@ static void update_convergence(struct orl_gonio_convergence *convergence,
             fmax(convergence->max_error, sqrt((double)cell->merge_error) / value);
 }
 
-/* Joins four cells of a level to one of the next coarser level, or adds them to the result. */
+/* Merges four cells of a level to one of the next coarser level, or adds them to the result. */
 static void merge_four(struct orl_gonio_cells four, unsigned level,
                        const struct orl_gonio_cull *cull, double from,
-                       struct orl_gonio_convergence *convergence, struct orl_gonio_cells ret_mean)
+                       struct convergence *convergence, struct orl_gonio_cells ret_mean)
 {
     enum { BRANCHING = 4 };
     const struct orl_gonio_node *children = four.nodes;
@@ -40,7 +50,7 @@ static void merge_four(struct orl_gonio_cells four, unsigned level,
         orl_gonio_try_merge(cull, (struct orl_gonio_cells){plain, four.colors}, BRANCHING, level,
                             (struct orl_gonio_cells){&mean, four.colors ? &node_color : NULL});
     for (int i = 0; i < BRANCHING && (!one || (double)mean.value < from); i++)
-        /* Children of a dark joined cell count as well: they may be cells of a tree. */
+        /* Children of a dark merged cell count as well: they may be cells of a tree. */
         update_convergence(convergence, &children[i], from);
     if (one)
         mean.merge_error = (float)variance;
@@ -48,12 +58,17 @@ static void merge_four(struct orl_gonio_cells four, unsigned level,
     orl_gonio_cells_copy(ret_mean, (struct orl_gonio_cells){&mean, &node_color}, 1);
 }
 
-struct orl_gonio_convergence orl_gonio_test_convergence(struct orl_gonio_cells cells,
-                                                        unsigned levels,
-                                                        const struct orl_gonio_cull *cull,
-                                                        double from)
+/*
+ * Decides if light from one incident cell has been sampled enough. The 4^levels cells out are
+ * numbered as in the probe. They are merged as in a tree (tree_builder.h) if the data do not
+ * distinguish them, and the rest is examined. The error that counts is that of the merged cells.
+ * Paths are thus sent until the next subdivision would have shown any differences. The cells are
+ * overwritten.
+ */
+static struct convergence test_convergence(struct orl_gonio_cells cells, unsigned levels,
+                                           const struct orl_gonio_cull *cull, double from)
 {
-    struct orl_gonio_convergence convergence = {0, 0};
+    struct convergence convergence = {0, 0};
     const size_t n = (size_t)1 << 2 * levels;
     for (size_t i = 0; i < n; i++)
         cells.nodes[i].merge_error = (float)(orl_gonio_node_variance(&cells.nodes[i]));
@@ -65,11 +80,13 @@ struct orl_gonio_convergence orl_gonio_test_convergence(struct orl_gonio_cells c
     return convergence;
 }
 
-enum { CHUNK = 16 };
+/* ---- Limits ---------------------------------------------------------------------------------- */
+
+enum { CHUNK = 16 }; /* subtrees between two progress reports */
 /* Paths into each incident cell, in each batch, for the survey of brightness. */
 enum { SURVEY_PATHS = 4 };
 /* Limit on branches of all trees together; a third in colour, which has three trees. They take 0.4
- * gigabytes, and twice that while they are joined. */
+ * gigabytes, and twice that while they are merged. */
 enum { MOST_BRANCHES = 1 << 20 };
 
 /* Share of the peak from which values must reach the accuracy. Reported errors begin a little
@@ -110,7 +127,7 @@ size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t subtree, un
     return a;
 }
 
-/* ---- Blocks ---------------------------------------------------------------------------------- */
+/* ---- Subtrees -------------------------------------------------------------------------------- */
 
 /* State of one thread's measurement. */
 struct work {
@@ -121,12 +138,11 @@ struct work {
     size_t side;
 };
 
-static struct orl_gonio_convergence test_component(const struct work *w, bool transmitted,
-                                                   double from)
+static struct convergence test_component(const struct work *w, bool transmitted, double from)
 {
     const size_t cells = orl_gonio_probe_cells(&w->probe);
-    return orl_gonio_test_convergence(orl_gonio_cells_at(w->cells, transmitted * cells),
-                                      w->t->levels, &w->t->cull, from);
+    return test_convergence(orl_gonio_cells_at(w->cells, transmitted * cells), w->t->levels,
+                            &w->t->cull, from);
 }
 
 /* Returns true if the cell's values will reach the accuracy with twice as many paths. */
@@ -140,8 +156,8 @@ static bool has_converged(const struct work *w, struct orl_gonio_cells cells)
     return converged;
 }
 
-/* Doubles the paths until a second set of as many will reach the accuracy. Returns the paths in
- * each batch; 0 if cancelled. */
+/* Doubles the paths until a second set of as many paths will reach the accuracy. Returns the paths
+ * in each batch; 0 if cancelled. */
 static uint32_t decide_paths(struct work *w, uint32_t a, struct orl_gonio_cells cells)
 {
     const struct orl_gonio_trees *t = w->t;
@@ -224,7 +240,7 @@ static void work_done(struct work *w)
     orl_gonio_cells_done(&w->cells);
 }
 
-/* Surveys the brightness of cells out by a few paths into every incident cell of a block. */
+/* Surveys the brightness of cells out by a few paths into every incident cell of a subtree. */
 static void survey_subtree(void *arg, size_t index, uint32_t member)
 {
     const struct orl_gonio_trees *t = arg;
@@ -263,7 +279,7 @@ static void measure_subtree(void *arg, size_t index, uint32_t member)
     work_done(&w);
 }
 
-/* One pass over the blocks: the survey or the measurement. */
+/* One pass over the subtrees: the survey or the measurement. */
 struct pass {
     struct orl_gonio_trees *t;
     const struct orl_bsdf_make_env *env;
@@ -273,7 +289,7 @@ struct pass {
     double share_from, share_to; /* range of the total progress */
 };
 
-/* Processes some of the blocks. */
+/* Processes some of the subtrees. */
 static int run_subtrees(const struct pass *pass, size_t first, size_t count)
 {
     struct orl_gonio_trees *t = pass->t;
@@ -295,7 +311,7 @@ static int check_branches(const struct orl_gonio_trees *t)
     return branches > (size_t)most_branches(t) ? ORL_ERR_LIMIT : 0;
 }
 
-/* Processes all blocks, AT_ONCE at a time, and reports progress. */
+/* Processes all subtrees, CHUNK at a time, and reports progress. */
 static int run_all_subtrees(const struct pass *pass)
 {
     struct orl_gonio_trees *t = pass->t;
@@ -318,9 +334,9 @@ static int run_all_subtrees(const struct pass *pass)
     return 0;
 }
 
-/* ---- Shared blocks -------------------------------------------------------------------------- */
+/* ---- Distributed subtrees -------------------------------------------------------------------- */
 
-/* Blocks per task (oriel/bsdf/bsdf_distributed.h). */
+/* Subtrees per task (oriel/bsdf/bsdf_store.h). */
 enum { TASK_ITEMS = 4 };
 
 static size_t task_size(const struct orl_gonio_trees *t, size_t task)
@@ -383,7 +399,7 @@ static void report_share(void *ctx, double share)
                             pass->share_from + share * (pass->share_to - pass->share_from));
 }
 
-/* Runs a pass here or shared with others; sets err. */
+/* Runs a pass here, or distributed over processes; sets err. */
 static int run_pass(struct pass *pass, struct orl_error *err)
 {
     const struct orl_gonio_trees *t = pass->t;

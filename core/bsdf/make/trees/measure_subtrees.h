@@ -1,26 +1,12 @@
 /*
- * Decides if light from one incident cell has been sampled enough. Cells out are joined as in a
- * tree (builder.h) if the data do not distinguish them, and the rest is examined. The error that
- * counts is that of the cells joined into one. Paths are thus sent until the next subdivision would
- * have shown any differences.
+ * Measurement of a panel's trees: one finest incident cell (probe.c), the subtree that one thread
+ * measures (subtree.c), and all subtrees in parallel (measure_subtrees.c).
  */
 #ifndef ORL_BSDF_MAKE_TREES_MEASURE_SUBTREES_H
 #define ORL_BSDF_MAKE_TREES_MEASURE_SUBTREES_H
 
 #include "bsdf/make/panel/panel.h"
 #include "bsdf/make/trees/tree_builder.h"
-
-/* Result for one component. */
-struct orl_gonio_convergence {
-    double peak;      /* largest cell, 1/sr */
-    double max_error; /* largest relative error of a cell whose value is at least `from` */
-};
-
-/* Joins 4^levels cells, numbered as in probe.h. The cells are overwritten. */
-struct orl_gonio_convergence orl_gonio_test_convergence(struct orl_gonio_cells cells,
-                                                        unsigned levels,
-                                                        const struct orl_gonio_cull *cull,
-                                                        double from);
 
 /*
  * Measures light from one finest cell of a tensor tree's incident directions, counted by the finest
@@ -36,12 +22,13 @@ struct orl_gonio_probe {
     bool color;                /* true to count red, green and blue beside luma */
     bool front;                /* true if light comes from the front */
     const atomic_bool *cancel; /* may be NULL */
-    /* Counts of one incident cell, by planes: luma, then the three of colour. Owned: */
+    /* Counts of one incident cell, by planes: luma, then the three of colour. The arrays are
+     * owned. */
     double *sums;  /* [plane][batch][transmitted][cell out] */
-    double *pilot; /* [plane][transmitted][cell out]: sum of all batches put aside */
-    double pilot_totals[ORL_GONIO_BATCHES][2]; /* weights put aside, summed over cells */
+    double *pilot; /* [plane][transmitted][cell out]: sum of all pilot batches */
+    double pilot_totals[ORL_GONIO_BATCHES][2]; /* pilot's weights, summed over cells */
     float *max_weight;    /* [transmitted][cell out]: largest luma of a single path */
-    uint32_t pilot_paths; /* paths in each batch put aside */
+    uint32_t pilot_paths; /* paths in each batch of the pilot */
     double totals[ORL_GONIO_BATCHES][2]; /* shares, summed over all incident cells */
     double lost;
 };
@@ -60,23 +47,23 @@ int orl_gonio_probe_init(struct orl_gonio_probe *probe, struct orl_error *err);
 void orl_gonio_probe_done(struct orl_gonio_probe *probe);
 
 /* Sends paths `from` to `to` of each batch into incident cell a: a cell of the square in rank 4, a
- * ring in rank 3. If cancelled, it sends only some of them. */
+ * ring in rank 3. If cancelled, only some are sent. */
 void orl_gonio_probe_trace(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to);
-/* Puts the counts aside, after `paths` paths of each batch. New batches use other random numbers,
- * and only they give the errors of values (as in exit_histogram.h). */
+/* Ends the pilot after `paths` paths of each batch. New batches use other random numbers, and only
+ * they give the errors of values (as in exit_histogram.h). */
 void orl_gonio_probe_end_pilot(struct orl_gonio_probe *probe, uint32_t paths);
 /* Fills ret_cells[transmitted * cells + cell out] with leaves, after `paths` paths of each
  * batch. */
 void orl_gonio_probe_estimate(const struct orl_gonio_probe *probe, uint32_t paths,
                               struct orl_gonio_cells ret_cells);
-/* orl_gonio_probe_finish_cell adds the sums to the totals, _drop discards them. Both prepare the
- * probe for another cell. */
+/* orl_gonio_probe_finish_cell adds the sums to the totals, orl_gonio_probe_clear discards them.
+ * Both prepare the probe for another cell. */
 void orl_gonio_probe_finish_cell(struct orl_gonio_probe *probe, uint32_t paths);
 void orl_gonio_probe_clear(struct orl_gonio_probe *probe);
 
 /*
- * A part of a tree's incident directions that one thread measures: a cell at some level, with all
- * cells below it. Blocks of a shared BSDF are sent between machines in serialised form.
+ * Subtree of a tree's incident directions that one thread measures: a cell at some level, with all
+ * cells below it. Subtrees of a distributed BSDF are sent between machines in serialised form.
  */
 
 struct orl_gonio_subtree {
@@ -91,20 +78,19 @@ struct orl_gonio_subtree {
 };
 void orl_gonio_subtree_done(struct orl_gonio_subtree *subtree);
 
-/* Returns the serialised size of a block that has n_tops top nodes, or none if it is not measured.
- */
+/* Returns the serialised size of a subtree with n_top_nodes top nodes, or with none if it is not
+ * measured. */
 size_t orl_gonio_subtree_bytes(const struct orl_gonio_subtree *subtree, size_t n_top_nodes);
-/* Serialises a block. Returns the position after it. */
+/* Serialises a subtree. Returns the position after it. */
 char *orl_gonio_subtree_pack(const struct orl_gonio_subtree *subtree, size_t n_top_nodes, char *to);
-/* Reads a block from at most `most` bytes. Returns the position after it, or NULL if its shape
+/* Reads a subtree from at most `most` bytes. Returns the position after it, or NULL if its shape
  * differs or memory is out. The builder's rank, cull and color must be set before. */
 const char *orl_gonio_subtree_unpack(struct orl_gonio_subtree *subtree, size_t n_top_nodes,
                                      const char *from, size_t most);
 
 /*
- * Measures the blocks of a panel's trees (subtree.h) in parallel, here or on other machines if the
- * BSDF is shared (oriel/bsdf/bsdf_distributed.h). With an accuracy, a survey of the blocks comes
- * first.
+ * Measures the subtrees of a panel's trees in parallel, here or on other machines if the BSDF is
+ * distributed (oriel/bsdf/bsdf_store.h). With an accuracy, a survey of the subtrees comes first.
  */
 
 struct orl_gonio_trees {
@@ -112,18 +98,18 @@ struct orl_gonio_trees {
     const struct orl_gonio_sample *sample;
     const struct orl_sobol *sobol;
     struct orl_gonio_cull cull;
-    unsigned rank, levels, split; /* split: the level of the blocks */
-    size_t n_subtrees;            /* blocks on one side */
+    unsigned rank, levels, split; /* split: the level of the subtrees */
+    size_t n_subtrees;            /* subtrees on one side */
     uint32_t paths, paths_most;   /* paths in each batch */
     double from[2][2]; /* [side][transmitted]: least values whose errors count; with an accuracy */
     const atomic_bool *cancel;
-    struct orl_gonio_subtree *subtrees; /* blocks for light from the back, then from the front */
-    size_t *todo, n_todo;               /* blocks to measure, by index; no mirror images */
+    struct orl_gonio_subtree *subtrees; /* subtrees for light from the back, then from the front */
+    size_t *todo, n_todo;               /* subtrees to measure, by index; no mirror images */
     size_t first;
     /* Results, by side: */
     struct orl_gonio_builder builders[2];
     struct orl_gonio_node roots[2][2];
-    struct orl_gonio_color root_hues[2][2]; /* set if there is colour */
+    struct orl_gonio_color root_hues[2][2]; /* set if the request has colour */
 };
 
 /* Returns an empty builder. */
@@ -138,10 +124,10 @@ static inline size_t orl_gonio_nodes_at(unsigned level)
     return (size_t)2 << 2 * level;
 }
 
-/* Returns the block of which this one is a mirror image: the one with the lower index. */
+/* Returns the subtree of which this one is a mirror image: the one with the lower index. */
 size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t subtree, unsigned *ret_mirror);
 
-/* Measures all blocks in todo. Returns 0 or a negative enum orl_err. */
+/* Measures all subtrees in todo. Returns 0 or a negative enum orl_err. */
 int orl_gonio_measure_subtrees(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,
                                struct orl_error *err);
 

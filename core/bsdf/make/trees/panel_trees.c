@@ -1,3 +1,4 @@
+/* Complete trees of a panel: measurement, mirrors, file. */
 #include "bsdf/make/make_bsdf.h"
 
 #include <stdlib.h>
@@ -21,7 +22,7 @@ static size_t mirrored_cell(size_t cell, unsigned level, unsigned mirror)
     return cell;
 }
 
-/* Adds the nodes of a block, original or mirrored, to the side's builder. */
+/* Adds the nodes of a subtree, original or mirrored, to the side's builder. */
 static bool add_subtree_nodes(const struct orl_gonio_trees *t, struct orl_gonio_builder *builder,
                               size_t side, size_t a, struct orl_gonio_cells ret_cells)
 {
@@ -41,8 +42,8 @@ static bool add_subtree_nodes(const struct orl_gonio_trees *t, struct orl_gonio_
     return true;
 }
 
-/* Computes the nodes of incident cell a at a level above the blocks. In rank 3 the upper half of A
- * has no directions; it is a copy of the lower one. */
+/* Computes the nodes of incident cell a at a level above the subtrees. In rank 3 the upper half of
+ * A has no directions; it is a copy of the lower one. */
 static bool merge_nodes(const struct orl_gonio_trees *t, struct orl_gonio_builder *builder,
                         size_t side, unsigned level, size_t a, struct orl_gonio_cells ret_cells)
 {
@@ -196,7 +197,7 @@ static struct orl_gonio_trees trees_of(const struct orl_bsdf_make_request *reque
     t.rank = request->basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
     while (1U << t.levels < request->resolution)
         t.levels++;
-    /* Rank 3: every ring is a block, and half of A has none. */
+    /* Rank 3: every ring is a subtree, and half of A has none. */
     t.split = t.rank == 3 ? t.levels : t.levels < SPLIT_LEVEL ? t.levels : SPLIT_LEVEL;
     t.n_subtrees = t.rank == 3 ? (size_t)1 << (t.levels - 1) : (size_t)1 << 2 * t.split;
     const uint32_t sets = request->accuracy > 0 ? 2 * ORL_GONIO_BATCHES : ORL_GONIO_BATCHES;

@@ -1,3 +1,4 @@
+/* Light from one finest incident cell of a tensor tree, counted by the finest cells out. */
 #include "bsdf/make/trees/measure_subtrees.h"
 
 #include <stdlib.h>
@@ -113,7 +114,7 @@ static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
         add_share(probe_path, transmitted, cell_of(p, d.x, d.y), 1, exit->weight);
         return;
     }
-    /* Straight light lies on the border of two cells; each counts half of it. */
+    /* Straight light lies on the border of two cells; each receives half of it. */
     const double x = probe_path->cosine * d.x + probe_path->sine * d.y;
     const double y = probe_path->cosine * d.y - probe_path->sine * d.x;
     add_share(probe_path, transmitted, cell_of(p, x, fabs(y)), 0.5, exit->weight);
@@ -175,8 +176,8 @@ static double variance_of(const double values[ORL_GONIO_BATCHES])
     return squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0));
 }
 
-/* Returns the mean of a cell's counts in a plane, including those put aside; ret_batches: counts of
- * the present batches. */
+/* Returns the mean of a cell's counts in a plane, including those of the pilot; ret_batches: counts
+ * of the present batches. */
 static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t i,
                       double ret_batches[ORL_GONIO_BATCHES])
 {
@@ -189,8 +190,8 @@ static double counted(const struct orl_gonio_probe *probe, size_t plane, size_t 
     return sum / ORL_GONIO_BATCHES;
 }
 
-/* value: factor from counts to values. told: share of the paths in the present batches, which alone
- * give the errors. */
+/* value: factor from counts to values. final_share: share of the paths in the present batches,
+ * which alone give the errors. */
 struct unit {
     double value, final_share;
 };

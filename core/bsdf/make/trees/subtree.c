@@ -1,10 +1,11 @@
+/* The subtree that one thread measures, and its bytes for transfer between machines. */
 #include "bsdf/make/trees/measure_subtrees.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Header of a serialised block. Its top nodes and branches follow; with colour also the hues of
- * both. */
+/* Header of a serialised subtree. Its top nodes and branches follow; with colour also the colours
+ * of both. */
 struct subtree_header {
     uint64_t n_top_nodes, n_branches, paths, not_converged;
     double totals[ORL_GONIO_BATCHES][2], lost, peaks[2];

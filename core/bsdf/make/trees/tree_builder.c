@@ -1,3 +1,5 @@
+/* Tensor trees under construction: sums over the children of a node, colours, then merging and
+ * writing. */
 #include "bsdf/make/trees/tree_builder.h"
 
 #include <math.h>
@@ -10,15 +12,21 @@
 #include "bsdf/document.h"
 #include "bsdf/xml/bsdf_xml.h"
 
-/* With 15 degrees of freedom, and with the 3 of a cell out alone. */
+/* ---- Sums over the children of a node -------------------------------------------------------- */
+
+/* Limits by chance: with 15 degrees of freedom, and with the 3 of a cell out alone. */
 static const double chi_square_limits[2] = {3, 7};
 
-double orl_gonio_chi_square_limit(unsigned branching)
+/* Returns the ratio of sums of squares that chance exceeds in 1 of 10^4 cases (chi-square with
+ * branching - 1 degrees of freedom). */
+static double chi_square_limit(unsigned branching)
 {
     return chi_square_limits[branching == 4];
 }
 
-double orl_gonio_pairwise_sum(double *values, unsigned branching)
+/* Returns the sum, added by pairs. Mirrors (i ^ mirror) do not change the pairs, so mirrored sums
+ * are equal to the last bit. The values are overwritten. */
+static double pairwise_sum(double *values, unsigned branching)
 {
     for (unsigned step = 1; step < branching; step *= 2)
         for (unsigned i = 0; i < branching; i += 2 * step)
@@ -26,18 +34,20 @@ double orl_gonio_pairwise_sum(double *values, unsigned branching)
     return values[0];
 }
 
+/* ---- Colours --------------------------------------------------------------------------------- */
+
 /* Relative difference that rounding may cause. */
 static const double rounding_error = 1e-6;
-/* Share of the allowed difference for cells that are not joined. */
+/* Share of the allowed difference for cells that are not merged. */
 static const double unmerged_share = 0.25;
 
-/* One channel of nodes compared with their luminances in one chromaticity: sums of squares. */
+/* Sums of squares of one channel of nodes, compared with their luminances in one chromaticity. */
 struct channel_spread {
     double off, noise, value;
 };
 
-/* unit: the channel divided by the luminance, over all nodes. A node with few paths has a
- * chromaticity as uncertain as its luminance. */
+/* Returns the sums of channel c. unit: the channel divided by the luminance, over all nodes. A node
+ * with few paths has a chromaticity as uncertain as its luminance. */
 static struct channel_spread channel_spread_of(struct orl_gonio_cells children, unsigned branching,
                                                int c, double unit)
 {
@@ -53,9 +63,8 @@ static struct channel_spread channel_spread_of(struct orl_gonio_cells children, 
             (double)children.colors[i].noise[c] + turn * turn * orl_gonio_node_variance(node);
         values[i] = wanted * wanted;
     }
-    return (struct channel_spread){orl_gonio_pairwise_sum(off2, branching),
-                                   orl_gonio_pairwise_sum(noises, branching),
-                                   orl_gonio_pairwise_sum(values, branching)};
+    return (struct channel_spread){pairwise_sum(off2, branching), pairwise_sum(noises, branching),
+                                   pairwise_sum(values, branching)};
 }
 
 static struct orl_gonio_color mean_color_of(struct orl_gonio_cells children, unsigned branching)
@@ -67,9 +76,8 @@ static struct orl_gonio_color mean_color_of(struct orl_gonio_cells children, uns
             values[i] = (double)children.colors[i].value[c];
             noises[i] = (double)children.colors[i].noise[c];
         }
-        mean.value[c] = (float)(orl_gonio_pairwise_sum(values, branching) / branching);
-        mean.noise[c] =
-            (float)(orl_gonio_pairwise_sum(noises, branching) / (branching * branching));
+        mean.value[c] = (float)(pairwise_sum(values, branching) / branching);
+        mean.noise[c] = (float)(pairwise_sum(noises, branching) / (branching * branching));
     }
     return mean;
 }
@@ -79,18 +87,25 @@ static double luma_of(struct orl_gonio_cells children, unsigned branching)
     double values[ORL_GONIO_MAX_BRANCHING] = {0};
     for (unsigned i = 0; i < branching; i++)
         values[i] = (double)children.nodes[i].value;
-    return orl_gonio_pairwise_sum(values, branching) / branching;
+    return pairwise_sum(values, branching) / branching;
 }
 
-struct orl_gonio_color_match orl_gonio_match_chromaticity(const struct orl_gonio_cull *cull,
-                                                          struct orl_gonio_cells children,
-                                                          unsigned branching, unsigned level,
-                                                          struct orl_gonio_color *ret_mean)
+/* Result of comparing chromaticities. */
+struct color_match {
+    bool is_match; /* true if the nodes can have the chromaticity of their total light */
+    float
+        merge_error; /* largest ratio of squared differences to squared errors; 0 if none counts */
+};
+
+/* Compares the chromaticities of nodes at `level` and sets their mean colour. */
+static struct color_match match_chromaticity(const struct orl_gonio_cull *cull,
+                                             struct orl_gonio_cells children, unsigned branching,
+                                             unsigned level, struct orl_gonio_color *ret_mean)
 {
     const double omega = ldexp(ORL_PI, -2 * (int)level),
                  cull_fraction = cull->cull_fraction / omega;
     const double share = fmax(cull->share, rounding_error), luma = luma_of(children, branching);
-    struct orl_gonio_color_match match = {true, 0};
+    struct color_match match = {true, 0};
     const struct orl_gonio_color mean = mean_color_of(children, branching);
     for (int c = 0; c < ORL_GONIO_COLORS && luma > 0; c++) {
         const struct channel_spread s =
@@ -99,13 +114,13 @@ struct orl_gonio_color_match orl_gonio_match_chromaticity(const struct orl_gonio
             continue;
         const double ratio = s.noise > 0 ? fmin(s.off / s.noise, 1e30) : 1e30;
         match.merge_error = fmaxf(match.merge_error, (float)ratio);
-        match.is_match = match.is_match && ratio <= orl_gonio_chi_square_limit(branching);
+        match.is_match = match.is_match && ratio <= chi_square_limit(branching);
     }
     *ret_mean = mean;
     return match;
 }
 
-/* ---- The file -------------------------------------------------------------------------------- */
+/* ---- Chromaticities in the file -------------------------------------------------------------- */
 
 static struct orl_gonio_cells children_of(const struct orl_gonio_builder *builder, uint32_t branch)
 {
@@ -126,8 +141,7 @@ static bool is_match(const struct orl_gonio_builder *builder, const struct orl_g
     for (unsigned i = 0; i < 1U << builder->rank; i++)
         if (!is_match(builder, &children.nodes[i], level + 1))
             return false;
-    return orl_gonio_match_chromaticity(&cull, children, 1U << builder->rank, level + 1, &mean)
-        .is_match;
+    return match_chromaticity(&cull, children, 1U << builder->rank, level + 1, &mean).is_match;
 }
 
 static void write_colors(const struct orl_gonio_builder *builder, const struct orl_gonio_node *node,
@@ -161,13 +175,15 @@ void orl_gonio_write_chromaticity(const struct orl_gonio_builder *builder,
     write_colors(builder, &root, &node_color, 0, channel, cancel, out);
 }
 
+/* ---- Merging and writing --------------------------------------------------------------------- */
+
 /* Ratios of sums of squares that chance exceeds in none of the many millions of cases of a panel
  * (chi-square): with 15 degrees of freedom, and with the 3 of a cell out alone. */
 static const double max_chi_square[2] = {8, 13};
 
-/* Correction for a selection effect. Cells joined within their errors were selected for looking
- * alike, so two thirds of their differences are visible. Cells whose mean squares are 1.5 to 3
- * times their errors' pass if they appear to be 1.1 times. */
+/* Correction for a selection effect. Cells that are merged within their errors were selected
+ * because they appeared alike, so two thirds of their differences are visible. Cells whose mean
+ * squares are 1.5 to 3 times those of their errors pass if they appear to be 1.1 times. */
 static const double selection_bias = 0.5;
 
 void orl_gonio_builder_done(struct orl_gonio_builder *builder)
@@ -221,7 +237,7 @@ static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsi
         values[i] = (double)children[i].value;
         variances[i] = (double)children[i].variance;
     }
-    const double mean = orl_gonio_pairwise_sum(values, branching) / branching;
+    const double mean = pairwise_sum(values, branching) / branching;
     for (unsigned i = 0; i < branching; i++) {
         const double off = (double)children[i].value - mean;
         spreads[i] = (double)children[i].spread + off * off -
@@ -229,12 +245,12 @@ static struct orl_gonio_node mean_of(const struct orl_gonio_node *children, unsi
     }
     return (struct orl_gonio_node){
         .value = (float)mean,
-        .variance = (float)(orl_gonio_pairwise_sum(variances, branching) / (branching * branching)),
+        .variance = (float)(pairwise_sum(variances, branching) / (branching * branching)),
         .path = path_of(children, branching),
-        .spread = (float)(orl_gonio_pairwise_sum(spreads, branching) / branching)};
+        .spread = (float)(pairwise_sum(spreads, branching) / branching)};
 }
 
-/* Common case. */
+/* Returns true if all nodes are dark leaves, the common case. */
 static bool are_dark(const struct orl_gonio_node *children, unsigned branching)
 {
     bool dark = true;
@@ -243,7 +259,7 @@ static bool are_dark(const struct orl_gonio_node *children, unsigned branching)
     return dark;
 }
 
-/* Nodes that may be joined. */
+/* Nodes that may be merged. */
 struct group {
     const struct orl_gonio_cull *cull;
     struct orl_gonio_cells children;
@@ -260,11 +276,11 @@ struct scatter {
 static bool is_chance(const struct group *g, const struct scatter *s)
 {
     const bool few = g->branching == 4;
-    return s->squares <= orl_gonio_chi_square_limit(g->branching) * s->noise &&
+    return s->squares <= chi_square_limit(g->branching) * s->noise &&
            g->merge_error <= max_chi_square[few];
 }
 
-/* Returns true if the nodes can be joined: within their errors or, if all are leaves, because the
+/* Returns true if the nodes can be merged: within their errors or, if all are leaves, because the
  * differences are small enough. */
 static bool can_merge(const struct group *g, const struct scatter *s)
 {
@@ -284,8 +300,8 @@ static struct scatter scatter_of(const struct group *g, double mean)
         off2[i] = off * off;
         noises[i] = orl_gonio_node_variance(&g->children.nodes[i]);
     }
-    return (struct scatter){mean, orl_gonio_pairwise_sum(off2, g->branching),
-                            orl_gonio_pairwise_sum(noises, g->branching)};
+    return (struct scatter){mean, pairwise_sum(off2, g->branching),
+                            pairwise_sum(noises, g->branching)};
 }
 
 static float merge_error_of(double merge_error, const struct scatter *s)
@@ -312,21 +328,21 @@ bool orl_gonio_try_merge(const struct orl_gonio_cull *cull, struct orl_gonio_cel
     const struct scatter s = scatter_of(&g, (double)mean->value);
     mean->merge_error = merge_error_of(g.merge_error, &s);
     if (children.colors) {
-        const struct orl_gonio_color_match match =
-            orl_gonio_match_chromaticity(cull, children, branching, level, ret_mean.colors);
+        const struct color_match match =
+            match_chromaticity(cull, children, branching, level, ret_mean.colors);
         mean->merge_error = fmaxf(mean->merge_error, match.merge_error);
         if (!match.is_match)
             return false;
     }
     if (!is_chance(&g, &s))
         return can_merge(&g, &s);
-    /* Nodes that differ as much as their errors were selected for looking alike. */
+    /* Nodes that differ as much as their errors were selected because they appeared alike. */
     mean->spread +=
         (float)(selection_bias * (s.squares - s.noise * (branching - 1) / branching) / branching);
     return true;
 }
 
-/* Makes room for one more branch. */
+/* Reserves space for one more branch. Returns false if out of memory. */
 static bool reserve_branch(struct orl_gonio_builder *builder)
 {
     return builder->count < UINT32_MAX - 1 &&
@@ -336,8 +352,10 @@ static bool reserve_branch(struct orl_gonio_builder *builder)
                                                  builder->count, sizeof *builder->colors));
 }
 
-bool orl_gonio_builder_merge(struct orl_gonio_builder *builder, struct orl_gonio_cells children,
-                             unsigned level, struct orl_gonio_cells ret_node)
+/* Makes one node over 2^rank others at `level`: a branch or a leaf. Returns false if out of
+ * memory. */
+static bool merge_children(struct orl_gonio_builder *builder, struct orl_gonio_cells children,
+                           unsigned level, struct orl_gonio_cells ret_node)
 {
     const unsigned branching = 1U << builder->rank;
     struct orl_gonio_node node;
@@ -374,8 +392,7 @@ bool orl_gonio_builder_merge_level(struct orl_gonio_builder *builder, struct orl
             for (unsigned b = 0; b < 4; b++)
                 orl_gonio_cells_copy(orl_gonio_cells_at(children, a + b * in),
                                      orl_gonio_cells_at(parts, 4 * (a * count + i) + b), 1);
-        if (!orl_gonio_builder_merge(builder, children, level + 1,
-                                     orl_gonio_cells_at(ret_nodes, i)))
+        if (!merge_children(builder, children, level + 1, orl_gonio_cells_at(ret_nodes, i)))
             return false;
     }
     return true;
@@ -410,7 +427,7 @@ bool orl_gonio_builder_append(struct orl_gonio_builder *builder,
     return true;
 }
 
-/* The recursion depth is at most seven. */
+/* Recursive; the depth is at most seven. */
 void orl_gonio_builder_write(const struct orl_gonio_builder *builder, struct orl_gonio_node root,
                              bool errors, const atomic_bool *cancel, FILE *out)
 {

@@ -1,13 +1,13 @@
 /*
  * Tensor trees under construction: cells with values and error estimates, from the finest up. Rank
- * 4 or 3 (bsdf/tree/tree.h, iso.h). A branch has a child for each part of a cell in (A.x, A.y, B.x,
- * B.y), or (A, B.x, B.y), numbered by these bits.
+ * 4 or 3 (bsdf/tree/tree.h, iso.h). A branch has a child for each combination of halves of (A.x,
+ * A.y, B.x, B.y), or of (A, B.x, B.y), numbered by these bits.
  *
- * The cells of a branch are joined to a leaf if the data do not distinguish them. Their differences
+ * The cells of a branch are merged to a leaf if the data do not distinguish them. Their differences
  * must be within their standard errors, below a given share of their mean, or below an amount of
- * light that counts. The leaf has their mean, and the standard deviation of the cells from it: the
- * standard error of the mean and the differences of the cells. Colours are checked in addition
- * (tree_chromaticity.h); errors are those of luminance.
+ * light that counts. The leaf has their mean, and the standard deviation of the cells from it. That
+ * includes the standard error of the mean and the differences of the cells. Colours are compared in
+ * addition; errors are those of luminance.
  *
  * Ownership: the caller's, freed by orl_gonio_builder_done. One thread writes at a time.
  */
@@ -41,8 +41,20 @@ struct orl_gonio_branch {
     struct orl_gonio_node child[ORL_GONIO_MAX_BRANCHING];
 };
 
-/* Colour of a node beside its luminance (tree_chromaticity.h): red, green and blue. noise:
- * variances of their differences from the luminance in the node's own chromaticity. */
+/*
+ * Colour of a node beside its luminance: red, green and blue. noise: variances of their differences
+ * from the luminance in the node's own chromaticity.
+ *
+ * Luminance and colour share one subdivision. Cells are merged if both their luminances and their
+ * chromaticities allow it. Each channel is compared with the chromaticity of the cells' total
+ * light. The difference must be within its errors, the share that cells may differ by, or an amount
+ * of light that counts. A merged cell has the chromaticity of the total light, so no channel loses
+ * light. Errors of chromaticities come from batches, as for values. They are much smaller if all
+ * paths to a cell have one colour.
+ *
+ * A file has separate trees for u' and v', usually much coarser than that of luminances. Cells that
+ * are not merged share a chromaticity if theirs agree to a quarter of that share at each level.
+ */
 enum { ORL_GONIO_COLORS = 3 };
 struct orl_gonio_color {
     float value[ORL_GONIO_COLORS], noise[ORL_GONIO_COLORS];
@@ -67,12 +79,11 @@ static inline struct orl_gonio_cells orl_gonio_cells_at(struct orl_gonio_cells c
 }
 void orl_gonio_cells_copy(struct orl_gonio_cells to, struct orl_gonio_cells from, size_t count);
 
-/* Limits on the differences of cells from their mean when they are joined, unless errors explain
+/* Limits on the differences of cells from their mean when they are merged, unless errors explain
  * the differences. */
 struct orl_gonio_cull {
     double share;         /* share of the mean */
-    double cull_fraction; /* or light that a cell may send elsewhere, as a share of the incident
-                             light */
+    double cull_fraction; /* or light that a cell may redirect, as a share of the incident light */
 };
 
 struct orl_gonio_builder {
@@ -105,18 +116,13 @@ static inline double orl_gonio_node_error(const struct orl_gonio_node *node)
 bool orl_gonio_try_merge(const struct orl_gonio_cull *cull, struct orl_gonio_cells children,
                          unsigned branching, unsigned level, struct orl_gonio_cells ret_mean);
 
-/* Makes one node over 2^rank others at `level`: a branch or a leaf. Returns false if out of
- * memory. */
-bool orl_gonio_builder_merge(struct orl_gonio_builder *builder, struct orl_gonio_cells children,
-                             unsigned level, struct orl_gonio_cells ret_node);
-
-/* Returns the parts of a cell of directions in at the next level: 4 in rank 4, 2 in rank 3. */
+/* Returns the children of a cell of directions in at the next level: 4 in rank 4, 2 in rank 3. */
 static inline unsigned orl_gonio_children_in(unsigned rank)
 {
     return rank == 4 ? 4 : 2;
 }
-/* Makes the count nodes of one cell in at `level` from those of its parts. Each part has four times
- * as many nodes, part after part. Returns false if out of memory. */
+/* Makes the count nodes of one cell in at `level` from those of its children (parts). Each child
+ * has four times as many nodes, one child after another. Returns false if out of memory. */
 bool orl_gonio_builder_merge_level(struct orl_gonio_builder *builder, struct orl_gonio_cells parts,
                                    size_t count, unsigned level, struct orl_gonio_cells ret_nodes);
 
@@ -135,50 +141,13 @@ void orl_gonio_builder_write(const struct orl_gonio_builder *builder, struct orl
 /* Returns the largest leaf, 1/sr. */
 double orl_gonio_builder_peak(const struct orl_gonio_builder *builder, struct orl_gonio_node root);
 /* Largest relative errors over leaves whose value is at least `from`: of the mean (noise), and of
- * the joined cells (joined). orl_gonio_builder_max_errors only raises the present figures. */
+ * the merged cells (merge_error). orl_gonio_builder_max_errors only raises the present figures. */
 struct orl_gonio_max_error {
     double noise, merge_error;
 };
 void orl_gonio_builder_max_errors(const struct orl_gonio_builder *builder,
                                   struct orl_gonio_node root, double from,
                                   struct orl_gonio_max_error *worst);
-
-/* Sums over the parts of a node, and their expected differences by chance. */
-
-/* Returns the ratio of sums of squares that chance exceeds in 1 of 10^4 cases (chi-square with fan
- * - 1 degrees of freedom). */
-double orl_gonio_chi_square_limit(unsigned branching);
-
-/* Returns the sum, added by pairs. Mirrors (i ^ mirror) do not change the pairs, so mirrored sums
- * are equal to the last bit. The values are overwritten. */
-double orl_gonio_pairwise_sum(double *values, unsigned branching);
-
-/*
- * Colour of a tensor tree's cells under construction: red, green and blue beside the luminance
- * (builder.h).
- *
- * Luminance and colour share one subdivision. Cells are joined if both their luminances and their
- * chromaticities allow it. Each channel is compared with the chromaticity of the cells' total
- * light. The difference must be within its errors, the share that cells may differ by, or an amount
- * of light that counts. A joined cell has the chromaticity of the total light, so no channel loses
- * light. Errors of chromaticities come from batches, as for values. They are much smaller if all
- * paths to a cell have one colour.
- *
- * A file has separate trees for u' and v', usually much coarser than that of luminances. Cells that
- * are not joined share a chromaticity if theirs agree to a quarter of that share at each level.
- */
-
-/* Result of joining chromaticities: is_one is true if nodes at `level` can have the
- * chromaticity of their total light. Otherwise merge error is the ratio of squared differences to
- * squared errors. orl_gonio_match_chromaticity also sets their mean. */
-struct orl_gonio_color_match {
-    bool is_match;
-    float merge_error;
-};
-struct orl_gonio_color_match orl_gonio_match_chromaticity(const struct orl_gonio_cull *cull,
-                                                          struct orl_gonio_cells children,
-                                                          unsigned branching, unsigned level,
-                                                          struct orl_gonio_color *ret_mean);
 
 /* Writes the braces of u' or v'; dark cells have the chromaticity of grey. */
 void orl_gonio_write_chromaticity(const struct orl_gonio_builder *builder,

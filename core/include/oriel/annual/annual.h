@@ -1,49 +1,4 @@
 /*
- * Matrices of other programs in place of paths: daylight coefficients, or the three-phase method
- * (McNeil and Lee 2013, J. Building Performance Simulation 6, 24), in Radiance's format.
- *
- * A term holds for the sensors of a grid in their order. It is either coefficients (sensors x sky
- * patches), or view (sensors x window exit directions) times transmission (exit directions x entry
- * directions) times daylight (entry directions x sky patches). Both are multiplied by the sky (sky
- * patches x rows of the weather file, as gendaymtx writes it; all rows, dark ones too), in W/m2 of
- * three channels. A transmission may be a BSDF's XML with a matrix, for light from outside. Windows
- * add up. A term may be subtracted, as in the five-phase method for the sun that patches contain.
- *
- * The sum is the year's total at the hours with light, clamped at 0. Since matrices carry no
- * errors, intervals are not known, and verdicts are unknown. Direct sunlight is still computed by
- * Oriel from the request's scene, with exact suns of all hours; it is not part of that total.
- */
-#ifndef ORIEL_ANNUAL_ANNUAL_H
-#define ORIEL_ANNUAL_ANNUAL_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <oriel/annual/annual_shades.h>
-#include <oriel/base/error.h>
-#include <oriel/base/files.h>
-#include <oriel/job/run.h>
-
-enum { ORL_MATRICES_MOST_TERMS = 256 };
-
-/* Term of the sum, with file names for the provider. All owned; orl_matrix_term_done frees them. */
-struct orl_matrix_term {
-    char *grid;         /* NULL: all sensors of the request */
-    char *coefficients; /* alternative to the next three; unused names are NULL */
-    char *view, *transmission, *daylight;
-    char *sky;
-    bool subtract;
-};
-void orl_matrix_term_done(struct orl_matrix_term *term); /* NULL and zeros are fine */
-
-/* Reads the matrices of all terms, one file at a time. Returns in *ret_bytes the memory of the
- * largest term, in bytes, with its products and sky. Errors are those of reading the files. */
-int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
-                             const struct orl_files *files, uint64_t *ret_bytes,
-                             struct orl_error *err);
-
-/*
  * A year of daylight at sensors: one set of paths per sensor, shared by all hours of a weather
  * file.
  *
@@ -83,8 +38,53 @@ int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
  * Sensors' errors are nearly independent of each other: they share only the sunlight on surfaces
  * inside.
  *
- * Results are the same bytes for any crew size. Threads: the calling thread leads env->crew.
+ * Results are the same bytes for any number of threads. Threads: the calling thread leads the pool.
  */
+#ifndef ORIEL_ANNUAL_ANNUAL_H
+#define ORIEL_ANNUAL_ANNUAL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/annual/annual_shades.h>
+#include <oriel/base/error.h>
+#include <oriel/base/files.h>
+#include <oriel/job/run.h>
+
+/*
+ * Matrices of other programs in place of paths: daylight coefficients, or the three-phase method
+ * (McNeil and Lee 2013, J. Building Performance Simulation 6, 24), in Radiance's format.
+ *
+ * A term holds for the sensors of a grid in their order. It is either coefficients (sensors x sky
+ * patches), or view (sensors x window exit directions) times transmission (exit directions x entry
+ * directions) times daylight (entry directions x sky patches). Both are multiplied by the sky (sky
+ * patches x rows of the weather file, as gendaymtx writes it; all rows, dark ones too), in W/m2 of
+ * three channels. A transmission may be a BSDF's XML with a matrix, for light from outside. Windows
+ * add up. A term may be subtracted, as in the five-phase method for the sun that patches contain.
+ *
+ * The sum is the year's total at the hours with light, clamped at 0. Since matrices carry no
+ * errors, intervals are not known, and verdicts are unknown. Direct sunlight is still computed by
+ * Oriel from the request's scene, with exact suns of all hours; it is not part of that total.
+ */
+
+enum { ORL_MATRICES_MOST_TERMS = 256 };
+
+/* Term of the sum, with file names for the provider. All owned; orl_matrix_term_done frees them. */
+struct orl_matrix_term {
+    char *grid;         /* NULL: all sensors of the request */
+    char *coefficients; /* alternative to the next three; unused names are NULL */
+    char *view, *transmission, *daylight;
+    char *sky;
+    bool subtract;
+};
+void orl_matrix_term_done(struct orl_matrix_term *term); /* NULL and zeros are fine */
+
+/* Reads the matrices of all terms, one file at a time. Returns in *ret_bytes the memory of the
+ * largest term, in bytes, with its products and sky. Errors are those of reading the files. */
+int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
+                             const struct orl_files *files, uint64_t *ret_bytes,
+                             struct orl_error *err);
 
 /* ---- The request ----------------------------------------------------------------------------- */
 
@@ -101,7 +101,7 @@ struct orl_annual_grid {
  * by node, and paths read them at their first hit (contribution photons, Schregle, Bauer, Grobe and
  * Wienold 2015: there for 5184 suns and in spheres about points; here for the sun's nodes and in
  * squares of surfaces). Both techniques use paths for light of the sky, and for sunlight reflected
- * outdoors. Paths find bright spots only by chance; photons go where the light is.
+ * outdoors. Paths find bright spots only by chance; photons are dense there.
  */
 enum orl_annual_technique { ORL_ANNUAL_BY_PATHS, ORL_ANNUAL_PRECOMPUTED, ORL_ANNUAL_TECHNIQUES };
 const char *orl_annual_technique_name(enum orl_annual_technique technique);
@@ -295,15 +295,17 @@ struct orl_annual_chunk {
 };
 
 struct orl_annual_env {
-    /* Borrowed. The run uses the members crew, files, store (for BSDFs, and for `reuse`), shelf,
-     * files_id, cancel, now_s, warned, part, progress and ctx. progress gets ORL_STAGE_LOAD, then
-     * ORL_STAGE_MAPS for skies and sunlight on surfaces, then ORL_STAGE_RENDER. */
+    /* Borrowed. The run uses the fields pool, files, store (for BSDFs, and for `reuse`),
+     * memory_cache, files_id, cancel, now_s, warned, part, progress and ctx. progress gets
+     * ORL_STAGE_LOAD, then ORL_STAGE_MAPS for skies and sunlight on surfaces, then
+     * ORL_STAGE_RENDER. */
     const struct orl_run_env *run;
     /*
-     * true: intermediate data are kept in run's store and reused. Another weather file of the same
-     * site and times then takes no ray, and more samples take only the missing ones. The result is
-     * bitwise the same. For reuse the sun is sampled at all times of the file. The data take about
-     * half a MB per sensor; years of more than reuse_most sensors are not stored (0: no limit).
+     * true: intermediate data are cached in run's store and reused. Another weather file of the
+     * same site and times then traces no ray, and more samples trace only the missing ones. The
+     * result is bitwise the same. For reuse the sun is sampled at all times of the file. The data
+     * take about half a MB per sensor; years of more than reuse_most sensors are not stored (0: no
+     * limit).
      */
     bool reuse;
     size_t reuse_most;
@@ -314,13 +316,13 @@ struct orl_annual_env {
     int (*begins)(void *ctx, const struct orl_annual_result *result, struct orl_error *err);
     /*
      * Called by the lead thread with each sensor's row, in order; n_columns floats each, valid
-     * during the call. If set, the result keeps no arrays, and memory does not grow with the
-     * sensors. A negative orl_err ends the run. NULL: arrays are kept.
+     * during the call. If set, the result has no arrays, and memory does not grow with the sensors.
+     * A negative orl_err ends the run. NULL: the result has arrays.
      */
     int (*row)(void *ctx, size_t sensor, const float *total, const float *direct, const float *se,
                struct orl_error *err);
     /*
-     * For runs that keep arrays. Called by the lead thread before a chunk is computed. Returns true
+     * For results with arrays. Called by the lead thread before a chunk is computed. Returns true
      * if an earlier run of the same request left the chunk's rows; they are then filled in. May be
      * NULL.
      */

@@ -15,9 +15,10 @@
  * pixels' width (core/metrics and tests/bench give its size).
  *
  * Positions are in scene units; directions need not be unit, and must not be vertical. Results are
- * the same bytes for any crew. References: Wienold and Christoffersen 2006 (metrics/dgp.h); EN
- * 17037:2018, annex E, for the annual classification of DGP; spatial glare autonomy after Jones
- * 2019, "Fast climate-based glare analysis and spatial mapping", Building Simulation.
+ * the same bytes for any number of threads. References: Wienold and Christoffersen 2006
+ * (metrics/indices.h); EN 17037:2018, annex E, for the annual classification of DGP; spatial glare
+ * autonomy after Jones 2019, "Fast climate-based glare analysis and spatial mapping", Building
+ * Simulation.
  */
 #ifndef ORIEL_ANNUAL_ANNUAL_GLARE_H
 #define ORIEL_ANNUAL_ANNUAL_GLARE_H
@@ -44,7 +45,8 @@ void orl_viewpoint_hours_free(struct orl_viewpoint_hours *hours, size_t n); /* N
  * Computes DGP at the viewpoints for the request's year. With shades there is one run for each
  * wanted combination of states, at most ORL_SHADES_MOST_COMBINATIONS. `wanted` has one flag per
  * column of the result. The request's sensors are not used. Reads scene and weather, or finds them
- * on the shelf. *ret_hours has one owned entry per viewpoint. Errors are those of orl_annual_run.
+ * in the memory cache. *ret_hours has one owned entry per viewpoint. Errors are those of
+ * orl_annual_run.
  */
 int orl_annual_glare_compute(const struct orl_viewpoint_request *viewpoint_request,
                              const struct orl_annual_request *request,

@@ -193,7 +193,7 @@ struct orl_annual_report {
 /* Evaluates a result that holds its arrays. files: for the occupancy file only. Returns 0,
  * ORL_ERR_INVALID (a target names an unknown grid), the error of reading the occupancy,
  * ORL_ERR_RANGE, _NOMEM or _CANCELLED. cancel is polled at each sensor of each figure; may be NULL.
- * crew: NULL for the calling thread alone. */
+ * pool: NULL for the calling thread alone. */
 int orl_annual_report_make(const struct orl_annual_request *request,
                            const struct orl_annual_result *result,
                            const struct orl_report_request *report_request,
@@ -291,7 +291,7 @@ int orl_annual_series_of(const struct orl_annual_report *report,
 /* Grids over the plan of the scene; each is shown in the plane that holds most of its sensors. */
 struct orl_annual_plans;
 
-/* Reads the scene, or finds it on the shelf. Returns 0 or the error of loading. */
+/* Reads the scene, or finds it in the memory cache. Returns 0 or the error of loading. */
 int orl_annual_plans_new(const struct orl_annual_request *request,
                          const struct orl_annual_report *report, const struct orl_run_env *env,
                          struct orl_annual_plans **ret_plans, struct orl_error *err);

@@ -1,29 +1,3 @@
-/* Viewpoints: named positions of people with their view directions. */
-#ifndef ORIEL_ANNUAL_ANNUAL_SHADES_H
-#define ORIEL_ANNUAL_ANNUAL_SHADES_H
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <oriel/base/error.h>
-#include <oriel/base/vec.h>
-
-struct orl_viewpoint {
-    char *name;                  /* owned */
-    struct orl_vec3 at, towards; /* scene units; `towards` need not be unit */
-};
-
-/* Most viewpoints in a request; and viewpoints whose views are in memory together
- * (annual/viewpoints/viewpoints.c). */
-enum { ORL_GLARE_MOST_VIEWPOINTS = 256, ORL_GLARE_VIEWPOINTS_AT_ONCE = 4 };
-struct orl_viewpoint_request {
-    struct orl_viewpoint *viewpoints; /* owned; none: no glare is computed */
-    size_t n_viewpoints;
-};
-void orl_viewpoint_request_done(
-    struct orl_viewpoint_request *viewpoint_request); /* zeros are fine */
-
 /*
  * Shades of a year: groups of windows, the states that each group can be in, and the state of each
  * group at every hour.
@@ -48,7 +22,7 @@ void orl_viewpoint_request_done(
  * - By light: closed in hours in which a sensor of the grid has above_lx or more in total, with all
  *   groups open. For a grid of eyes this is the vertical illuminance at the eye.
  * - By glare: closed in hours in which DGP at one of the control's viewpoints exceeds above_dgp,
- * with all groups open (oriel/annual/annual_glare.h).
+ *   with all groups open (oriel/annual/annual_glare.h).
  *
  * Combination of light. Normally each combination of states is a separate run, without
  * approximation. Two limits end that: ORL_SHADES_MOST_COMBINATIONS, and more combinations beside
@@ -63,6 +37,32 @@ void orl_viewpoint_request_done(
  * or buildings that light enters by other ways than windows. The last case also applies if several
  * groups are controlled by sun.
  */
+#ifndef ORIEL_ANNUAL_ANNUAL_SHADES_H
+#define ORIEL_ANNUAL_ANNUAL_SHADES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <oriel/base/error.h>
+#include <oriel/base/vec.h>
+
+/* Viewpoints: named positions of people with their view directions. */
+
+struct orl_viewpoint {
+    char *name;                  /* owned */
+    struct orl_vec3 at, towards; /* scene units; `towards` need not be unit */
+};
+
+/* Most viewpoints in a request; and viewpoints whose views are in memory together
+ * (annual/viewpoints/viewpoints.c). */
+enum { ORL_GLARE_MOST_VIEWPOINTS = 256, ORL_GLARE_VIEWPOINTS_AT_ONCE = 4 };
+struct orl_viewpoint_request {
+    struct orl_viewpoint *viewpoints; /* owned; none: no glare is computed */
+    size_t n_viewpoints;
+};
+void orl_viewpoint_request_done(
+    struct orl_viewpoint_request *viewpoint_request); /* zeros are fine */
 
 /* Shade state. It owns its strings and arrays, as do the structs below; orl_window_group_done frees
  * them. */

@@ -16,8 +16,8 @@
  *
  * South of the equator the period is half a year later, 1 August to 21 September.
  *
- * Points are in scene units. Results do not depend on the crew. They are accurate to about a minute
- * for an opening's edge.
+ * Points are in scene units. Results do not depend on the number of threads. They are accurate to
+ * about a minute for an opening's edge.
  */
 #ifndef ORIEL_ANNUAL_SUN_EXPOSURE_H
 #define ORIEL_ANNUAL_SUN_EXPOSURE_H
@@ -56,8 +56,8 @@ struct orl_exposure_site {
     double latitude_deg, longitude_deg, time_zone_h;
 };
 
-/* Computes the exposure of each point. Reads the request's scene, or finds it on the shelf; north
- * is the request's. Returns 0, ORL_ERR_NOMEM, _CANCELLED, or the error of loading. */
+/* Computes the exposure of each point. Reads the request's scene, or finds it in the memory cache;
+ * north is the request's. Returns 0, ORL_ERR_NOMEM, _CANCELLED, or the error of loading. */
 int orl_exposure_compute(const struct orl_exposure_request *exposure_request,
                          const struct orl_exposure_site *site,
                          const struct orl_annual_request *request, const struct orl_run_env *env,

@@ -30,7 +30,7 @@
  * no obstruction. Scenes are in metres.
  *
  * Edges of an opening are known to an eighth of a degree of azimuth and half a degree of altitude.
- * Results do not depend on the crew.
+ * Results do not depend on the number of threads.
  */
 #ifndef ORIEL_ANNUAL_VIEW_OUT_H
 #define ORIEL_ANNUAL_VIEW_OUT_H
@@ -41,7 +41,7 @@
 
 enum { ORL_VIEW_OUT_MOST_POINTS = 20000, ORL_VIEW_OUT_MOST_NAMES = 1024 };
 
-/* Request for views out. All members are owned; orl_view_out_request_done frees them. */
+/* Request for views out. All fields are owned; orl_view_out_request_done frees them. */
 struct orl_view_out_request {
     struct orl_named_point *points;
     size_t n_points;
@@ -67,7 +67,7 @@ struct orl_view_out {
     unsigned layers; /* layers of the opening that shows the most relevant ones */
     enum orl_view_level level;
 };
-/* Returns the level by the other members. */
+/* Returns the level by the other fields. */
 enum orl_view_level orl_view_out_level(const struct orl_view_out *view);
 
 struct orl_annual_request;
@@ -76,9 +76,9 @@ struct orl_run_env;
 /* Returns the number of points and sensors to evaluate. */
 size_t orl_view_out_count(const struct orl_view_out_request *view_out_request,
                           const struct orl_annual_request *request);
-/* Evaluates the views. Reads the request's scene, or finds it on the shelf. ret_views: of the
- * request's points, then of all sensors if requested. Returns 0, ORL_ERR_NOT_FOUND (a name matches
- * nothing in the scene), _LIMIT (points), _NOMEM, _CANCELLED, or the error of loading. */
+/* Evaluates the views. Reads the request's scene, or finds it in the memory cache. ret_views: of
+ * the request's points, then of all sensors if requested. Returns 0, ORL_ERR_NOT_FOUND (a name
+ * matches nothing in the scene), _LIMIT (points), _NOMEM, _CANCELLED, or the error of loading. */
 int orl_view_out_compute(const struct orl_view_out_request *view_out_request,
                          const struct orl_annual_request *request, const struct orl_run_env *env,
                          struct orl_view_out *ret_views, struct orl_error *err);

@@ -13,7 +13,7 @@
 
 /* State of the display, by a monotonic clock. All zeros: no report yet. */
 struct orl_eta {
-    double left_s;     /* displayed value at told_s; NaN: not known */
+    double left_s;     /* displayed value at reported_s; NaN: not known */
     double reported_s; /* time of the last report; 0: none yet */
     double rate;       /* count-down rate, seconds per second */
 };
@@ -27,7 +27,7 @@ static inline double orl_eta_s(const struct orl_eta *eta, double now_s)
                                : (double)NAN;
 }
 
-/* Takes a report of the estimated seconds left. NaN is ignored. */
+/* Updates the display by a report of the estimated seconds left. NaN is ignored. */
 static inline void orl_eta_update(struct orl_eta *eta, double left_s, double now_s)
 {
     const double apart = 1.25, some_s = 0.3, steep = 4, slowest = 0.2, fastest = 3;

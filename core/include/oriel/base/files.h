@@ -1,6 +1,9 @@
 /*
- * Provider of named files. The core opens no path that a scene names. It asks the caller, which
- * reads from a folder, an upload or a test's array. No function here starts a program.
+ * Files by name: the provider from which the core gets them, opening without blocking, and search
+ * that ignores case.
+ *
+ * The core opens no path that a scene names. It requests the file from the provider, which reads
+ * from a folder, an upload or a test's array. No function here starts a program.
  */
 #ifndef ORIEL_BASE_FILES_H
 #define ORIEL_BASE_FILES_H

@@ -1,7 +1,9 @@
 /*
- * Checks of points and directions that users give: sensors, viewpoints, eyes, points, view
- * directions. All readers of documents, files and options use these, so that the same numbers are
- * refused everywhere.
+ * Checks of numbers: of points and directions that users give, and of values while a job runs (its
+ * numerical health).
+ *
+ * Points and directions are those of sensors, viewpoints, eyes and views. All readers of documents,
+ * files and options use these, so that the same numbers are refused everywhere.
  */
 #ifndef ORIEL_BASE_INPUT_CHECKS_H
 #define ORIEL_BASE_INPUT_CHECKS_H

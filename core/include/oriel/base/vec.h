@@ -1,6 +1,6 @@
 /*
- * Physical constants and conversions, with their sources. Quantities carry their unit as a suffix
- * elsewhere: _m, _rad, _sr, _w, _lm, _lx.
+ * Vectors, colours, and physical constants with their sources. Quantities carry their unit as a
+ * suffix elsewhere: _m, _rad, _sr, _w, _lm, _lx.
  */
 #ifndef ORIEL_BASE_VEC_H
 #define ORIEL_BASE_VEC_H
@@ -9,10 +9,10 @@
 
 #define ORL_PI 3.14159265358979323846
 
-/* Luminous efficacy of equal-energy white, lm/W: Radiance, src/common/color.h (WHTEFFICACY). */
+/* Luminous efficacy of equal-energy white, lm/W: Radiance's WHTEFFICACY. */
 #define ORL_EFFICACY_LM_PER_W 179.0
 
-/* Radiance's default RGB primaries: the luminance of each, summing to 1 (src/common/color.h). */
+/* Radiance's default RGB primaries: the luminance of each, summing to 1. */
 #define ORL_LUMA_R 0.265074126
 #define ORL_LUMA_G 0.670114631
 #define ORL_LUMA_B 0.064811243

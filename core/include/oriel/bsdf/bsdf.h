@@ -56,7 +56,7 @@ struct orl_bsdf_xml {
     void (*passed)(void *ctx, size_t begin, size_t end);
     void *ctx;
     const atomic_bool *cancel; /* or NULL; once it is set, parsing stops with ORL_ERR_CANCELLED */
-    /* Or NULL; parses blocks in parallel, and `passed` is then called by all members. */
+    /* Or NULL; parses blocks in parallel, and `passed` is then called by all threads. */
     struct orl_thread_pool *pool;
 };
 int orl_bsdf_load(const struct orl_bsdf_xml *xml, struct orl_bsdf **ret_bsdf,
@@ -129,9 +129,10 @@ enum orl_bsdf_placeholder {
 /* ---- Straight through ------------------------------------------------------------------------
  *
  * The part of a transmission that stands out around the straight direction, found when the file is
- * loaded. The material aBSDF passes this part undeviated and scatters the rest. core/bsdf/peak.h
- * describes the method. f(in, out) = straight part + rest. orl_bsdf_straight is the integral of the
- * straight part, so that straight and scattered light sum to orl_bsdf_albedo.
+ * loaded. The material aBSDF passes this part undeviated and scatters the rest.
+ * core/bsdf/document.h describes the method. f(in, out) = straight part + rest. orl_bsdf_straight
+ * is the integral of the straight part, so that straight and scattered light sum to
+ * orl_bsdf_albedo.
  */
 
 /* Returns the share of light from `in` that passes straight through: 0..1 per channel. */

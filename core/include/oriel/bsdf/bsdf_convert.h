@@ -4,7 +4,7 @@
  * A value of the new file is the mean of the old values over a pair of new cells. It is sampled at
  * points that lie evenly in the cells; between cells of two trees it is exact. Hence for each new
  * incident cell the total reflectance and transmittance are means of the old albedo. Tree cells are
- * merged by cull alone (goniometer/builder.h).
+ * merged by cull alone (bsdf/make/trees/tree_builder.h).
  */
 #ifndef ORIEL_BSDF_BSDF_CONVERT_H
 #define ORIEL_BSDF_BSDF_CONVERT_H

@@ -19,10 +19,10 @@
  * transmitted.
  *
  * Method. Each incident direction and outgoing side gets an interpolant by Gaussian radial basis
- * functions, whose radii follow the density of rows (fit/centers.h). Between incident directions
- * its mass is transported (Bonneel et al. 2011; Ward, Kurt and Bonneel 2014). Peaks, broad
- * scattering and the constant part are transported separately (bsdf/fit/scan/lobe_shape.h,
- * bsdf/fit/transport/interpolate.h). Where nothing was measured:
+ * functions, whose radii follow the density of rows (bsdf/fit/scan/scan_light.h). Between incident
+ * directions its mass is transported (Bonneel et al. 2011; Ward, Kurt and Bonneel 2014). Peaks,
+ * broad scattering and the constant part are transported separately (bsdf/fit/scan/scan_light.h,
+ * bsdf/fit/transport/transport.h). Where nothing was measured:
  * - Towards grazing angles and in gaps of a scan the nearest values continue.
  * - Normal incidence is interpolated between a direction and its mirror image.
  * - Beyond the last incident direction the scattering keeps its shape, rotated with the straight

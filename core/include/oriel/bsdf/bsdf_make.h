@@ -45,8 +45,8 @@ static inline bool orl_bsdf_basis_is_tree(enum orl_bsdf_basis basis)
 /* Mirror symmetries of the panel, under which both halves of the result are made equal. Matrices
  * are averaged; for trees of rank 4 only one half is measured. Trees of rank 3 support none. Auto,
  * for trees of rank 4: mirrors through the cell's middle that are detected in its surfaces, if all
- * of their materials are uniform and scatter by the normal alone (bsdf/make/panel/panel_mirrors.h).
- * Auto, otherwise: none. */
+ * of their materials are uniform and scatter by the normal alone (bsdf/make/panel/panel.h). Auto,
+ * otherwise: none. */
 enum orl_bsdf_symmetry {
     ORL_BSDF_ASYMMETRIC = 0,
     ORL_BSDF_LEFT_RIGHT = 1, /* x */
@@ -76,9 +76,8 @@ struct orl_bsdf_make_request {
     double cell[4]; /* x from, x to, y from, y to, in the files' coordinates */
     /* Trees only: cells per side of the square, a power of two from 4 to 128. */
     uint32_t resolution;
-    double
-        cull; /* trees only: cells are merged if they are within this share of their mean, 0..1,
-                 or within their errors (goniometer/builder.h); colours too (tree_chromaticity.h) */
+    double cull; /* trees only: cells are merged if they are within this share of their mean, 0..1,
+                    or within their errors (bsdf/make/trees/tree_builder.h); colours too */
     double cull_fraction; /* or if merging redirects no more than this share of the light */
     uint32_t paths; /* paths per incident direction; with an accuracy, the initial number; 0: by the
                        basis (orl_bsdf_make_paths) */
@@ -88,7 +87,7 @@ struct orl_bsdf_make_request {
      * one direction would exceed paths_most, the accuracy is given up:
      * orl_bsdf_make_result.reached. In trees, a value that covers several finest cells counts with
      * the error of a quarter of it, which the next subdivision would show
-     * (bsdf/make/trees/convergence.h).
+     * (bsdf/make/trees/measure_subtrees.h).
      *
      * Half of the paths decide whether all of them are enough. The other half is independent of the
      * first and gives the stated errors (bsdf/make/klems/exit_histogram.h). So among thousands of
@@ -137,7 +136,7 @@ struct orl_bsdf_tasks {
     void (*told)(void *ctx, double share);
 };
 
-/* Computes all tasks here or fetches their results (oriel/bsdf/bsdf_distributed.h). */
+/* Computes all tasks here or fetches their results (oriel/bsdf/bsdf_store.h). */
 struct orl_bsdf_distributor {
     void *ctx;
     int (*run)(void *ctx, const struct orl_bsdf_tasks *tasks, struct orl_error *err);

@@ -1,6 +1,7 @@
 /*
- * Cache for BSDFs made from a panel or from measurements: orl_bsdf_make and orl_bsdf_fit with a
- * store (oriel/job/run.h), as kind "made". Cached and new results are bitwise the same.
+ * BSDFs made from a panel or from measurements, with a run's store (oriel/job/run.h): results are
+ * cached there as kind "made", and the work is distributed over processes. Cached and new results
+ * are bitwise the same.
  */
 #ifndef ORIEL_BSDF_BSDF_STORE_H
 #define ORIEL_BSDF_BSDF_STORE_H
@@ -37,8 +38,8 @@ int orl_bsdf_fit_cached(const struct orl_bsdf_fit_request *request,
 
 /*
  * Distributes the computation of a panel's BSDF (oriel/bsdf/bsdf_make.h) over processes
- * (oriel/tasks.h). A task is the paths of a few incident directions; with an accuracy, those of
- * one round.
+ * (oriel/job/job_tasks.h). A task is the paths of a few incident directions; with an accuracy,
+ * those of one round.
  */
 
 /* Borrowed. The store never blocks (orl_shared_store). */
@@ -47,7 +48,7 @@ struct orl_bsdf_task_store {
     const struct orl_map_store *store;
 };
 
-/* Returns a sharing object for the environment of orl_bsdf_make; it borrows the state. */
+/* Returns the distributor for the environment of orl_bsdf_make; it borrows the state. */
 struct orl_bsdf_distributor orl_bsdf_distribute(struct orl_bsdf_task_store *state);
 
 #endif

@@ -1,8 +1,8 @@
 /*
  * Distributed jobs: a job is split into tasks that many processes, on many machines, can compute.
- * Tasks are photon maps, ranges of sensors, views, skies, blocks of a year's sensors, and runs of
- * a study. The set of tasks depends on the job alone. A task is identified by its kind and a key,
- * a digest of all its inputs. Its result lies in the run's store, as photon maps do.
+ * Tasks are photon maps, ranges of sensors, views, skies, chunks of a year's sensors, and runs of a
+ * study. The set of tasks depends on the job alone. A task is identified by its kind and a key, a
+ * digest of all its inputs. Its result lies in the run's store, as photon maps do.
  *
  * Every process runs the job in the same way. When a run reaches tasks that the store lacks, it
  * calls `claim` to learn which of them it must compute; the others are read from the store. A run
@@ -33,7 +33,7 @@ struct orl_job_task {
 };
 
 /* Progress callback while a run waits: the completed share, 0..1, of the tasks computed by others.
- * Called by the lead. */
+ * Called by the lead thread. */
 struct orl_job_tasks_watch {
     void (*reported)(void *ctx, double share);
     void *ctx;
@@ -46,13 +46,13 @@ struct orl_job_tasks {
      * Assigns tasks that the store lacks; they are independent of each other. Sets ret_here for
      * those that this run must compute; all are false beforehand. When it returns 0, the others are
      * in the store, or will never be requested. ORL_ERR_CANCELLED ends a run that has computed its
-     * tasks. Called by the lead. watch may be NULL.
+     * tasks. Called by the lead thread. watch may be NULL.
      */
     int (*claim)(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
                  const struct orl_job_tasks_watch *watch, struct orl_error *err);
-    /* Called by the lead when the run has computed its tasks of a call. True: nothing more is
-     * needed from this run; it ends with ORL_ERR_CANCELLED, without combining the others' results.
-     * NULL: the run continues. */
+    /* Called by the lead thread when the run has computed its tasks of a call. True: nothing more
+     * is needed from this run; it ends with ORL_ERR_CANCELLED, without combining the others'
+     * results. NULL: the run continues. */
     bool (*should_stop)(void *ctx);
 };
 
@@ -65,8 +65,8 @@ static inline bool orl_job_tasks_should_stop(const struct orl_job_tasks *tasks)
  * Store in a folder shared by many processes on many machines. Tasks and maps are
  * <folder>/<kind>-<key>.opm. Each is written under a name private to the process and then renamed,
  * so that it is whole or absent. If two processes make the same file the later one stays; they are
- * equal. Maps are never topped up there. All members but the folder are zero beforehand. Used by
- * the lead only.
+ * equal. Maps are never topped up there. All fields but the folder are zero beforehand. Used by the
+ * lead thread only.
  */
 struct orl_shared_store {
     char folder[4096];

@@ -3,8 +3,8 @@
  *
  * The class of a path is its part from the source to the first diffuse or rough scattering. After
  * that it is diffusely reflected light, whatever its beginning. The planner determines the classes
- * of a scene (core/plan/path_set.c), and the classes that a technique finds by chance only. It
- * chooses techniques, warnings and checks accordingly. The table of strategies is
+ * of a scene (core/plan/choose_technique.c), and the classes that a technique finds by chance only.
+ * It chooses techniques, warnings and checks accordingly. The table of strategies is
  * core/light/path_classes.c; core/light/README.md shows it.
  */
 #ifndef ORIEL_JOB_PATHS_H

@@ -46,7 +46,7 @@ bool orl_picture_format(const char *name, enum orl_picture *ret_picture);
 /* ---- Tone mapping ---------------------------------------------------------------------------- */
 
 enum orl_tone {
-    ORL_TONE_HUMAN,  /* matches the visibility to the eye (render/picture/tonemap_ward_larson.h) */
+    ORL_TONE_HUMAN,  /* matches the visibility to the eye (render/picture/tonemap_ward_larson.c) */
     ORL_TONE_LINEAR, /* linear; the geometric mean of luminances becomes middle gray */
     ORL_TONE_EXPOSURE, /* linear, by the given factor */
     ORL_TONES
@@ -131,7 +131,7 @@ struct orl_heat_map_request {
  *
  * Input is the radiances of the pictures (Radiance HDR), all of one size. Common exposure means
  * that a luminance has the same brightness in every picture, under the view's tone mapping. For
- * ORL_TONE_HUMAN, the histograms of all pictures are merged (render/picture/tonemap_ward_larson.h).
+ * ORL_TONE_HUMAN, the histograms of all pictures are merged (render/picture/tonemap_ward_larson.c).
  * Black pictures, as before dawn, do not affect the exposure; they are shown black, in their place.
  * If the first picture is all black, programs without animation support show the brightest one
  * instead.

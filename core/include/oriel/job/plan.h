@@ -71,14 +71,14 @@ struct orl_decision {
 
 /* Predicted cost of a plan's photons, from a pilot. */
 struct orl_photon_forecast {
-    bool made;               /* false: no prediction requested */
-    bool known;              /* false: too few pilot photons for a prediction */
-    double emitted[2];       /* global, caustic; NaN: not known */
-    double seconds[2];       /* estimated seconds for the crew that made the plan; NaN: not known */
-    double photons_s;        /* sum for both kinds */
-    double ray_s;            /* per ray of the photons; 0: there was no clock */
-    double job_s;            /* whole job, from its start; NaN: not known */
-    double caustic_share;    /* caustics' share of the light */
+    bool made;            /* false: no prediction requested */
+    bool known;           /* false: too few pilot photons for a prediction */
+    double emitted[2];    /* global, caustic; NaN: not known */
+    double seconds[2];    /* estimated seconds for the threads that made the plan; NaN: not known */
+    double photons_s;     /* sum for both kinds */
+    double ray_s;         /* per ray of the photons; 0: there was no clock */
+    double job_s;         /* whole job, from its start; NaN: not known */
+    double caustic_share; /* caustics' share of the light */
     uint64_t enough_caustic; /* number of caustic photons beyond which more do not pay off,
                                 independent of the job's targets */
     char why[ORL_WHY_MAX];

@@ -4,9 +4,9 @@
  *
  * A run has the stages load -> bvh -> plan -> photons -> maps -> render. It owns nothing of the
  * caller's. Files come from a provider. Photon maps and loaded BSDFs are read from and written to a
- * store. The caller lends the threads (a crew) and a callback that reads the time. Images are
- * written below an output folder. The same job, files and seed give the same bytes for any crew
- * size.
+ * store. The caller lends the threads (a pool) and a callback that reads the time. Images are
+ * written below an output folder. The same job, files and seed give the same bytes for any number
+ * of threads.
  */
 #ifndef ORIEL_JOB_RUN_H
 #define ORIEL_JOB_RUN_H
@@ -69,7 +69,7 @@ struct orl_goal {
     double deadline_s;     /* 0: none. Limit for the whole run, from its start */
 };
 
-/* Description of a job. It owns its strings and arrays; orl_job_done frees them. */
+/* A job. It owns its strings and arrays; orl_job_done frees them. */
 struct orl_job {
     char **scene_files; /* names of the main files, in order, for the provider */
     size_t n_scene_files;
@@ -79,7 +79,7 @@ struct orl_job {
     uint64_t photons_global, photons_caustic; /* targets, or ORL_PHOTONS_BY_PLAN; ignored for a map
                                                  that the plan does without */
     bool photons_exact;         /* true: the caustic count is not limited by the caustics' yield
-                                   (plan/budget.h) */
+                                   (plan/plan.h) */
     uint32_t gather_samples;    /* per sensor; 0 = default */
     uint32_t pixel_samples;     /* per pixel, backward technique only; 0 = default */
     struct orl_goal goal;       /* replaces photon and sample counts */
@@ -141,14 +141,14 @@ struct orl_map_info {
     /* "global", "caustic" or "precomputed" for photon maps. A store also has other kinds. "bsdf" is
      * a BSDF as it is after loading; `stored` counts its values, and nothing is emitted. "scene" is
      * the parsed content of a scene's files; `stored` counts surfaces. "annual" holds data of
-     * annual runs. "made" is a BSDF made from geometry or measurements (oriel/bsdf/bsdf_cache.h);
+     * annual runs. "made" is a BSDF made from geometry or measurements (oriel/bsdf/bsdf_store.h);
      * `emitted` counts its paths or rows. */
     char kind[16];
     char key[ORL_DIGEST_HEX + 1]; /* digest of all inputs that determine the map, lower-case hex */
     /* Digest of the same inputs without the target: of two maps of one family the larger continues
      * the smaller. Empty: the map is always built as a whole. */
     char family[ORL_DIGEST_HEX + 1];
-    uint64_t target; /* photons asked for */
+    uint64_t target; /* requested photons */
     uint64_t emitted, stored, bytes;
     uint64_t reused;  /* stored photons taken over from a smaller map */
     double seconds;   /* total build time, including the smaller map's where it is known */
@@ -157,8 +157,8 @@ struct orl_map_info {
 };
 
 /*
- * Store that keeps photon maps, and BSDFs and scenes that are slow to load, between jobs. All calls
- * come from the run's lead thread.
+ * Store of photon maps, and BSDFs and scenes that are slow to load, between jobs. All calls come
+ * from the run's lead thread.
  */
 struct orl_map_store {
     void *ctx;
@@ -188,7 +188,7 @@ struct orl_map_store {
                         struct orl_error *err);
 };
 
-/* State of a store that keeps maps as <folder>/<kind>-<key>.opm, for one process at a time. */
+/* State of a store with maps as <folder>/<kind>-<key>.opm, for one process at a time. */
 struct orl_folder_store {
     char folder[4096];
 };
@@ -366,12 +366,13 @@ struct orl_run_env {
     struct orl_thread_pool *pool;      /* borrowed; the calling thread leads it */
     const struct orl_files *files;     /* borrowed */
     const struct orl_map_store *store; /* borrowed; NULL: maps are dropped with the run */
-    /* Borrowed; set if several processes share the run (tasks.h); NULL: one process. */
+    /* Borrowed; set if several processes share the run (oriel/job/job_tasks.h); NULL: one
+     * process. */
     const struct orl_job_tasks *tasks;
     struct orl_memory_cache
         *memory_cache;         /* borrowed; in-memory cache shared with later jobs; may be NULL */
     const char *files_id;      /* identity of the job's files, whatever their names; jobs with equal
-                                  identities share scenes on the shelf. NULL: no sharing */
+                                  identities share scenes in the memory cache. NULL: no sharing */
     const char *output_folder; /* exists; images are written here */
     const char *file_prefix;   /* prefix of the names of files written there; NULL: none */
     double part_from, part; /* offset and share of this run within a larger job, for progress; 0: it
@@ -498,7 +499,7 @@ int orl_sensors_read(const char *name, const char *text, size_t size,
                      int (*take)(void *ctx, const double v[6]), void *ctx, struct orl_error *err);
 
 /* Checks that a job would accept the bytes as a sensor file or a weather file; returns the number
- * of sensors. Errors are those of the job, with file and line. No sensors are kept in memory. */
+ * of sensors. Errors are those of the job, with file and line. No sensors stay in memory. */
 int orl_sensors_check(const char *name, const char *text, size_t size, size_t *ret_count,
                       struct orl_error *err);
 int orl_weather_check(const char *name, const char *text, size_t size, int year,

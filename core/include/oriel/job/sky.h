@@ -80,7 +80,7 @@ struct orl_sky_request {
     int weather_year;        /* keep only the rows of this year of weather_file; 0: all rows */
 };
 
-/* One of several skies of a job. The job owns both members. */
+/* One of several skies of a job. The job owns both fields. */
 struct orl_named_sky {
     char *name; /* name in results: letters, digits, '-', '_'; unique in the job; not "result" */
     struct orl_sky_request request;

@@ -24,12 +24,12 @@
  * Measurements from another machine are compared in ray-times: seconds times the rays per second
  * that Embree alone answers there in the same scene.
  *
- * In a distributed study (oriel/job/job_tasks.h) each run is a piece. All numbers except times
- * equal those of a study in one process. Times are those of the process that made the run, so they
- * differ between unequal machines.
+ * In a distributed study (oriel/job/job_tasks.h) each run is a task. All numbers except times equal
+ * those of a study in one process. Times are those of the process that made the run, so they differ
+ * between unequal machines.
  *
  * Ownership: a request and a study own all that they point to. Threads: the calling thread leads
- * the crew; nothing is kept between calls. Errors as in error.h.
+ * the pool; nothing is stored between calls. Errors as in error.h.
  */
 #ifndef ORIEL_JOB_STUDY_H
 #define ORIEL_JOB_STUDY_H
@@ -118,7 +118,7 @@ struct orl_study_reference {
 /*
  * Model of a technique's error over its settings, N photons and S samples:
  *     rms^2 = kernel + spread / N + bias / N^2 + samples / S
- * core/study/error_model.h derives it. A term that the settings cannot separate from the others is
+ * core/study/study_errors.h derives it. A term that the settings cannot separate from the others is
  * absent: NaN.
  */
 enum orl_fit_term { ORL_FIT_KERNEL, ORL_FIT_SPREAD, ORL_FIT_BIAS, ORL_FIT_SAMPLES, ORL_FIT_TERMS };
@@ -173,7 +173,7 @@ struct orl_study_env {
     struct orl_thread_pool *pool;  /* borrowed; the calling thread leads it */
     const struct orl_files *files; /* borrowed */
     const char *work_folder;       /* exists; a subfolder is made in it and removed again */
-    /* Borrowed: the study is distributed, with its pieces in that store. NULL: one process. */
+    /* Borrowed: the study is distributed, with its tasks in that store. NULL: one process. */
     const struct orl_job_tasks *tasks;
     const struct orl_map_store *store;
     atomic_bool *cancel;        /* borrowed */

@@ -1,3 +1,4 @@
+/* Expressions of generators (solids.h): definitions, compilation, values. */
 #include "scene/generate/solid/solids.h"
 
 #include <stdlib.h>

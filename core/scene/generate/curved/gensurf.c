@@ -1,4 +1,4 @@
-#include "scene/generate/curved/curved.h"
+#include "scene/generate/solid/solids.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,10 +6,44 @@
 
 #include "base/text/words.h"
 
+/*
+ * gensurf: a grid of vertices by functions of s and t, which go from 0 to 1, row by row of s. With
+ * -s normals are averaged over neighbours, including those one step beyond the edges. Scene text
+ * then has a texture for each polygon (surf.cal), an OBJ file (-o) the normals themselves.
+ */
+
 /* Limits of cells along one side, and in total. */
 enum { SIDE_MAX = 20000, FIELDS_MAX = 1000000 };
 
-void orl_gensurf_done(struct orl_gensurf *surface)
+/* Numbers from a file in place of expressions, interpolated: z only, or all three coordinates; at
+ * the grid's vertices, or at the centres of its cells. */
+struct gensurf_data {
+    double *values; /* owned; s changes fastest */
+    int n_s, n_t;
+    size_t each; /* 3, or 1; 0: no file */
+    bool middles;
+};
+
+struct gensurf_vertex {
+    bool valid;
+    int number, normal_number; /* numbers in an OBJ file; 0: no normal */
+    struct orl_vec3 place;
+    struct orl_vec3 normal; /* average over its neighbourhood; unit or 0 */
+    double s, t;
+};
+
+struct gensurf {
+    const char *material, *name;
+    int m, n; /* cells along s and t */
+    bool smooth, object, inverted;
+    bool checked; /* the last expression says which vertices exist */
+    struct orl_generator_expressions expressions;
+    struct gensurf_data data;
+    int n_vertices, n_normals, n_faces; /* numbers written so far */
+    struct orl_vec3 last_normal;        /* last one written */
+};
+
+static void gensurf_done(struct gensurf *surface)
 {
     orl_expressions_done(&surface->expressions);
     free(surface->data.values);
@@ -17,8 +51,8 @@ void orl_gensurf_done(struct orl_gensurf *surface)
 
 /* ---- Data files ------------------------------------------------------------------------------ */
 
-static int read_values(struct orl_gensurf_data *data, size_t most, const char *text,
-                       const char *name, size_t *ret_n, struct orl_error *err)
+static int read_values(struct gensurf_data *data, size_t most, const char *text, const char *name,
+                       size_t *ret_n, struct orl_error *err)
 {
     static const char blanks[] = " \t\r\n\v\f";
     size_t n = 0;
@@ -40,10 +74,10 @@ static int read_values(struct orl_gensurf_data *data, size_t most, const char *t
     return 0;
 }
 
-static int read_data(struct orl_gensurf *surface, size_t each, const char *text, const char *name,
+static int read_data(struct gensurf *surface, size_t each, const char *text, const char *name,
                      struct orl_error *err)
 {
-    struct orl_gensurf_data *data = &surface->data;
+    struct gensurf_data *data = &surface->data;
     const size_t m = (size_t)surface->m, n = (size_t)surface->n;
     const size_t at_vertices = (m + 1) * (n + 1) * each, in_middles = m * n * each;
     size_t found = 0;
@@ -62,7 +96,7 @@ static int read_data(struct orl_gensurf *surface, size_t each, const char *text,
     return 0;
 }
 
-static double interpolate_data(const struct orl_gensurf_data *data, size_t coordinate, double s,
+static double interpolate_data(const struct gensurf_data *data, size_t coordinate, double s,
                                double t)
 {
     const double u = data->middles ? s * data->n_s - .5 : s * (data->n_s - 1);
@@ -77,7 +111,7 @@ static double interpolate_data(const struct orl_gensurf_data *data, size_t coord
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-static int read_option(struct orl_gensurf *surface, struct orl_words *words,
+static int read_option(struct gensurf *surface, struct orl_words *words,
                        const struct orl_generator_files *files, struct orl_error *err)
 {
     const char *option = *words->at++;
@@ -95,7 +129,7 @@ static int read_option(struct orl_gensurf *surface, struct orl_words *words,
 
 /* Reads z's word as a file if it exists; it gives all three coordinates if their words are
  * equal. */
-static int read_file(struct orl_gensurf *surface, const char *const texts[3],
+static int read_file(struct gensurf *surface, const char *const texts[3],
                      const struct orl_generator_files *files, struct orl_error *err)
 {
     struct orl_error missing = {0};
@@ -111,7 +145,7 @@ static int read_file(struct orl_gensurf *surface, const char *const texts[3],
     return code;
 }
 
-static int compile_expressions(struct orl_gensurf *surface, const char *const texts[3],
+static int compile_expressions(struct gensurf *surface, const char *const texts[3],
                                struct orl_error *err)
 {
     static const char valid[] = "valid(s,t)";
@@ -130,8 +164,7 @@ static int compile_expressions(struct orl_gensurf *surface, const char *const te
     return orl_expressions_compile(&surface->expressions, all, n, places, err);
 }
 
-static int read_counts(struct orl_gensurf *surface, const char *const words[2],
-                       struct orl_error *err)
+static int read_counts(struct gensurf *surface, const char *const words[2], struct orl_error *err)
 {
     int code = orl_expressions_count(&surface->expressions, words[0], "fields along s", "gensurf",
                                      SIDE_MAX, &surface->m, err);
@@ -144,8 +177,9 @@ static int read_counts(struct orl_gensurf *surface, const char *const words[2],
     return code;
 }
 
-int orl_gensurf_read(struct orl_gensurf *surface, struct orl_words *words,
-                     const struct orl_generator_files *files, struct orl_error *err)
+/* Reads the words. The caller passes the surface to gensurf_done in every case. */
+static int read_gensurf(struct gensurf *surface, struct orl_words *words,
+                        const struct orl_generator_files *files, struct orl_error *err)
 {
     static const char *const inputs[] = {"s", "t"};
     int code = orl_words_name(words, "the material", &surface->material, err);
@@ -171,11 +205,12 @@ int orl_gensurf_read(struct orl_gensurf *surface, struct orl_words *words,
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-int orl_gensurf_at(const struct orl_gensurf *surface, int i, int j,
-                   struct orl_gensurf_vertex *ret_vertex, struct orl_error *err)
+/* Computes the vertex at (i / m, j / n), without a normal. */
+static int evaluate_vertex(const struct gensurf *surface, int i, int j,
+                           struct gensurf_vertex *ret_vertex, struct orl_error *err)
 {
     const double at[2] = {(double)i / surface->m, (double)j / surface->n};
-    const struct orl_gensurf_data *data = &surface->data;
+    const struct gensurf_data *data = &surface->data;
     double values[4] = {0}, place[3];
     const size_t given = 3 - data->each; /* number of coordinates by expressions */
     const int code = surface->expressions.function
@@ -241,8 +276,8 @@ static bool invert(double a[4][4], double inverse[4][4])
     return true;
 }
 
-static struct turning find_turning(const struct orl_gensurf *surface,
-                                   const struct orl_gensurf_vertex *const corners[4])
+static struct turning find_turning(const struct gensurf *surface,
+                                   const struct gensurf_vertex *const corners[4])
 {
     struct turning turning = {.given = false};
     struct orl_vec3 sum = corners[0]->normal;
@@ -267,7 +302,7 @@ static struct turning find_turning(const struct orl_gensurf *surface,
 }
 
 /* flat: the polygon's normal, to which the texture's value is added. */
-static void add_texture(const struct orl_gensurf *surface, const struct turning *turning,
+static void add_texture(const struct gensurf *surface, const struct turning *turning,
                         struct orl_vec3 flat, struct orl_text *text)
 {
     orl_text_add(text, "'%s' texfunc Phong\n4 surf_dx surf_dy surf_dz surf.cal\n0\n13 %d",
@@ -278,9 +313,9 @@ static void add_texture(const struct orl_gensurf *surface, const struct turning 
     orl_text_add(text, "\n");
 }
 
-static void add_polygon(struct orl_gensurf *surface, const struct turning *turning,
-                        struct orl_vec3 flat, const struct orl_gensurf_vertex *const *corners,
-                        size_t n, struct orl_text *text)
+static void add_polygon(struct gensurf *surface, const struct turning *turning,
+                        struct orl_vec3 flat, const struct gensurf_vertex *const *corners, size_t n,
+                        struct orl_text *text)
 {
     char part[24];
     if (turning->given)
@@ -293,9 +328,8 @@ static void add_polygon(struct orl_gensurf *surface, const struct turning *turni
     orl_text_add(text, "\n");
 }
 
-static void add_face(const struct orl_gensurf *surface,
-                     const struct orl_gensurf_vertex *const *corners, size_t n,
-                     struct orl_text *text)
+static void add_face(const struct gensurf *surface, const struct gensurf_vertex *const *corners,
+                     size_t n, struct orl_text *text)
 {
     orl_text_add(text, "f");
     for (size_t k = 0; k < n; k++) {
@@ -307,9 +341,9 @@ static void add_face(const struct orl_gensurf *surface,
     orl_text_add(text, "\n");
 }
 
-static void write_piece(struct orl_gensurf *surface, const struct turning *turning,
-                        struct orl_vec3 flat, const struct orl_gensurf_vertex *const *corners,
-                        size_t n, struct orl_text *text)
+static void write_polygon(struct gensurf *surface, const struct turning *turning,
+                          struct orl_vec3 flat, const struct gensurf_vertex *const *corners,
+                          size_t n, struct orl_text *text)
 {
     if (surface->object)
         add_face(surface, corners, n, text);
@@ -318,8 +352,8 @@ static void write_piece(struct orl_gensurf *surface, const struct turning *turni
 }
 
 /* Returns the unit normal; false unless all three vertices exist and are not collinear. */
-static bool is_triangle(const struct orl_gensurf_vertex *a, const struct orl_gensurf_vertex *b,
-                        const struct orl_gensurf_vertex *c, struct orl_vec3 *ret_normal)
+static bool is_triangle(const struct gensurf_vertex *a, const struct gensurf_vertex *b,
+                        const struct gensurf_vertex *c, struct orl_vec3 *ret_normal)
 {
     const struct orl_vec3 normal =
         orl_cross(orl_sub(b->place, a->place), orl_sub(c->place, a->place));
@@ -328,39 +362,36 @@ static bool is_triangle(const struct orl_gensurf_vertex *a, const struct orl_gen
     return a->valid && b->valid && c->valid && length > 0;
 }
 
-void orl_gensurf_add_field(struct orl_gensurf *surface,
-                           const struct orl_gensurf_vertex *const corners[4], struct orl_text *text)
+/* Adds a cell of the grid by its corners: two triangles, or one polygon if they are coplanar.
+ * corners[1] and [2] are the triangles' common edge. */
+static void add_cell(struct gensurf *surface, const struct gensurf_vertex *const corners[4],
+                     struct orl_text *text)
 {
     const bool turned = surface->inverted;
-    const struct orl_gensurf_vertex *const c[4] = {corners[0], corners[turned ? 2 : 1],
-                                                   corners[turned ? 1 : 2], corners[3]};
+    const struct gensurf_vertex *const c[4] = {corners[0], corners[turned ? 2 : 1],
+                                               corners[turned ? 1 : 2], corners[3]};
     struct orl_vec3 first, second;
     const bool has_first = is_triangle(c[0], c[1], c[2], &first);
     const bool has_second = is_triangle(c[3], c[2], c[1], &second);
-    const struct orl_gensurf_vertex *const around[4] = {c[0], c[1], c[3], c[2]};
-    const struct orl_gensurf_vertex *const triangles[2][3] = {{c[0], c[1], c[2]},
-                                                              {c[2], c[1], c[3]}};
+    const struct gensurf_vertex *const around[4] = {c[0], c[1], c[3], c[2]};
+    const struct gensurf_vertex *const triangles[2][3] = {{c[0], c[1], c[2]}, {c[2], c[1], c[3]}};
     if (!has_first && !has_second)
         return;
     const struct turning turning = find_turning(surface, c);
     if (has_first && has_second && orl_dot(first, second) >= 1 - 1e-12) {
-        write_piece(surface, &turning, orl_scale(orl_add(first, second), .5), around, 4, text);
+        write_polygon(surface, &turning, orl_scale(orl_add(first, second), .5), around, 4, text);
         return;
     }
     if (has_first)
-        write_piece(surface, &turning, first, triangles[0], 3, text);
+        write_polygon(surface, &turning, first, triangles[0], 3, text);
     if (has_second)
-        write_piece(surface, &turning, second, triangles[1], 3, text);
+        write_polygon(surface, &turning, second, triangles[1], 3, text);
 }
 
-/*
- * gensurf: a grid surface by functions of s and t, row by row. With -s normals are averaged over
- * neighbours, including those one step beyond the edges. Scene text then has a texture for each
- * polygon (surf.cal), an OBJ file (-o) the normals themselves.
- */
+/* ---- Rows ------------------------------------------------------------------------------------ */
 
 /* Computes a row of vertices; at[0] is at t = 0. With -s it extends one step beyond both ends. */
-static int fill_row(const struct orl_gensurf *surface, int i, struct orl_gensurf_vertex *at,
+static int fill_row(const struct gensurf *surface, int i, struct gensurf_vertex *at,
                     struct orl_error *err)
 {
     const int beyond = surface->smooth ? 1 : 0;
@@ -368,15 +399,15 @@ static int fill_row(const struct orl_gensurf *surface, int i, struct orl_gensurf
     if (!surface->smooth && (i < 0 || i > surface->m))
         return 0;
     for (int j = -beyond; j <= surface->n + beyond && code == 0; j++)
-        code = orl_gensurf_at(surface, i, j, &at[j], err);
+        code = evaluate_vertex(surface, i, j, &at[j], err);
     return code;
 }
 
 /* ---- Normals --------------------------------------------------------------------------------- */
 
 /* Difference between the two neighbours, or between the point and its only neighbour. */
-static bool difference(const struct orl_gensurf_vertex *before, const struct orl_gensurf_vertex *at,
-                       const struct orl_gensurf_vertex *behind, struct orl_vec3 *ret_way)
+static bool difference(const struct gensurf_vertex *before, const struct gensurf_vertex *at,
+                       const struct gensurf_vertex *behind, struct orl_vec3 *ret_way)
 {
     if (!before->valid && !behind->valid)
         return false;
@@ -385,11 +416,10 @@ static bool difference(const struct orl_gensurf_vertex *before, const struct orl
     return true;
 }
 
-static void find_normals(const struct orl_gensurf *surface,
-                         struct orl_gensurf_vertex *const rows[3])
+static void find_normals(const struct gensurf *surface, struct gensurf_vertex *const rows[3])
 {
     for (int j = 0; j <= surface->n && surface->smooth; j++) {
-        struct orl_gensurf_vertex *at = &rows[1][j];
+        struct gensurf_vertex *at = &rows[1][j];
         struct orl_vec3 along_s, along_t;
         if (!at->valid)
             continue;
@@ -412,11 +442,10 @@ static bool is_same(struct orl_vec3 a, struct orl_vec3 b)
     return fabs(a.x - b.x) <= tiny && fabs(a.y - b.y) <= tiny && fabs(a.z - b.z) <= tiny;
 }
 
-static void write_row(struct orl_gensurf *surface, struct orl_gensurf_vertex *row,
-                      struct orl_text *text)
+static void write_row(struct gensurf *surface, struct gensurf_vertex *row, struct orl_text *text)
 {
     for (int j = 0; j <= surface->n; j++) {
-        struct orl_gensurf_vertex *at = &row[j];
+        struct gensurf_vertex *at = &row[j];
         const struct orl_vec3 n = at->normal;
         if (!at->valid)
             continue;
@@ -438,33 +467,33 @@ static void write_row(struct orl_gensurf *surface, struct orl_gensurf_vertex *ro
 /* ---- Output ---------------------------------------------------------------------------------- */
 
 /* Adds the quadrilaterals between two rows, split along alternating diagonals, or along the one
- * that keeps a triangle if a corner is missing. */
-static void add_fields(struct orl_gensurf *surface, struct orl_gensurf_vertex *const rows[3],
-                       struct orl_text *text)
+ * that leaves a triangle if a corner is missing. */
+static void add_cells(struct gensurf *surface, struct gensurf_vertex *const rows[3],
+                      struct orl_text *text)
 {
-    const struct orl_gensurf_vertex *a = rows[0], *b = rows[1];
+    const struct gensurf_vertex *a = rows[0], *b = rows[1];
     for (int j = 0; j < surface->n; j++) {
         bool odd = j % 2 == 1;
         if (!(a[j].valid && b[j + 1].valid))
             odd = true;
         else if (!(b[j].valid && a[j + 1].valid))
             odd = false;
-        const struct orl_gensurf_vertex *const corners[2][4] = {
-            {&b[j], &b[j + 1], &a[j], &a[j + 1]}, {&a[j], &b[j], &a[j + 1], &b[j + 1]}};
-        orl_gensurf_add_field(surface, corners[odd], text);
+        const struct gensurf_vertex *const corners[2][4] = {{&b[j], &b[j + 1], &a[j], &a[j + 1]},
+                                                            {&a[j], &b[j], &a[j + 1], &b[j + 1]}};
+        add_cell(surface, corners[odd], text);
     }
 }
 
-static void rotate_rows(struct orl_gensurf_vertex *rows[3])
+static void rotate_rows(struct gensurf_vertex *rows[3])
 {
-    struct orl_gensurf_vertex *first = rows[0];
+    struct gensurf_vertex *first = rows[0];
     rows[0] = rows[1];
     rows[1] = rows[2];
     rows[2] = first;
 }
 
-static int add_rows(struct orl_gensurf *surface, struct orl_gensurf_vertex *rows[3],
-                    struct orl_text *text, struct orl_error *err)
+static int add_rows(struct gensurf *surface, struct gensurf_vertex *rows[3], struct orl_text *text,
+                    struct orl_error *err)
 {
     int code = 0;
     for (int i = -1; i <= 1 && code == 0; i++)
@@ -485,7 +514,7 @@ static int add_rows(struct orl_gensurf *surface, struct orl_gensurf_vertex *rows
         find_normals(surface, rows);
         if (surface->object)
             write_row(surface, rows[1], text);
-        add_fields(surface, rows, text);
+        add_cells(surface, rows, text);
     }
     return code;
 }
@@ -494,17 +523,17 @@ int orl_gensurf(const char *const *words, size_t count, const struct orl_generat
                 struct orl_text *text, struct orl_error *err)
 {
     struct orl_words rest = {"gensurf", words + 1, count - 1};
-    struct orl_gensurf surface = {0};
-    struct orl_gensurf_vertex *all = NULL;
-    int code = orl_gensurf_read(&surface, &rest, files, err);
+    struct gensurf surface = {0};
+    struct gensurf_vertex *all = NULL;
+    int code = read_gensurf(&surface, &rest, files, err);
     if (code == 0) {
         const size_t length = (size_t)surface.n + 3;
         all = calloc(3 * length, sizeof *all);
-        struct orl_gensurf_vertex *rows[3] = {all + 1, all + length + 1, all + 2 * length + 1};
+        struct gensurf_vertex *rows[3] = {all + 1, all + length + 1, all + 2 * length + 1};
         code = all ? add_rows(&surface, rows, text, err)
                    : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    orl_gensurf_done(&surface);
+    gensurf_done(&surface);
     free(all);
     return code;
 }

@@ -1,12 +1,25 @@
-#include "scene/generate/curved/curved.h"
+#include "scene/generate/solid/solids.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { SEGMENTS_MAX = 50000 };
+/* genrev and genworm: surfaces along a curve by expressions of t, from 0 to 1 in even steps. */
 
-int orl_curve_read(struct orl_generator_curve *curve, struct orl_words *words, size_t n,
-                   bool may_smooth, const struct orl_generator_files *files, struct orl_error *err)
+enum { SEGMENTS_MAX = 50000, EXPRESSIONS_MAX = 4 };
+
+struct generator_curve {
+    const char *material, *name;
+    int segments;
+    bool smooth; /* -s */
+    struct orl_generator_expressions expressions;
+};
+
+/* Reads all words of the command: material, name, n expressions, segments and options. The caller
+ * passes curve->expressions to orl_expressions_done in every case. may_smooth: the option -s is
+ * allowed. */
+static int read_curve(struct generator_curve *curve, struct orl_words *words, size_t n,
+                      bool may_smooth, const struct orl_generator_files *files,
+                      struct orl_error *err)
 {
     static const char *const inputs[] = {"t"};
     int code = orl_words_name(words, "the material", &curve->material, err);
@@ -38,8 +51,9 @@ int orl_curve_read(struct orl_generator_curve *curve, struct orl_words *words, s
                                               (size_t)curve->segments, err);
 }
 
-int orl_curve_at(const struct orl_generator_curve *curve, int step,
-                 double ret_values[ORL_CURVE_EXPRESSIONS_MAX], struct orl_error *err)
+/* Returns the expressions' values at t = step / segments; ORL_ERR_RANGE unless all are finite. */
+static int evaluate_curve(const struct generator_curve *curve, int step,
+                          double ret_values[EXPRESSIONS_MAX], struct orl_error *err)
 {
     const double t = (double)step / curve->segments;
     return orl_expressions_at(&curve->expressions, &t, ret_values, err);
@@ -47,12 +61,12 @@ int orl_curve_at(const struct orl_generator_curve *curve, int step,
 
 /*
  * genrev: a surface of revolution about the z axis, made of cones, cylinders and rings along a
- * curve of heights and radii. Where the curve goes down, the front is inside. With -s each piece
+ * curve of heights and radii. Where the curve goes down, the front is inside. With -s each segment
  * has a texture (rev.cal) that interpolates normals between neighbours.
  */
 
 /* A segment of the curve: heights and radii of its ends, and its normal (height, radius). */
-struct piece {
+struct segment {
     double from[2], to[2], normal[2];
 };
 
@@ -63,8 +77,8 @@ static int sign_of_change(double from, double to)
     return to < from - tiny ? -1 : to > from + tiny ? 1 : 0;
 }
 
-/* Adds the coefficients of a normal's coordinate along the piece: a line through the neighbours'
- * normals. If the piece does not change in that coordinate, the visible side. */
+/* Adds the coefficients of a normal's coordinate along the segment: a line through the neighbours'
+ * normals. If the segment does not change in that coordinate, the visible side. */
 static int add_line(double change, double start, double before, double after, int side,
                     struct orl_text *text, struct orl_error *err)
 {
@@ -79,26 +93,27 @@ static int add_line(double change, double start, double before, double after, in
     return 0;
 }
 
-static int add_texture(const struct orl_generator_curve *curve, const struct piece *piece,
-                       const struct piece *before, const struct piece *after, struct orl_text *text,
-                       struct orl_error *err)
+static int add_texture(const struct generator_curve *curve, const struct segment *segment,
+                       const struct segment *before, const struct segment *after,
+                       struct orl_text *text, struct orl_error *err)
 {
-    const int up = sign_of_change(piece->from[0], piece->to[0]);
-    const int out = sign_of_change(piece->from[1], piece->to[1]);
+    const int up = sign_of_change(segment->from[0], segment->to[0]);
+    const int out = sign_of_change(segment->from[1], segment->to[1]);
     orl_text_add(text, "'%s' texfunc Phong\n4 rev_dx rev_dy rev_dz rev.cal\n0\n4", curve->material);
-    int code = add_line(up ? piece->to[0] - piece->from[0] : 0, piece->from[0], before->normal[0],
-                        after->normal[0], out < 0 ? 1 : -1, text, err);
+    int code = add_line(up ? segment->to[0] - segment->from[0] : 0, segment->from[0],
+                        before->normal[0], after->normal[0], out < 0 ? 1 : -1, text, err);
     if (code == 0)
-        code = add_line(out ? piece->to[1] - piece->from[1] : 0, piece->from[1], before->normal[1],
-                        after->normal[1], up > 0 ? 1 : -1, text, err);
+        code = add_line(out ? segment->to[1] - segment->from[1] : 0, segment->from[1],
+                        before->normal[1], after->normal[1], up > 0 ? 1 : -1, text, err);
     orl_text_add(text, "\n");
     return code;
 }
 
-static int add_piece(const struct orl_generator_curve *curve, int number,
-                     const struct piece pieces[3], struct orl_text *text, struct orl_error *err)
+static int add_segment(const struct generator_curve *curve, int number,
+                       const struct segment near_segments[3], struct orl_text *text,
+                       struct orl_error *err)
 {
-    const double *const from = pieces[1].from, *const to = pieces[1].to;
+    const double *const from = near_segments[1].from, *const to = near_segments[1].to;
     const int up = sign_of_change(from[0], to[0]), out = sign_of_change(from[1], to[1]);
     const char *type = up == 0    ? "ring"
                        : out == 0 ? (up < 0 ? "tube" : "cylinder")
@@ -106,8 +121,9 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
     char part[24];
     if (up == 0 && out == 0)
         return 0;
-    const int code =
-        curve->smooth ? add_texture(curve, &pieces[1], &pieces[0], &pieces[2], text, err) : 0;
+    const int code = curve->smooth ? add_texture(curve, &near_segments[1], &near_segments[0],
+                                                 &near_segments[2], text, err)
+                                   : 0;
     snprintf(part, sizeof part, "%d", number);
     orl_text_add_head(text, curve->smooth ? "Phong" : curve->material, type, curve->name, part,
                       up != 0 && out == 0 ? 7 : 8);
@@ -119,22 +135,22 @@ static int add_piece(const struct orl_generator_curve *curve, int number,
     return code;
 }
 
-/* Returns the piece behind `before`, up to the step; beyond the curve's end it is empty, without a
- * normal. */
-static int find_next_piece(const struct orl_generator_curve *curve, const struct piece *before,
-                           int step, struct piece *ret_piece, struct orl_error *err)
+/* Returns the segment behind `before`, up to the step; beyond the curve's end it is empty, without
+ * a normal. */
+static int find_next_segment(const struct generator_curve *curve, const struct segment *before,
+                             int step, struct segment *ret_segment, struct orl_error *err)
 {
-    double at[ORL_CURVE_EXPRESSIONS_MAX];
-    *ret_piece = (struct piece){{before->to[0], before->to[1]}, {0, 0}, {0, 0}};
+    double at[EXPRESSIONS_MAX];
+    *ret_segment = (struct segment){{before->to[0], before->to[1]}, {0, 0}, {0, 0}};
     if (step > curve->segments)
         return 0;
-    const int code = orl_curve_at(curve, step, at, err);
+    const int code = evaluate_curve(curve, step, at, err);
     if (code < 0)
         return code;
     const double dz = at[0] - before->to[0], dr = at[1] - before->to[1];
     const double length = sqrt(dz * dz + dr * dr);
-    *ret_piece =
-        (struct piece){{before->to[0], before->to[1]}, {at[0], at[1]}, {-dr / length, dz / length}};
+    *ret_segment = (struct segment){
+        {before->to[0], before->to[1]}, {at[0], at[1]}, {-dr / length, dz / length}};
     return 0;
 }
 
@@ -142,22 +158,23 @@ int orl_genrev(const char *const *words, size_t count, const struct orl_generato
                struct orl_text *text, struct orl_error *err)
 {
     struct orl_words rest = {"genrev", words + 1, count - 1};
-    struct orl_generator_curve curve = {0};
-    struct piece pieces[3] = {{{0, 0}, {0, 0}, {0, 0}}}; /* previous, current and next piece */
-    double start[ORL_CURVE_EXPRESSIONS_MAX];
-    int code = orl_curve_read(&curve, &rest, 2, true, files, err);
+    struct generator_curve curve = {0};
+    struct segment near_segments[3] = {
+        {{0, 0}, {0, 0}, {0, 0}}}; /* previous, current and next segment */
+    double start[EXPRESSIONS_MAX];
+    int code = read_curve(&curve, &rest, 2, true, files, err);
     if (code == 0)
-        code = orl_curve_at(&curve, 0, start, err);
+        code = evaluate_curve(&curve, 0, start, err);
     if (code == 0) {
-        pieces[0] = (struct piece){{0, 0}, {start[0], start[1]}, {0, 0}};
-        code = find_next_piece(&curve, &pieces[0], 1, &pieces[1], err);
+        near_segments[0] = (struct segment){{0, 0}, {start[0], start[1]}, {0, 0}};
+        code = find_next_segment(&curve, &near_segments[0], 1, &near_segments[1], err);
     }
     for (int i = 1; i <= curve.segments && code == 0; i++) {
-        code = find_next_piece(&curve, &pieces[1], i + 1, &pieces[2], err);
+        code = find_next_segment(&curve, &near_segments[1], i + 1, &near_segments[2], err);
         if (code == 0)
-            code = add_piece(&curve, i, pieces, text, err);
-        pieces[0] = pieces[1];
-        pieces[1] = pieces[2];
+            code = add_segment(&curve, i, near_segments, text, err);
+        near_segments[0] = near_segments[1];
+        near_segments[1] = near_segments[2];
     }
     orl_expressions_done(&curve.expressions);
     return code;
@@ -167,7 +184,7 @@ int orl_genrev(const char *const *words, size_t count, const struct orl_generato
  * genworm: spheres along a curve in space, and between them cones or cylinders tangent to both.
  */
 
-static void add_joint(const struct orl_generator_curve *curve, int number, const double from[4],
+static void add_joint(const struct generator_curve *curve, int number, const double from[4],
                       const double to[4], struct orl_text *text)
 {
     const struct orl_vec3 a = orl_v3(from[0], from[1], from[2]), b = orl_v3(to[0], to[1], to[2]);
@@ -194,12 +211,12 @@ int orl_genworm(const char *const *words, size_t count, const struct orl_generat
                 struct orl_text *text, struct orl_error *err)
 {
     struct orl_words rest = {"genworm", words + 1, count - 1};
-    struct orl_generator_curve curve = {0};
-    double from[ORL_CURVE_EXPRESSIONS_MAX] = {0}, to[ORL_CURVE_EXPRESSIONS_MAX] = {0};
+    struct generator_curve curve = {0};
+    double from[EXPRESSIONS_MAX] = {0}, to[EXPRESSIONS_MAX] = {0};
     char part[24];
-    int code = orl_curve_read(&curve, &rest, 4, false, files, err);
+    int code = read_curve(&curve, &rest, 4, false, files, err);
     for (int i = 0; i <= curve.segments && code == 0; i++) {
-        code = orl_curve_at(&curve, i, to, err);
+        code = evaluate_curve(&curve, i, to, err);
         if (code < 0)
             break;
         if (i > 0)

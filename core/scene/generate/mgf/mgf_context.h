@@ -116,17 +116,12 @@ int orl_mgf_context(struct orl_mgf_reader *reader, enum orl_mgf_kind kind);
 const struct orl_mgf_item *orl_mgf_find(struct orl_mgf_reader *reader, enum orl_mgf_kind kind,
                                         const char *name);
 
-/* ---- Colours (mgf_color.c) ------------------------------------------------------------------- */
+/* ---- Colours (mgf_material.c) ---------------------------------------------------------------- */
 
 int orl_mgf_cxy(struct orl_mgf_reader *reader);
 int orl_mgf_cspec(struct orl_mgf_reader *reader);
 int orl_mgf_cct(struct orl_mgf_reader *reader);
 int orl_mgf_cmix(struct orl_mgf_reader *reader);
-
-bool orl_mgf_is_gray(struct orl_mgf_color color);
-bool orl_mgf_same_color(struct orl_mgf_color a, struct orl_mgf_color b);
-/* Returns the RGB of a colour with that luminance. */
-struct orl_rgb orl_mgf_rgb(struct orl_mgf_color color, double luminance);
 
 /* ---- Materials (mgf_material.c), surfaces (mgf_surfaces.c) ----------------------------------- */
 
@@ -142,7 +137,6 @@ int orl_mgf_cylinder(struct orl_mgf_reader *reader);
 int orl_mgf_cone(struct orl_mgf_reader *reader);
 int orl_mgf_ring(struct orl_mgf_reader *reader);
 
-/* mgf_torus.c */
 int orl_mgf_torus(struct orl_mgf_reader *reader);
 
 #endif

@@ -1,4 +1,5 @@
-/* Colours of MGF: by chromaticity, spectrum or temperature, and mixtures. */
+/* Colours and materials of MGF. Colours are given by chromaticity, spectrum or temperature, or as
+ * mixtures. */
 #include <math.h>
 
 #include "scene/generate/mgf/mgf_context.h"
@@ -11,17 +12,18 @@ static struct orl_mgf_color *current_color(struct orl_mgf_reader *r)
     return &r->current[ORL_MGF_COLOR]->is.color;
 }
 
-bool orl_mgf_is_gray(struct orl_mgf_color color)
+static bool is_gray(struct orl_mgf_color color)
 {
     return fabs(color.x - 1. / 3) <= 0.01 && fabs(color.y - 1. / 3) <= 0.01;
 }
 
-bool orl_mgf_same_color(struct orl_mgf_color a, struct orl_mgf_color b)
+static bool is_same_color(struct orl_mgf_color a, struct orl_mgf_color b)
 {
     return fabs(a.x - b.x) + fabs(a.y - b.y) <= 0.015;
 }
 
-struct orl_rgb orl_mgf_rgb(struct orl_mgf_color color, double luminance)
+/* Returns the RGB of a colour with that luminance. */
+static struct orl_rgb color_rgb(struct orl_mgf_color color, double luminance)
 {
     const double scale = luminance / color.y;
     return orl_tristimulus_rgb(
@@ -124,7 +126,8 @@ int orl_mgf_cmix(struct orl_mgf_reader *r)
 /*
  * Conversion of MGF materials to Radiance's: lamps by their emission; panes and prisms by their
  * refractive index; trans by its transmission; plastic and metal by the colour of their specular
- * part. WGMDfunc is used for parts whose colours or roughnesses none of these can represent.
+ * reflection. WGMDfunc is used for components whose colours or roughnesses none of these can
+ * represent.
  */
 
 typedef struct orl_mgf_material material_t;
@@ -155,7 +158,7 @@ static void add_head(struct orl_text *text, const char *type, const char *name)
 
 static struct orl_rgb part_rgb(const struct orl_mgf_component *part, double scale)
 {
-    return part->value > 0 ? orl_mgf_rgb(part->color, part->value * scale) : orl_gray(0);
+    return part->value > 0 ? color_rgb(part->color, part->value * scale) : orl_gray(0);
 }
 
 /* ---- Lamps and clear materials
@@ -180,7 +183,7 @@ static bool is_clear(const material_t *m)
 
 static void write_clear(struct orl_mgf_reader *r, const material_t *m, const char *name)
 {
-    struct orl_rgb color = orl_mgf_rgb(m->ts.color, m->ts.value + m->rs.value);
+    struct orl_rgb color = color_rgb(m->ts.color, m->ts.value + m->rs.value);
     add_head(r->text, m->one_sided ? "dielectric" : "glass", name);
     if (m->one_sided)
         color = (struct orl_rgb){pow(color.r, 1 / solid_m), pow(color.g, 1 / solid_m),
@@ -191,27 +194,27 @@ static void write_clear(struct orl_mgf_reader *r, const material_t *m, const cha
         orl_text_add(r->text, "4 %f %f %f %f\n", color.r, color.g, color.b, m->index);
 }
 
-/* ---- Materials with different parts
- * ----------------------------------------------------------- */
+/* ---- Materials with several colours or roughnesses --------------------------------------------
+ */
 
-/* Returns true if both parts exist and have different colours. */
+/* Returns true if both components exist and have different colours. */
 static bool colors_differ(const struct orl_mgf_component *a, const struct orl_mgf_component *b)
 {
-    return a->value > 0.01 && b->value > 0.01 && !orl_mgf_same_color(a->color, b->color);
+    return a->value > 0.01 && b->value > 0.01 && !is_same_color(a->color, b->color);
 }
 
 static bool needs_parts(const material_t *m)
 {
     const bool two_roughnesses =
         m->rs.value > 0.02 && m->ts.value > 0.02 && fabs(m->rs.roughness - m->ts.roughness) > 0.02;
-    const bool colored_gloss = m->rs.value > 0.05 && m->rd.value > 0.05 &&
-                               !orl_mgf_is_gray(m->rs.color) && colors_differ(&m->rd, &m->rs);
+    const bool colored_gloss = m->rs.value > 0.05 && m->rd.value > 0.05 && !is_gray(m->rs.color) &&
+                               colors_differ(&m->rd, &m->rs);
     return two_roughnesses || colored_gloss || colors_differ(&m->ts, &m->td) ||
            colors_differ(&m->td, &m->rd) || colors_differ(&m->rd, &m->ts);
 }
 
-/* A specular part for WGMDfunc: a pattern, the factor of it, and the roughness along both axes. For
- * a coloured part, the pattern includes the value. */
+/* A specular component for WGMDfunc: a pattern, the factor of it, and the roughness along both
+ * axes. For a coloured component, the pattern includes the value. */
 struct specular {
     const char *pattern;
     double value, roughness;
@@ -221,7 +224,7 @@ static struct specular write_specular(struct orl_mgf_reader *r,
                                       const struct orl_mgf_component *part, const char *name)
 {
     const struct orl_rgb color = part_rgb(part, 1);
-    if (part->value <= 0 || orl_mgf_is_gray(part->color))
+    if (part->value <= 0 || is_gray(part->color))
         return (struct specular){"void", part->value, part->roughness};
     orl_text_add(r->text, "void colorfunc %s\n4 %f %f %f .\n0\n0\n", name, color.r, color.g,
                  color.b);
@@ -269,7 +272,7 @@ static void write_trans(struct orl_mgf_reader *r, const material_t *m, const cha
 
 static bool is_plastic(const material_t *m)
 {
-    return m->rs.value < 0.1 && (m->rs.value < 0.1 * m->rd.value || orl_mgf_is_gray(m->rs.color));
+    return m->rs.value < 0.1 && (m->rs.value < 0.1 * m->rd.value || is_gray(m->rs.color));
 }
 
 static void write_opaque(struct orl_mgf_reader *r, const material_t *m, const char *name)

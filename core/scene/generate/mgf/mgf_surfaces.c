@@ -1,4 +1,5 @@
-/* MGF surfaces, written as polygons, spheres, cylinders, cones and rings. */
+/* Surfaces of MGF, written as polygons, spheres, cylinders, cones and rings; tori as rows of cones.
+ * */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /*
  * gendaylit: the Perez all-weather sky from measured irradiance or illuminance, with its sun.
- * References: gendaylit(1) of Radiance; perez.h; Erbs, Klein, Duffie, "Estimation of the diffuse
- * radiation fraction", Solar Energy 28(4), 1982 (option -E); Kasten 1965 (air mass).
+ * References: gendaylit(1) of Radiance; sky_models.h; Erbs, Klein, Duffie, "Estimation of the
+ * diffuse radiation fraction", Solar Energy 28(4), 1982 (option -E); Kasten 1965 (air mass).
  */
 #include "scene/generate/generate.h"
 
@@ -171,8 +171,8 @@ static double half_day(const struct gendaylit *sky)
 }
 
 /*
- * Moves a time near sunrise or sunset into the middle of the interval's sunlit part (-i). Returns
- * false if the sun is down: the program then writes a black sky.
+ * Moves a time near sunrise or sunset into the middle of the sunlit time of the interval (-i).
+ * Returns false if the sun is down: the program then writes a black sky.
  */
 static bool sun_is_up(const struct gendaylit *sky, double *hour, struct orl_text *text)
 {

@@ -1,4 +1,11 @@
 /*
+ * Models of skies that gensky and gendaylit use: CIE's clear and intermediate skies, and Perez's
+ * all-weather sky.
+ */
+#ifndef ORL_SCENE_GENERATE_SKY_SKY_MODELS_H
+#define ORL_SCENE_GENERATE_SKY_SKY_MODELS_H
+
+/*
  * The CIE's clear and intermediate skies, as gensky and gendaylit use them: the formula's value at
  * the sun's distance from the zenith, and the horizontal irradiance of the sky.
  *
@@ -6,8 +13,6 @@
  * the numbers agree.
  * References: CIE No. 22 (TC-4.2), 1973, for the clear sky; gensky(1) of Radiance.
  */
-#ifndef ORL_SCENE_GENERATE_SKY_SKY_MODELS_H
-#define ORL_SCENE_GENERATE_SKY_SKY_MODELS_H
 
 enum orl_cie_type { ORL_CIE_CLEAR, ORL_CIE_INTERMEDIATE };
 
@@ -47,7 +52,7 @@ double orl_perez_luminance(const struct orl_perez *shape, double zenith_rad, dou
 
 /*
  * Returns the horizontal integral of the relative luminance by the mean over Tregenza's 145
- * patches. It is 0.7 to 2.7 % off the true integral; kept because sky files are normalised by it.
+ * patches. It is 0.7 to 2.7 % off the true integral, but sky files are normalised by it.
  */
 double orl_perez_patch_integral(const struct orl_perez *shape, double sun_zenith_rad);
 

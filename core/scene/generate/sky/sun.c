@@ -1,3 +1,4 @@
+/* Position of the sun: as gensky and gendaylit compute it; below, the accurate one. */
 #include "scene/generate/sky/sun.h"
 
 #include <stddef.h>
@@ -30,7 +31,8 @@ static double wrapped(double value, double period)
     return value < 0 ? value + period : value;
 }
 
-double orl_sun_wrap_hour(double hour)
+/* Wraps an hour of the day into [0, 24). */
+static double wrap_hour(double hour)
 {
     return wrapped(hour, 24.0);
 }
@@ -66,7 +68,7 @@ static void almanac(const struct orl_location *site, double days, double *ret_de
     const double sidereal = 6.697375 + 0.0657098242 * days + hour_ut;
     const double local = sidereal - site->longitude_rad * 12.0 / ORL_PI;
     *ret_declination_rad = asin(sin(obliquity) * sin(longitude));
-    *ret_solar_hour = orl_sun_wrap_hour(local - ascension * 12.0 / ORL_PI + 12.0);
+    *ret_solar_hour = wrap_hour(local - ascension * 12.0 / ORL_PI + 12.0);
 }
 
 void orl_sun_clock(const struct orl_location *site, const struct orl_moment *moment,
@@ -80,7 +82,7 @@ void orl_sun_clock(const struct orl_location *site, const struct orl_moment *mom
         *ret_declination_rad = orl_sun_declination(day);
         hour += time_shift(site, day);
     }
-    *ret_solar_hour = moment->solar ? moment->hour : orl_sun_wrap_hour(hour);
+    *ret_solar_hour = moment->solar ? moment->hour : wrap_hour(hour);
 }
 
 struct orl_sun_position orl_sun_at(const struct orl_location *site, double declination_rad,
@@ -195,8 +197,7 @@ struct orl_sun_position orl_sun_accurate(const struct orl_location *site,
     static const double parallax_rad = 8.794 / 3600.0 * ORL_DEG_TO_RAD;
     const struct equatorial place = place_of(days_since_2000(site, moment));
     const double local = (place.hour_angle - site->longitude_rad) * 12.0 / ORL_PI;
-    struct orl_sun_position sun =
-        orl_sun_at(site, place.declination, orl_sun_wrap_hour(local + 12.0));
+    struct orl_sun_position sun = orl_sun_at(site, place.declination, wrap_hour(local + 12.0));
     sun.altitude_rad -= parallax_rad * cos(sun.altitude_rad);
     return sun;
 }

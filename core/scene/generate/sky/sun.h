@@ -49,9 +49,6 @@ void orl_sun_clock(const struct orl_location *site, const struct orl_moment *mom
 struct orl_sun_position orl_sun_at(const struct orl_location *site, double declination_rad,
                                    double solar_hour);
 
-/* Wraps an hour of the day into [0, 24). */
-double orl_sun_wrap_hour(double hour);
-
 /* Returns the difference of two time zones in hours, from -12 to 12, ignoring the date: those of
  * -11 and +13 hours from Greenwich show the same time. */
 double orl_sun_hours_apart(double hours, double others);

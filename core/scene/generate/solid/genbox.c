@@ -4,21 +4,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char orl_box_inset[6][5] = {"dhgc", "oqmk", "OPNM", "feij", "plnr", "SQRT"};
-const char orl_box_edges[12][3] = {"st", "sw", "su", "vt", "vu", "vz",
-                                   "xt", "xw", "xz", "yu", "yw", "yz"};
-const char orl_box_ends[8][2] = {"s", "t", "u", "v", "w", "x", "y", "z"};
+/* genbox: boxes with sharp, cut and round edges. */
 
-unsigned orl_box_code(char letter)
+/* A box from the origin to its size. */
+struct genbox {
+    const char *material, *name;
+    double size[3];
+    double bevel; /* depth of cut-off edges, or radius of round ones; 0: sharp edges */
+    bool rounded, inverted;
+    unsigned level; /* round edges have 2^level flat strips each; below 2: cylinders and spheres */
+};
+
+/* Sides, edges and corners of a box with cut edges; each is a list of corners by letter. */
+static const char inset_sides[6][5] = {"dhgc", "oqmk", "OPNM", "feij", "plnr", "SQRT"};
+static const char box_edges[12][3] = {"st", "sw", "su", "vt", "vu", "vz",
+                                      "xt", "xw", "xz", "yu", "yw", "yz"};
+static const char box_ends[8][2] = {"s", "t", "u", "v", "w", "x", "y", "z"};
+
+/*
+ * Returns the code of a letter: the letters 0-9 . _ A-Z a-z count from 0. Bits 0 to 2 say on which
+ * far sides a corner is in x, y and z; bits 3 to 5, whether it is inside that side by the bevel.
+ */
+static unsigned corner_code(char letter)
 {
     static const char letters[] =
         "0123456789._ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
     return (unsigned)(strchr(letters, letter) - letters);
 }
 
-struct orl_vec3 orl_box_corner(const struct orl_genbox *box, char letter)
+/* Returns a corner by its letter. For an inverted box near and far are swapped, which flips every
+ * face and keeps its name. */
+static struct orl_vec3 box_corner(const struct genbox *box, char letter)
 {
-    const unsigned code = orl_box_code(letter);
+    const unsigned code = corner_code(letter);
     double at[3];
     for (unsigned axis = 0; axis < 3; axis++) {
         const bool far = ((code >> axis & 1) != 0) != box->inverted;
@@ -31,25 +49,25 @@ struct orl_vec3 orl_box_corner(const struct orl_genbox *box, char letter)
 }
 
 /*
- * A box whose round edges are flat pieces: strips along the edges, and at the corners eighths of a
+ * A box whose round edges are polygons: strips along the edges, and at the corners eighths of a
  * sphere, each recursively divided into four triangles. As in Radiance's program, faces are
  * collected and listed from the last to the first, numbered, without those of zero area.
  */
 
-struct piece {
+struct box_polygon {
     struct orl_vec3 corners[4];
     unsigned n;
 };
 
-struct pieces {
-    struct piece *items;
+struct box_polygons {
+    struct box_polygon *items;
     size_t n;
 };
 
-static void add_piece(struct pieces *pieces, unsigned n, struct orl_vec3 a, struct orl_vec3 b,
-                      struct orl_vec3 c, struct orl_vec3 d)
+static void add_polygon(struct box_polygons *polygons, unsigned n, struct orl_vec3 a,
+                        struct orl_vec3 b, struct orl_vec3 c, struct orl_vec3 d)
 {
-    pieces->items[pieces->n++] = (struct piece){{a, b, c, d}, n};
+    polygons->items[polygons->n++] = (struct box_polygon){{a, b, c, d}, n};
 }
 
 static struct orl_vec3 along(unsigned axis, double length)
@@ -58,16 +76,16 @@ static struct orl_vec3 along(unsigned axis, double length)
 }
 
 /* Returns the vector out of the box perpendicular to an edge, of the radius' length. */
-static struct orl_vec3 outward(const struct orl_genbox *box, struct orl_vec3 point, unsigned axis)
+static struct orl_vec3 outward(const struct genbox *box, struct orl_vec3 point, unsigned axis)
 {
     const double at = axis == 0 ? point.x : axis == 1 ? point.y : point.z;
     return along(axis, at < 0.5 * box->size[axis] ? -box->bevel : box->bevel);
 }
 
-static void add_edge(struct pieces *pieces, const struct orl_genbox *box, const char *edge)
+static void add_edge(struct box_polygons *polygons, const struct genbox *box, const char *edge)
 {
-    const struct orl_vec3 from = orl_box_corner(box, edge[0]), to = orl_box_corner(box, edge[1]);
-    const unsigned differ = (orl_box_code(edge[0]) ^ orl_box_code(edge[1])) & 7;
+    const struct orl_vec3 from = box_corner(box, edge[0]), to = box_corner(box, edge[1]);
+    const unsigned differ = (corner_code(edge[0]) ^ corner_code(edge[1])) & 7;
     const unsigned axis = differ == 1 ? 0 : differ == 2 ? 1 : 2, n = 1U << box->level;
     const struct orl_vec3 first = outward(box, to, (axis + 2) % 3);
     const struct orl_vec3 last = outward(box, to, (axis + 1) % 3);
@@ -76,8 +94,8 @@ static void add_edge(struct pieces *pieces, const struct orl_genbox *box, const 
     for (unsigned i = 1; i <= n; i++) {
         const struct orl_vec3 now =
             orl_add(orl_scale(first, cos(step_rad * i)), orl_scale(last, sin(step_rad * i)));
-        add_piece(pieces, 4, orl_add(from, before), orl_add(to, before), orl_add(to, now),
-                  orl_add(from, now));
+        add_polygon(polygons, 4, orl_add(from, before), orl_add(to, before), orl_add(to, now),
+                    orl_add(from, now));
         before = now;
     }
 }
@@ -87,25 +105,25 @@ static struct orl_vec3 middle(struct orl_vec3 a, struct orl_vec3 b)
     return orl_normalize(orl_add(a, b));
 }
 
-/* Adds the part of a sphere between three directions. */
-static void add_sphere_part(struct pieces *pieces, struct orl_vec3 center, double radius,
+/* Adds the surface of a sphere between three directions. */
+static void add_sphere_part(struct box_polygons *polygons, struct orl_vec3 center, double radius,
                             const struct orl_vec3 d[3], unsigned level)
 {
     if (level == 0) {
-        add_piece(pieces, 3, orl_madd(center, d[0], radius), orl_madd(center, d[1], radius),
-                  orl_madd(center, d[2], radius), center);
+        add_polygon(polygons, 3, orl_madd(center, d[0], radius), orl_madd(center, d[1], radius),
+                    orl_madd(center, d[2], radius), center);
         return;
     }
     const struct orl_vec3 m[3] = {middle(d[0], d[1]), middle(d[1], d[2]), middle(d[2], d[0])};
     for (unsigned i = 0; i < 3; i++)
-        add_sphere_part(pieces, center, radius, (struct orl_vec3[3]){d[i], m[i], m[(i + 2) % 3]},
+        add_sphere_part(polygons, center, radius, (struct orl_vec3[3]){d[i], m[i], m[(i + 2) % 3]},
                         level - 1);
-    add_sphere_part(pieces, center, radius, m, level - 1);
+    add_sphere_part(polygons, center, radius, m, level - 1);
 }
 
-static void add_end(struct pieces *pieces, const struct orl_genbox *box, char letter)
+static void add_end(struct box_polygons *polygons, const struct genbox *box, char letter)
 {
-    const unsigned code = orl_box_code(letter);
+    const unsigned code = corner_code(letter);
     const bool odd = ((code ^ code >> 1 ^ code >> 2) & 1) != 0;
     struct orl_vec3 d[3];
     for (unsigned axis = 0; axis < 3; axis++)
@@ -115,53 +133,53 @@ static void add_end(struct pieces *pieces, const struct orl_genbox *box, char le
         d[0] = d[1];
         d[1] = x;
     }
-    add_sphere_part(pieces, orl_box_corner(box, letter), box->bevel, d, box->level);
+    add_sphere_part(polygons, box_corner(box, letter), box->bevel, d, box->level);
 }
 
-static double area(const struct piece *piece)
+static double area(const struct box_polygon *polygon)
 {
     struct orl_vec3 sum = {0, 0, 0};
-    for (unsigned i = 2; i < piece->n; i++)
-        sum = orl_add(sum, orl_cross(orl_sub(piece->corners[i - 1], piece->corners[0]),
-                                     orl_sub(piece->corners[i], piece->corners[0])));
+    for (unsigned i = 2; i < polygon->n; i++)
+        sum = orl_add(sum, orl_cross(orl_sub(polygon->corners[i - 1], polygon->corners[0]),
+                                     orl_sub(polygon->corners[i], polygon->corners[0])));
     return 0.5 * orl_length(sum);
 }
 
-static void write_pieces(const struct pieces *pieces, const struct orl_genbox *box,
-                         struct orl_text *text)
+static void write_polygons(const struct box_polygons *polygons, const struct genbox *box,
+                           struct orl_text *text)
 {
     const double smallest = 1e-12;
     size_t number = 0;
     char part[24];
-    for (size_t i = pieces->n; i-- > 0;) {
-        const struct piece *piece = &pieces->items[i];
-        if (area(piece) <= smallest)
+    for (size_t i = polygons->n; i-- > 0;) {
+        const struct box_polygon *polygon = &polygons->items[i];
+        if (area(polygon) <= smallest)
             continue;
         snprintf(part, sizeof part, "%zu", ++number);
-        orl_text_add_head(text, box->material, "polygon", box->name, part, 3 * (size_t)piece->n);
-        for (unsigned k = 0; k < piece->n; k++)
-            orl_text_add_point(text, piece->corners[k]);
+        orl_text_add_head(text, box->material, "polygon", box->name, part, 3 * (size_t)polygon->n);
+        for (unsigned k = 0; k < polygon->n; k++)
+            orl_text_add_point(text, polygon->corners[k]);
         orl_text_add(text, "\n");
     }
 }
 
-int orl_genbox_pieces(const struct orl_genbox *box, struct orl_text *text, struct orl_error *err)
+/* Writes the box with round edges as polygons. Returns 0 or ORL_ERR_NOMEM. */
+static int write_rounded_box(const struct genbox *box, struct orl_text *text, struct orl_error *err)
 {
     const size_t most = 6 + ((size_t)12 << box->level) + ((size_t)8 << 2 * box->level);
-    struct pieces pieces = {.items = malloc(most * sizeof *pieces.items)};
-    if (!pieces.items)
+    struct box_polygons polygons = {.items = malloc(most * sizeof *polygons.items)};
+    if (!polygons.items)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < 6; i++)
-        add_piece(&pieces, 4, orl_box_corner(box, orl_box_inset[i][0]),
-                  orl_box_corner(box, orl_box_inset[i][1]),
-                  orl_box_corner(box, orl_box_inset[i][2]),
-                  orl_box_corner(box, orl_box_inset[i][3]));
+        add_polygon(&polygons, 4, box_corner(box, inset_sides[i][0]),
+                    box_corner(box, inset_sides[i][1]), box_corner(box, inset_sides[i][2]),
+                    box_corner(box, inset_sides[i][3]));
     for (size_t i = 0; i < 12; i++)
-        add_edge(&pieces, box, orl_box_edges[i]);
+        add_edge(&polygons, box, box_edges[i]);
     for (size_t i = 0; i < 8; i++)
-        add_end(&pieces, box, orl_box_ends[i][0]);
-    write_pieces(&pieces, box, text);
-    free(pieces.items);
+        add_end(&polygons, box, box_ends[i][0]);
+    write_polygons(&polygons, box, text);
+    free(polygons.items);
     return 0;
 }
 
@@ -170,29 +188,29 @@ static const char bevels[12][5] = {"NdcM", "kmOM", "cgok", "QSqo", "TjiS", "emqi
                                    "efPO", "jrnf", "lNPn", "prTR", "hdlp", "QghR"};
 static const char corners[8][4] = {"Mck", "dNl", "Ome", "ogQ", "Siq", "pRh", "fnP", "Trj"};
 
-static void add_face(struct orl_text *text, const struct orl_genbox *box, const char *face)
+static void add_face(struct orl_text *text, const struct genbox *box, const char *face)
 {
     orl_text_add_head(text, box->material, "polygon", box->name, face, 3 * strlen(face));
     for (; *face; face++)
-        orl_text_add_point(text, orl_box_corner(box, *face));
+        orl_text_add_point(text, box_corner(box, *face));
     orl_text_add(text, "\n");
 }
 
-static void add_box(struct orl_text *text, const struct orl_genbox *box)
+static void add_box(struct orl_text *text, const struct genbox *box)
 {
     for (size_t i = 0; i < 6; i++)
-        add_face(text, box, box->bevel > 0 ? orl_box_inset[i] : sharp[i]);
+        add_face(text, box, box->bevel > 0 ? inset_sides[i] : sharp[i]);
     for (size_t i = 0; i < 12 && box->bevel > 0; i++)
         if (box->rounded)
-            orl_text_add_cylinder(text, box->material, box->name, orl_box_edges[i],
-                                  orl_box_corner(box, orl_box_edges[i][0]),
-                                  orl_box_corner(box, orl_box_edges[i][1]), box->bevel);
+            orl_text_add_cylinder(text, box->material, box->name, box_edges[i],
+                                  box_corner(box, box_edges[i][0]),
+                                  box_corner(box, box_edges[i][1]), box->bevel);
         else
             add_face(text, box, bevels[i]);
     for (size_t i = 0; i < 8 && box->bevel > 0; i++)
         if (box->rounded)
-            orl_text_add_sphere(text, box->material, box->name, orl_box_ends[i],
-                                orl_box_corner(box, orl_box_ends[i][0]), box->bevel);
+            orl_text_add_sphere(text, box->material, box->name, box_ends[i],
+                                box_corner(box, box_ends[i][0]), box->bevel);
         else
             add_face(text, box, corners[i]);
 }
@@ -204,7 +222,7 @@ static int refuse_option(const char *option, const char *hint, struct orl_error 
     return ORL_ERR_UNSUPPORTED;
 }
 
-static int read_option(struct orl_words *words, struct orl_genbox *box, int *segments,
+static int read_option(struct orl_words *words, struct genbox *box, int *segments,
                        struct orl_error *err)
 {
     const char *option = *words->at++;
@@ -248,7 +266,7 @@ static int read_size(struct orl_words *words, double size[3], struct orl_error *
 int orl_genbox(const char *const *words, size_t count, struct orl_text *text, struct orl_error *err)
 {
     struct orl_words rest = {"genbox", words + 1, count - 1};
-    struct orl_genbox box = {0};
+    struct genbox box = {0};
     int segments = 1, code;
     if (count < 6)
         return orl_error_set(err, ORL_ERR_SYNTAX,
@@ -262,13 +280,13 @@ int orl_genbox(const char *const *words, size_t count, struct orl_text *text, st
         code = read_option(&rest, &box, &segments, err);
     if (code < 0)
         return code;
-    /* Cylinders and spheres look right from outside only; from inside they would be in the way. */
+    /* Cylinders and spheres are right from outside only; from inside they would be in the way. */
     if (box.inverted && segments == 1)
         segments = 32;
     while (box.rounded && (1 << box.level) < segments)
         box.level++;
     if (box.level > 1)
-        return orl_genbox_pieces(&box, text, err);
+        return write_rounded_box(&box, text, err);
     add_box(text, &box);
     return 0;
 }

@@ -130,7 +130,8 @@ static void add_stick(struct branch *branch, const char *material, struct orl_ve
 static void add_branch(struct branch *branch, struct orl_vec3 from, struct orl_vec3 to,
                        double radius, int level);
 
-/* Adds a shoot to one side; which: from 1. Every draw has a fixed position in the sequence. */
+/* Adds a shoot to one side; which: from 1. Every random number has a fixed position in the
+ * sequence. */
 static void add_shoot(struct branch *branch, struct orl_vec3 from, struct orl_vec3 to,
                       double radius, int level, int which, double side)
 {

@@ -1,3 +1,4 @@
+/* Functions that generators of solids share; genblinds and genclock. */
 #include "scene/generate/solid/solids.h"
 
 #include <ctype.h>
@@ -52,7 +53,7 @@ void orl_text_add_cylinder(struct orl_text *text, const char *material, const ch
 
 /*
  * genblinds: slats one above the other. Each is a rectangle or, if bent about a line along it, so
- * many rectangles that two meet at no more than three degrees.
+ * many rectangles that two are joined at no more than three degrees.
  */
 
 enum { SLATS_MAX = 20000, PARTS_MAX = 60 };
@@ -97,7 +98,7 @@ static int read_blinds(struct blinds *blinds, struct orl_words *words, struct or
     return code;
 }
 
-/* Sets part k, from the edge at (x, z) to the other long side. */
+/* Sets rectangle k, from the edge at (x, z) to the other long side. */
 static void place_part(struct blinds *blinds, int k, double x, double z, double length,
                        double slope_rad)
 {

@@ -1,11 +1,11 @@
 /*
- * The generators of solids that scene files call. Each reads the words of its command (words[0] is
- * its name) and writes the scene text of Radiance's program of that name. The printed digits and
- * the names of surfaces are equal. genbox -o and -s are refused.
+ * The generators of solids and curved surfaces that scene files call. Each reads the words of its
+ * command (words[0] is its name) and writes the scene text of Radiance's program of that name. The
+ * printed digits and the names of surfaces are equal. genbox -o and -s are refused.
  *
  * Units are the scene's. Errors: as in generate.h, and ORL_ERR_LIMIT for solids with too many
- * pieces. References: genbox(1), genprism(1), genblinds(1), genclock(1), genrev(1), genworm(1) and
- * gensurf(1) of Radiance, and the output of these programs.
+ * surfaces. References: genbox(1), genprism(1), genblinds(1), genclock(1), genrev(1), genworm(1)
+ * and gensurf(1) of Radiance, and the output of these programs.
  */
 #ifndef ORL_SCENE_GENERATE_SOLID_SOLIDS_H
 #define ORL_SCENE_GENERATE_SOLID_SOLIDS_H
@@ -54,8 +54,7 @@ int orl_genworm(const char *const *words, size_t count, const struct orl_generat
 int orl_gensurf(const char *const *words, size_t count, const struct orl_generator_files *files,
                 struct orl_text *text, struct orl_error *err);
 
-/* ---- Shared
- * ----------------------------------------------------------------------------------- */
+/* ---- Shared ---------------------------------------------------------------------------------- */
 
 /* Reads a word that becomes a name in the text: of a material, or a prefix of surface names. */
 int orl_words_name(struct orl_words *words, const char *option, const char **ret_name,
@@ -108,31 +107,5 @@ int orl_expressions_compile(struct orl_generator_expressions *expressions, const
 /* Returns the values at one place; ORL_ERR_RANGE unless all are finite. */
 int orl_expressions_at(const struct orl_generator_expressions *expressions, const double *inputs,
                        double *ret_values, struct orl_error *err);
-
-/*
- * A box of genbox, from the origin to its size. Internal to genbox*.c.
- */
-
-struct orl_genbox {
-    const char *material, *name;
-    double size[3];
-    double bevel; /* depth of cut-off edges, or radius of round ones; 0: sharp edges */
-    bool rounded, inverted;
-    unsigned level; /* round edges have 2^level flat pieces each; below 2: cylinders and spheres */
-};
-
-/* Sides, edges and corners of a box with cut edges; each is a list of corners by letter. */
-extern const char orl_box_inset[6][5], orl_box_edges[12][3], orl_box_ends[8][2];
-
-/*
- * Returns a corner by its letter. The letters 0-9 . _ A-Z a-z count from 0. Bits 0 to 2: on the far
- * side in x, y and z; bits 3 to 5: inside that side by the bevel. For an inverted box near and far
- * are swapped, which flips every face and keeps its name.
- */
-struct orl_vec3 orl_box_corner(const struct orl_genbox *box, char letter);
-unsigned orl_box_code(char letter);
-
-/* Writes the box with round edges made of flat pieces. Returns 0 or ORL_ERR_NOMEM. */
-int orl_genbox_pieces(const struct orl_genbox *box, struct orl_text *text, struct orl_error *err);
 
 #endif

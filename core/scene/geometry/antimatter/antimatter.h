@@ -10,7 +10,7 @@
  * Volumes must be closed with normals pointing outwards; others are refused. The area of a facet
  * includes its cut parts.
  *
- * Included only by geometry.c and copies.c, which build and free holes, hits.c and linings.c.
+ * Included only by geometry.c and copies.c, which build and free holes, hits.c, and this folder.
  * Ownership: reference-counted, shared by a geometry and its subsets. Threads: immutable once
  * built.
  */
@@ -27,7 +27,7 @@ struct orl_hole {
     struct orl_geometry *shell, *matter;
     bool *cuts; /* by material: true if it is cut */
     uint32_t material;
-    /* lined: it has a lining; left_away: the lining is omitted (linings.h) */
+    /* has_lining: a material for the lining is given; lining_omitted: it is not used (see below) */
     bool has_lining, lining_omitted;
 };
 
@@ -47,8 +47,7 @@ int orl_holes_build(struct orl_geometry *geometry, const struct orl_parsed_scene
                     struct orl_error *err);
 
 /* copies.c */
-struct orl_holes *orl_holes_ref(struct orl_holes *holes); /* NULL is allowed */
-void orl_holes_unref(struct orl_holes *holes);            /* NULL is allowed */
+void orl_holes_unref(struct orl_holes *holes); /* NULL is allowed */
 
 /* Returns the exits from the volume along a ray, less the entries: above 0 if the point is
  * inside. */
@@ -67,16 +66,16 @@ bool orl_hole_is_lining(const struct orl_geometry *geometry, const struct orl_ho
 bool orl_holes_hit_remains(const struct orl_geometry *geometry, const struct orl_hit *hit);
 
 /*
- * Linings of antimatter (antimatter.h) where matter is ambiguous. The space behind a surface that
- * shows its back counts as matter. So a room whose surfaces face outwards is matter: the lining
- * would appear inside the room and block light. Radiance's rays, which count the volumes they
- * enter, meet no lining from within such a room.
+ * Linings of antimatter where matter is ambiguous. The space behind a surface that shows its back
+ * counts as matter. So a room whose surfaces face outwards is matter: the lining would appear
+ * inside the room and block light. Radiance's rays, which count the volumes they enter, meet no
+ * lining from within such a room.
  *
  * So a lining is omitted, as if it were "void", where windows in its volume face it on one side,
  * and open space on the other. The space behind a window is not matter. Rooms without windows only
  * get a warning, by the places of sensors and eyes (run/diagnostics/health_warnings.c).
  *
- * Threads: settled once, by one thread, before the geometry is shared or copied; then immutable.
+ * Threads: decided once, by one thread, before the geometry is shared or copied; then immutable.
  */
 
 /* is_window: by material, true if light passes it. */

@@ -1,4 +1,5 @@
-/* Builds antimatter: the geometry of each volume, and of the surfaces that it cuts. */
+/* Builds antimatter: the geometry of each volume, and of the surfaces that it cuts. Decides which
+ * linings apply. */
 #include <stdio.h>
 #include <stdlib.h>
 

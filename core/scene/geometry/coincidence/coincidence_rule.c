@@ -32,7 +32,7 @@ static bool materials_alike(const struct orl_material *a, const struct orl_mater
     return a == b ||
            (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
             a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
-            same_rgb(a->extinction, b->extinction) && same_rgb(a->scattered, b->scattered) &&
+            same_rgb(a->extinction, b->extinction) && same_rgb(a->scattering, b->scattering) &&
             a->asymmetry == b->asymmetry && a->roughness_pattern == b->roughness_pattern &&
             a->diffuse_side == b->diffuse_side &&
             same_vec(a->anisotropy_axis, b->anisotropy_axis) && same_rgb(a->gloss, b->gloss) &&

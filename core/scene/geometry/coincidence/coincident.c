@@ -121,7 +121,7 @@ static int warn_of_open(struct resolving *t, const struct orl_pairs *open)
 enum lot { LOSSES, OPPOSED, OPEN, NOTHING };
 
 /*
- * Classifies a pair. A proxy may coincide with the geometry that it stands for, and with another
+ * Classifies a pair. A proxy may coincide with the geometry that it represents, and with another
  * proxy that faces the other way.
  */
 static enum lot lot_of(const struct orl_parsed_scene *d, const struct orl_surface *a,

@@ -8,14 +8,14 @@
  * do, are each hit from their front: they stay whole, and are listed for geometry.c to choose by
  * the side that a ray comes from.
  *
- * All this is reported (coincidence_warnings.h), except where it has no effect: pairs of one
- * material are only counted, and for two-sided materials the orientation does not matter.
+ * All this is reported by warnings, except where it has no effect: pairs of one material are only
+ * counted, and for two-sided materials the orientation does not matter.
  *
  * Surfaces coincide within 1e-6 of the files' unit, as in Radiance, or within what rays can
- * resolve, 2^-21 of the scene's size. Quadrics and rings, and BSDFs that stand for geometry and
+ * resolve, 2^-21 of the scene's size. Quadrics and rings, and BSDFs that represent geometry and
  * face the same way, are left as they are: rays hit either, and a warning says so. Exact duplicates
- * are dropped first (duplicates.h), in n log n. Work on pairs is bounded in proportion to the
- * scene's corners; a warning reports what remains.
+ * are dropped first, in n log n. Work on pairs is bounded in proportion to the scene's corners; a
+ * warning reports what remains.
  */
 #ifndef ORL_SCENE_GEOMETRY_COINCIDENCE_COINCIDENT_H
 #define ORL_SCENE_GEOMETRY_COINCIDENCE_COINCIDENT_H
@@ -31,14 +31,14 @@
 int orl_coincident_resolve(struct orl_parsed_scene *parsed_scene, struct orl_error *err);
 
 /*
- * The rule for two coincident surfaces: which of them rays hit (described in coincident.h).
+ * The rule for two coincident surfaces: which of them rays hit.
  */
 
 /* Returns 1 for materials that transmit light, else 2. A BSDF counts as 2 unless it is an aBSDF. */
 int orl_coincidence_class(const struct orl_material *m);
 
 /*
- * Compares two coincident polygons of one description. Positive: rays hit a from both sides;
+ * Compares two coincident polygons of one parsed scene. Positive: rays hit a from both sides;
  * negative: b; 0: each is hit from its front. The order is transitive.
  */
 int orl_coincidence_compare(const struct orl_parsed_scene *d, const struct orl_surface *a,
@@ -51,7 +51,7 @@ bool orl_material_is_two_sided(const struct orl_material *m);
 bool orl_surfaces_alike(const struct orl_parsed_scene *d, const struct orl_surface *a,
                         const struct orl_surface *b);
 
-/* Returns true if the surface is a BSDF that stands for geometry (with a thickness). */
+/* Returns true if the surface is a BSDF that represents geometry (with a thickness). */
 bool orl_surface_is_proxy(const struct orl_parsed_scene *d, const struct orl_surface *s);
 
 /* Returns true if the surface bounds antimatter, where it need not be present. */
@@ -98,9 +98,9 @@ void orl_coincidence_warn_totals(struct orl_coincidence_warnings *warnings,
  * search for coincident pairs, which n duplicates would make quadratic.
  *
  * Polygons with the same corners, wherever the outline begins and in either direction, form a
- * group. By coincidence_rule.h all of a group lose to the winners of the two orientations, at most
- * two, and would be cut away. A winner cuts all that its losers would cut. Quadrics and rings are
- * dropped if they have the same kind and the same two-sided material.
+ * group. By orl_coincidence_compare all of a group lose to the winners of the two orientations, at
+ * most two, and would be cut away. A winner cuts all that its losers would cut. Quadrics and rings
+ * are dropped if they have the same kind and the same two-sided material.
  */
 
 /*

@@ -39,9 +39,14 @@ static bool holds_corners(const struct orl_surface *winner, const struct orl_sur
     return true;
 }
 
-bool orl_polygon_covers(const struct orl_parsed_scene *parsed_scene, const bool *is_cut,
-                        const struct orl_surface *winner, const struct orl_surface *loser,
-                        double tolerance)
+/*
+ * Returns true if the winner covers the loser completely. Only corners are compared: the result may
+ * be false for a concave winner, and is false for one with many corners. is_cut: by material, true
+ * if antimatter cuts it.
+ */
+static bool polygon_covers(const struct orl_parsed_scene *parsed_scene, const bool *is_cut,
+                           const struct orl_surface *winner, const struct orl_surface *loser,
+                           double tolerance)
 {
     const struct orl_parsed_scene *const d = parsed_scene;
     return winner != loser && may_be_covered(d, is_cut, winner) &&
@@ -72,14 +77,17 @@ static struct orl_vec3 point_of(const struct orl_surface *s)
     return s->kind == ORL_SURFACE_RING ? s->quadric->center[0] : s->vertices[0];
 }
 
-/* Returns a number that distinguishes planes: the distance, plus the normal's component along an
- * odd direction. */
+/* An arbitrary direction that no surface is likely to be parallel to. */
+static const struct orl_vec3 odd_direction = {0.5257311121191336, 0.3090169943749474,
+                                              0.7925302842541783};
+
+/* Returns a number that distinguishes planes: the distance, plus the normal's component along
+ * odd_direction. */
 static double plane_key(const struct orl_coincidence_scale *scale, const struct orl_surface *s)
 {
-    const struct orl_vec3 odd = {0.5257311121191336, 0.3090169943749474, 0.7925302842541783};
-    const double sign = orl_dot(s->normal, odd) < 0 ? -1 : 1;
+    const double sign = orl_dot(s->normal, odd_direction) < 0 ? -1 : 1;
     const double distance = orl_dot(s->normal, orl_sub(point_of(s), scale->middle));
-    return sign * (distance + scale->reach * orl_dot(s->normal, odd));
+    return sign * (distance + scale->reach * orl_dot(s->normal, odd_direction));
 }
 
 /* ---- Boxes ----------------------------------------------------------------------------------- */
@@ -259,7 +267,7 @@ static void bring_largest_first(struct flat *flats, size_t n, size_t n_largest,
             }
 }
 
-/* Removes each polygon that one of the largest covers completely, and keeps only that pair of it.
+/* Removes each polygon that one of the largest covers completely; only that pair of it is listed.
  * Returns false if out of memory. */
 static bool remove_covered(struct search *t, struct flat *flats, size_t *n)
 {
@@ -273,8 +281,8 @@ static bool remove_covered(struct search *t, struct flat *flats, size_t *n)
             return true; /* the caller polls too */
         for (; k < LARGEST && k < kept; k++) {
             t->budget->n++;
-            if (orl_polygon_covers(t->d, t->is_cut, &t->d->surfaces[flats[k].surface], loser,
-                                   t->scale.tolerance))
+            if (polygon_covers(t->d, t->is_cut, &t->d->surfaces[flats[k].surface], loser,
+                               t->scale.tolerance))
                 break;
         }
         if (k == LARGEST || k == kept)
@@ -348,9 +356,6 @@ struct quadric {
     uint32_t surface;
     double key;
 };
-
-static const struct orl_vec3 odd_direction = {0.5257311121191336, 0.3090169943749474,
-                                              0.7925302842541783};
 
 static enum family family_of(const struct orl_surface *s)
 {

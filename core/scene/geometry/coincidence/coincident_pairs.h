@@ -1,5 +1,6 @@
 /*
- * Growable lists of pairs of surfaces, by index.
+ * The search for pairs of surfaces that may coincide: lists of pairs, a tree of boxes, coplanar
+ * polygons and rings, quadrics.
  */
 #ifndef ORL_SCENE_GEOMETRY_COINCIDENCE_COINCIDENT_PAIRS_H
 #define ORL_SCENE_GEOMETRY_COINCIDENCE_COINCIDENT_PAIRS_H
@@ -13,6 +14,7 @@
 #include "base/memory/memory.h"
 #include "scene/parsed_scene.h"
 
+/* A pair of surfaces, by index. */
 struct orl_pair {
     uint32_t a, b;
 };
@@ -66,21 +68,6 @@ bool orl_box_tree_build(struct orl_box_tree *tree, const struct orl_box *boxes, 
 bool orl_box_tree_find(struct orl_box_tree *tree, const struct orl_box *box, int64_t after,
                        double pad, uint64_t *visits);
 void orl_box_tree_done(struct orl_box_tree *tree);
-
-/*
- * Polygons that another one of the same plane covers completely and wins against. One pair settles
- * such a polygon, so other overlaps need not be found: thousands of nested polygons cost as much as
- * thousands side by side.
- */
-
-/*
- * Returns true if the winner covers the loser completely. Only corners are compared: the result may
- * be false for a concave winner, and is false for one with many corners. is_cut: by material, true
- * if antimatter cuts it.
- */
-bool orl_polygon_covers(const struct orl_parsed_scene *parsed_scene, const bool *is_cut,
-                        const struct orl_surface *winner, const struct orl_surface *loser,
-                        double tolerance);
 
 /*
  * Finds pairs of polygons and rings that lie in one plane and near each other. They are candidates

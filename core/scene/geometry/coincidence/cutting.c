@@ -65,8 +65,8 @@ static void report_overlap(struct orl_cutting *t, const struct orl_surface *lose
                          winner, t->overlap.n == 0);
 }
 
-/* Keeps the winners that share an area with the loser, and reports them. If there are many, one
- * that covers the loser completely is kept alone. */
+/* Selects the winners that share an area with the loser, and reports them. If there are many, one
+ * that covers the loser completely is selected alone. */
 static int keep_overlapping(struct orl_cutting *t, const struct orl_surface *loser,
                             struct orl_pair *losses, size_t *n)
 {

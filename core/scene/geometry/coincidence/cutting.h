@@ -1,6 +1,5 @@
 /*
- * Boolean operations of coplanar polygons: whether two share an area, and the difference of one to
- * others.
+ * Cutting of coincident polygons, by boolean operations of coplanar outlines.
  */
 #ifndef ORL_SCENE_GEOMETRY_COINCIDENCE_CUTTING_H
 #define ORL_SCENE_GEOMETRY_COINCIDENCE_CUTTING_H
@@ -10,6 +9,11 @@
 #include "scene/geometry/coincidence/coincident.h"
 #include "scene/geometry/coincidence/coincident_pairs.h"
 #include "scene/geometry/triangulation/arrangement.h"
+
+/*
+ * Boolean operations of coplanar polygons: a test whether two share an area, and the difference of
+ * one to others.
+ */
 
 struct orl_outline {
     const struct orl_vec3 *vertices;
@@ -61,7 +65,7 @@ struct orl_cutting {
     bool cut_short; /* a limit was reached: some polygons stayed uncut */
 };
 
-/* Sets limits of comparisons and work in proportion to the description's corners. */
+/* Sets limits of comparisons and work in proportion to the parsed scene's corners. */
 void orl_cutting_bound(struct orl_cutting *cutting);
 
 struct orl_outline orl_outline_of(const struct orl_surface *polygon);

@@ -112,7 +112,7 @@ static bool in_first_alone(uint32_t layers)
     return layers == FIRST;
 }
 
-/* Finds the border of one part from the layers left of every edge. */
+/* Finds the border of one polygon from the layers left of every edge. */
 static void find_border(const struct orl_arrangement *a, const uint32_t *left, inside_fn *inside,
                         struct border *border)
 {

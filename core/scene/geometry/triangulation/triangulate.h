@@ -1,6 +1,6 @@
 /*
- * The order in which a sweep, upwards and at one height to the right, visits the nodes and edges of
- * an arrangement.
+ * Triangulation of polygons: the sweep over an arrangement, its order, and the mesh of corners and
+ * quads that results.
  */
 #ifndef ORL_SCENE_GEOMETRY_TRIANGULATION_TRIANGULATE_H
 #define ORL_SCENE_GEOMETRY_TRIANGULATION_TRIANGULATE_H
@@ -9,6 +9,11 @@
 
 #include "scene/geometry/geometry.h"
 #include "scene/geometry/triangulation/arrangement.h"
+
+/*
+ * The order in which a sweep, upwards and at one height to the right, visits the nodes and edges of
+ * an arrangement.
+ */
 
 struct orl_sweep_order {
     const struct orl_arrangement *arrangement;
@@ -58,8 +63,8 @@ bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item);
  * an odd number of edges beside it): seams that run there and back cancel, inner loops are holes in
  * either orientation, and outlines may cross and touch themselves.
  *
- * Convex outlines are cut at their corners, in double. All others go through arrangement.h and
- * sweep.h: places are exact to 2^-29 of the polygon's size. Corners of triangles are corners of the
+ * Convex outlines are cut at their corners, in double. All others go through an arrangement and the
+ * sweep: places are exact to 2^-29 of the polygon's size. Corners of triangles are corners of the
  * outline or its self-intersections. No corner lies on the side of another triangle.
  */
 

@@ -13,19 +13,20 @@ static struct orl_vec3 to_world(const struct orl_pattern *pattern, const double 
 }
 
 int orl_function_brdf_prism_rays(const struct orl_pattern *pattern, const struct orl_hit *hit,
-                                 struct orl_vec3 ray, struct orl_prism_ray ret_ways[ORL_PRISM_RAYS])
+                                 struct orl_vec3 ray, struct orl_prism_ray ret_rays[ORL_PRISM_RAYS])
 {
     double inputs[ORL_RAY_INPUTS], values[4 * ORL_PRISM_RAYS];
     int n = 0;
     orl_pattern_inputs(pattern, hit, orl_neg(ray), inputs);
     if (orl_pattern_run(pattern->function, inputs, values) != ORL_PATTERN_VALID)
         return 0;
-    for (int i = 0; i < (int)pattern->n_own / 4; i++) {
-        const double *const way = values + (ptrdiff_t)4 * i;
-        const struct orl_vec3 towards = to_world(pattern, way + 1);
+    for (int i = 0; i < (int)pattern->n_brdf_functions / 4; i++) {
+        const double *const values_of_ray = values + (ptrdiff_t)4 * i;
+        const struct orl_vec3 towards = to_world(pattern, values_of_ray + 1);
         const double length = orl_length(towards);
-        if (isfinite(way[0]) && isfinite(length) && length > 0)
-            ret_ways[n++] = (struct orl_prism_ray){way[0], orl_scale(towards, 1 / length), i};
+        if (isfinite(values_of_ray[0]) && isfinite(length) && length > 0)
+            ret_rays[n++] =
+                (struct orl_prism_ray){values_of_ray[0], orl_scale(towards, 1 / length), i};
     }
     return n;
 }

@@ -26,11 +26,11 @@ struct orl_prism_ray {
     int number;              /* index of the function */
 };
 
-/* Finds the ways of a ray that travels in a unit direction; leaves out those without a value.
- * Returns their number. */
+/* Finds the outgoing rays of a ray that travels in a unit direction; leaves out those without a
+ * value. Returns their number. */
 int orl_function_brdf_prism_rays(const struct orl_pattern *pattern, const struct orl_hit *hit,
                                  struct orl_vec3 ray,
-                                 struct orl_prism_ray ret_ways[ORL_PRISM_RAYS]);
+                                 struct orl_prism_ray ret_rays[ORL_PRISM_RAYS]);
 
 /* Directions of light and eye, unit, pointing away from the surface. */
 struct orl_lobe_pair {

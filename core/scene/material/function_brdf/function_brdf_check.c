@@ -16,7 +16,7 @@ enum { PLACES = 2, MOST_LOBE_TABLES = 2 };
 static const double slack = 0.01;
 /* Largest relative error of the coarse cells before lobes count as too narrow. */
 static const double narrow = 0.05;
-/* Prisms: largest share of irreversible ways, which are ignored; and the share that is worth a
+/* Prisms: largest share of irreversible rays, which are ignored; and the share that is worth a
  * warning. */
 static const double most_one_way = 0.05, least_one_way = 1e-3;
 
@@ -66,10 +66,10 @@ static int judge_prism(struct orl_parsed_scene *d, const struct orl_material *m,
 static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
                        const struct orl_lobe_statistics *f, struct orl_error *err)
 {
-    const double unlike = f->all > 0 ? f->unlike / f->all : 0;
+    const double coarse_error = f->all > 0 ? f->coarse_error / f->all : 0;
     for (int i = 0; i < 2; i++)
-        m->lobes->integrals[i] = f->integrals[i] / (double)f->looks;
-    m->lobes->narrow = unlike > narrow;
+        m->lobes->integrals[i] = f->integrals[i] / (double)f->n_directions;
+    m->lobes->narrow = coarse_error > narrow;
     m->lobes->opaque = !(f->integrals[1] > 0);
     if (f->max_steep > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE,
@@ -84,7 +84,7 @@ static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
         warn(d, m->lobes,
              "has lobes narrower than draws are made for: results are noisy, and no accuracy can "
              "be asked for; of its light",
-             100 * unlike);
+             100 * coarse_error);
     return 0;
 }
 
@@ -159,15 +159,15 @@ static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
                                        i < COSINES * AZIMUTHS ? cosine : -cosine));
 }
 
-/* Returns true if the material consists of sums only, whose parts all scatter light
- * independently. */
+/* Returns true if the material consists of sums only, whose terms all scatter light independently.
+ * */
 static bool is_sum(const struct orl_material *m)
 {
     return m->mixed && !m->mix && (!m->mixed[0].mixed || is_sum(&m->mixed[0])) &&
            (!m->mixed[1].mixed || is_sum(&m->mixed[1]));
 }
 
-/* Albedo of the other parts of a sum for light from that direction. */
+/* Albedo of the other terms of a sum for light from that direction. */
 static double rest_of(const struct orl_material *whole, const struct orl_material *part,
                       const struct orl_hit *hit, struct orl_vec3 light)
 {
@@ -192,7 +192,7 @@ static int test_lobes(struct orl_parsed_scene *d, const struct orl_material *who
     return judge_lobes(d, part, &statistics, err);
 }
 
-/* Tests the total albedo of a sum whose parts have no functions. */
+/* Tests the total albedo of a sum whose terms have no functions. */
 static int judge_sum(struct orl_parsed_scene *d, const struct orl_geometry *g,
                      const struct orl_material *m, const struct orl_hit hits[PLACES],
                      struct orl_error *err)
@@ -221,7 +221,7 @@ static bool has_function_brdf(const struct orl_material *m)
            (m->mixed && (has_function_brdf(&m->mixed[0]) || has_function_brdf(&m->mixed[1])));
 }
 
-/* Tests a material or a part of it. */
+/* Tests a material, or a term of a sum. */
 static int test_material(struct orl_parsed_scene *d, const struct orl_geometry *g,
                          const struct orl_material *whole, const struct orl_material *m,
                          const struct sample *sample, struct orl_error *err)

@@ -1,5 +1,6 @@
 /*
- * Tests of a prism's functions before rendering. Scattering itself is in kinds.h.
+ * Tests and tables of material functions before rendering: prisms, lobes. Scattering itself is in
+ * kinds.h.
  */
 #ifndef ORL_SCENE_MATERIAL_FUNCTION_BRDF_FUNCTION_BRDF_CHECK_H
 #define ORL_SCENE_MATERIAL_FUNCTION_BRDF_FUNCTION_BRDF_CHECK_H
@@ -7,8 +8,9 @@
 #include "scene/geometry/geometry.h"
 #include "scene/material/scatter.h"
 
+/* Findings of tests of a prism's functions. */
 struct orl_prism_statistics {
-    double all, irreversible; /* sums of eye rays' shares: all, and of irreversible ways */
+    double all, irreversible; /* sums of eye rays' shares: all, and of irreversible rays */
     double max_seen;          /* largest sum of radiance shares, for an eye ray */
     double max_sent;          /* largest sum of flux shares, for light */
 };
@@ -18,19 +20,20 @@ void orl_prism_measure(const struct orl_material *material, const struct orl_hit
                        struct orl_prism_statistics *statistics);
 
 /*
- * Tests and tables of lobe functions before rendering. Scattering itself is in kinds.h.
+ * Tests and tables of lobe functions.
  */
 
 enum { ORL_LOBE_TABLE_SIDE = 16 }; /* cells per axis of the sampling tables */
 
 struct orl_lobe_statistics {
-    double integrals[2]; /* integrals of the function, reflected and transmitted: sums over looks */
-    /* sums over looks, scaled by shares: all, integrals; unlike, error of the coarse cells */
-    double all, unlike;
-    double maximum;   /* largest albedo of a direction, over all parts */
-    double cosine;    /* cosine at which `most` was found */
+    double integrals[2]; /* integrals of the function, reflected and transmitted: sums over
+                            directions */
+    /* sums over directions, scaled by shares: integrals, and errors of the coarse cells */
+    double all, coarse_error;
+    double maximum;   /* largest albedo of a direction, over all kinds of scattering */
+    double cosine;    /* cosine at which `maximum` was found */
     double max_steep; /* largest albedo above a cosine of 0.4 */
-    size_t looks;
+    size_t n_directions;
 };
 
 /* Returns the offset in a precomputed table of the cells of one outgoing side, for an incident
@@ -52,25 +55,21 @@ void orl_lobe_table_fill(const struct orl_material *material, const struct orl_h
                          float *ret);
 
 /* Adds the findings for light from one direction at one place; rest: the albedo of the material's
- * other parts, 0..1. */
+ * other scattering, 0..1. */
 void orl_function_lobes_measure(const struct orl_material *material, const struct orl_hit *hit,
                                 struct orl_vec3 light, double rest,
                                 struct orl_lobe_statistics *statistics);
 
-/* Returns the first lobes among a material's parts that are too narrow for the sampling tables, or
- * NULL. */
-const struct orl_pattern *orl_function_lobes_narrow(const struct orl_material *material);
-/* orl_function_lobes_narrow over all surfaces. orl_function_lobes_any_transmits: true if any part
- * transmits light. */
+/* Returns the first lobes among all surfaces' materials that are too narrow for the sampling
+ * tables, or NULL. */
 const struct orl_pattern *orl_find_narrow_lobes(const struct orl_geometry *geometry,
                                                 const struct orl_material *materials);
+/* Returns true if any component of the material has lobes that transmit light. */
 bool orl_function_lobes_any_transmits(const struct orl_material *material);
-
-/* Tests of material functions over their surfaces, before rendering. */
 
 /*
  * Stores the integrals of lobes, warns, and refuses materials that would give wrong results: prisms
- * whose ways differ between light and eye, lobes with an albedo above 1. Returns 0, or
+ * whose rays differ between light and eye, lobes with an albedo above 1. Returns 0, or
  * ORL_ERR_RANGE or _UNSUPPORTED with file and line; ORL_ERR_LIMIT (too many such materials),
  * _CANCELLED or _NOMEM.
  */

@@ -1,16 +1,16 @@
 /*
  * Lobes by functions or data (plasfunc, metfunc, transfunc, plasdata, metdata, transdata, and
  * BRTDfunc, whose functions are the whole BRDF and BTDF of each channel). Light divides as for
- * plastic, metal and trans; the part that is not diffuse is scattered by a function of both
- * directions, 1/sr, times its share. The functions are used as given: they are not normalised, and
- * need not be reciprocal.
+ * plastic, metal and trans; light that is not scattered diffusely is scattered by a function of
+ * both directions, 1/sr, times its share. The functions are used as given: they are not normalised,
+ * and need not be reciprocal.
  *
  * Sampling is by the function, tabulated at the centres of SIDE x SIDE cells of equal projected
  * solid angle, uniform within a cell. A fixed share is sampled by the cosine alone, so that
  * features between the centres are found too. On flat surfaces, for functions that do not depend on
  * the place, the tables are made once before rendering, for as many incident directions
- * (orl_lobe_table_fill). Elsewhere each draw makes one with fewer cells. orl_function_lobes_measure
- * tests whether the cells resolve a lobe.
+ * (orl_lobe_table_fill). Elsewhere each sample makes one with fewer cells.
+ * orl_function_lobes_measure tests whether the cells resolve a lobe.
  */
 #include "scene/material/function_brdf/function_brdf_check.h"
 
@@ -142,7 +142,7 @@ static int cell_of(const struct orl_frame *frame, struct orl_vec3 direction, int
     return row * side + column;
 }
 
-/* Returns the precomputed cells for a draw's direction, or NULL. */
+/* Returns the precomputed cells for the direction of a query, or NULL. */
 static const float *find_lobe_table(const struct orl_bsdf_query *query, bool through)
 {
     const struct orl_pattern *const lobes = query->material->lobes;
@@ -379,7 +379,7 @@ void orl_function_lobes_measure(const struct orl_material *material, const struc
         const double fine = integral(material, hit, light, way == 1, FINE);
         const double coarse = integral(material, hit, light, way == 1, SIDE);
         statistics->integrals[way] += fine;
-        statistics->unlike += fabs(fine - coarse) * orl_rgb_max(scale.times);
+        statistics->coarse_error += fabs(fine - coarse) * orl_rgb_max(scale.times);
         statistics->all += fine * orl_rgb_max(scale.times);
         all += fine * orl_rgb_max(scale.times);
     }
@@ -389,15 +389,17 @@ void orl_function_lobes_measure(const struct orl_material *material, const struc
     }
     if (cosine > 0.4)
         statistics->max_steep = fmax(statistics->max_steep, all);
-    statistics->looks++;
+    statistics->n_directions++;
 }
 
-const struct orl_pattern *orl_function_lobes_narrow(const struct orl_material *material)
+/* Returns the first lobes among a material's components that are too narrow for the sampling
+ * tables, or NULL. */
+static const struct orl_pattern *narrow_lobes_of(const struct orl_material *material)
 {
     const struct orl_pattern *found =
         material->lobes && material->lobes->narrow ? material->lobes : NULL;
     for (int i = 0; i < 2 && !found && material->mixed; i++)
-        found = orl_function_lobes_narrow(&material->mixed[i]);
+        found = narrow_lobes_of(&material->mixed[i]);
     return found;
 }
 
@@ -406,7 +408,7 @@ const struct orl_pattern *orl_find_narrow_lobes(const struct orl_geometry *geome
 {
     const struct orl_pattern *found = NULL;
     for (size_t i = 0; i < geometry->n_facets && !found; i++)
-        found = orl_function_lobes_narrow(&materials[orl_facet_material(geometry, i)]);
+        found = narrow_lobes_of(&materials[orl_facet_material(geometry, i)]);
     return found;
 }
 

@@ -1,9 +1,9 @@
 /*
  * Glazing by functions of the angle (BRTDfunc without lobes). The functions give the mirrored and
  * the directly transmitted share of each channel. Their argument is the cosine between the outgoing
- * direction and the front normal (negative behind). The diffuse parts are constant: reflectances of
- * the front and the back, and one transmittance for both ways; these are lobes. Functions whose sum
- * exceeds 1, as approximations do at grazing, are scaled down to 1.
+ * direction and the front normal (negative behind). Diffuse scattering is constant: reflectances of
+ * the front and the back, and one transmittance for both directions; these are lobes. Functions
+ * whose sum exceeds 1, as approximations do at grazing, are scaled down to 1.
  */
 #include "scene/material/kinds.h"
 
@@ -20,8 +20,8 @@ struct passes {
     struct orl_rgb mirrored, straight;
 };
 
-/* Both shares are 0 where a function has no value; otherwise they are scaled to what the diffuse
- * parts leave. */
+/* Both shares are 0 where a function has no value; otherwise they are scaled to what diffuse
+ * scattering leaves. */
 static struct passes passes_of(const struct orl_material *material, const struct orl_hit *hit,
                                struct orl_vec3 light)
 {

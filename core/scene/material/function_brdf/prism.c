@@ -3,9 +3,9 @@
  * functions of its direction; nothing else is scattered. For eye rays the functions are used as in
  * Radiance: the share of the radiance from the new direction comes back along the ray.
  *
- * Light takes the same ways backwards. The functions, evaluated for a ray that travels as the light
- * does, give the ways; the share is that of an eye ray which looks back along the way. So the
- * functions must be their own inverse, as those of a real prism are. This is tested over all
+ * Light takes the same paths backwards. The functions, evaluated for a ray that travels as the
+ * light does, give the directions; the share is that of an eye ray that travels back along them. So
+ * the functions must be their own inverse, as those of a real prism are. This is tested over all
  * surfaces before rendering (orl_function_brdf_check), and refused where it fails.
  *
  * Flux is radiance times projected solid angle, which a prism may stretch. Light's shares are
@@ -16,7 +16,7 @@
 #include "scene/material/kinds.h"
 #include "scene/material/scatter.h"
 
-/* Cosine above which two directions are a way and its inverse: allows for rounding in the
+/* Cosine above which two directions are a path and its inverse: allows for rounding in the
  * functions. */
 static const double same_way = 1 - 1e-7;
 static const double step = 1e-4; /* step of finite differences, radians */
@@ -33,7 +33,7 @@ static bool is_through(const struct orl_hit *hit, struct orl_vec3 ray, struct or
     return orl_dot(ray, hit->normal) * orl_dot(towards, hit->normal) > 0;
 }
 
-/* Share of an eye ray that looks back along `towards`, for light that travels along ray. */
+/* Share of an eye ray that travels back along `towards`, for light that travels along ray. */
 static double seen_share(const struct orl_material *m, const struct orl_hit *hit,
                          struct orl_vec3 ray, struct orl_vec3 towards)
 {
@@ -48,7 +48,7 @@ static double seen_share(const struct orl_material *m, const struct orl_hit *hit
 
 /* ---- Eye rays -------------------------------------------------------------------------------- */
 
-/* Ways of an eye ray travelling along ray that light takes too; returns their number. */
+/* Outgoing rays of an eye ray travelling along ray that light takes too; returns their number. */
 static int rays_of_eye(const struct orl_material *m, const struct orl_hit *hit, struct orl_vec3 ray,
                        struct prism_ray ret_ways[ORL_PRISM_RAYS])
 {
@@ -99,7 +99,7 @@ static double stretch(const struct orl_material *m, const struct orl_hit *hit, s
     return orl_length(orl_cross(slopes[0], slopes[1]));
 }
 
-/* Ways of light that travels along ray, with shares of flux; returns their number. */
+/* Outgoing rays of light that travels along ray, with shares of flux; returns their number. */
 static int rays_of_light(const struct orl_material *m, const struct orl_hit *hit,
                          struct orl_vec3 ray, struct prism_ray ret_ways[ORL_PRISM_RAYS])
 {

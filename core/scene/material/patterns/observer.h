@@ -1,9 +1,9 @@
 /*
  * Conversion of spectra by CIE's standard observer of 1931 (2 degrees), and to RGB.
  *
- * RGB is Radiance's (bsdf/color.h): an equal-energy spectrum of 1 is white, 1 in each channel.
- * Colours outside the gamut are moved towards grey of the same luminance until no channel is below
- * 0. Wavelengths are in nm; outside 380 to 780 the response is 0.
+ * RGB is Radiance's: an equal-energy spectrum of 1 is white, 1 in each channel. Colours outside the
+ * gamut are moved towards grey of the same luminance until no channel is below 0. Wavelengths are
+ * in nm; outside 380 to 780 the response is 0.
  *
  * Reference: CIE 15, colour-matching functions in steps of 5 nm, linear in between.
  */

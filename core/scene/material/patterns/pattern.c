@@ -20,7 +20,8 @@ static bool is_inside(const struct orl_glyph *glyph, double x, double y)
     return inside;
 }
 
-bool orl_lettering_covers(const struct orl_lettering *text, struct orl_vec3 place)
+/* Returns true if a place lies in one of the letters. */
+static bool lettering_covers(const struct orl_lettering *text, struct orl_vec3 place)
 {
     const struct orl_vec3 from = orl_sub(place, text->origin);
     const double x = orl_dot(from, text->right) * text->unit, y = orl_dot(from, text->down);
@@ -100,7 +101,7 @@ static void look_up(const struct orl_pattern *pattern, const double *place, doub
 
 static const uint32_t no_facet = UINT32_MAX; /* facet of hits on distant light */
 
-/* Returns NULL if the surface's corners were not kept. */
+/* Returns NULL if the surface's corners were not stored. */
 const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
                                               const struct orl_hit *hit)
 {
@@ -285,7 +286,7 @@ void orl_pattern_make_constant(struct orl_pattern *pattern)
 
 static bool covers(const struct orl_pattern *pattern, const struct orl_hit *hit)
 {
-    return orl_lettering_covers(pattern->text, orl_add(hit->point, pattern->center));
+    return lettering_covers(pattern->text, orl_add(hit->point, pattern->center));
 }
 
 /* The pattern's own factor, without the patterns under it. */

@@ -1,9 +1,35 @@
 /*
- * Texts in a polygonal font: tests whether a place lies in one of the letters.
+ * Patterns: factors of a material's colour that vary over its surface. They are functions
+ * (brightfunc, colorfunc), or values on grids (brightdata, colordata, colorpict), of the place, the
+ * normal and, for emitters, the direction. A pattern may modify another: their factors multiply.
  *
- * A place's coordinates are (x, y) of origin + x right + y down; lines are 1 apart from the top. A
- * letter is a polygon on a square of 255 by 255, from the lower left, by the even-odd rule; letters
- * may overlap. Units: the world's. Ownership: all in a description's arena. Immutable once made.
+ * A mixture of two materials that differ only in colours and patterns is a pattern too. Its
+ * function's value, clamped to 0..1, is the first's share of the colour; where it has no value, the
+ * share is 1. For two materials of different kinds (scatter.h) the pattern's factor is the first's
+ * share, by the same rule.
+ *
+ * A reflector's colour with its pattern is clamped to 0..1 in each channel; Radiance would let a
+ * surface reflect more than it gets, or less than nothing. Where a function has no value
+ * (function.h) or takes too long, the colour is left unchanged.
+ *
+ * Mean and maximum come from evaluation at 1 024 places of equal area, fewer if there are very many
+ * patterns, towards cosine-distributed directions; the planners' bound of a patterned surface is
+ * this maximum. For patterns used only by distant light, mean and maximum are over its directions.
+ * Rays find such light by chance: a warning is given where a thousandth of all directions has more
+ * than a fourth of the light.
+ *
+ * Spectra (spectrum, specfile, specfunc, specdata) are converted by the standard observer
+ * (observer.h): constant ones when they are read, others at every hit, band by band.
+ *
+ * Texts have two factors, in letters and around them (orl_lettering); as mixtures their share is 1
+ * or 0.
+ *
+ * A texture (texture.h) is a pattern whose three values perturb the normal; patterns and textures
+ * may modify each other.
+ *
+ * Frames: hits are in the geometry's moved coordinates, functions in their own. Patterns on
+ * instances (instances.h) are evaluated where the prototype was read. Ownership: a parsed scene
+ * owns its patterns. Threads: immutable once the scene is built; each thread has its own scratch.
  */
 #ifndef ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
 #define ORL_SCENE_MATERIAL_PATTERNS_PATTERN_H
@@ -18,6 +44,14 @@
 #include "scene/grid/grid.h"
 #include "scene/material/function_brdf/function_brdf.h"
 #include "scene/material/patterns/observer.h"
+
+/*
+ * Texts in a polygonal font: tests whether a place lies in one of the letters.
+ *
+ * A place's coordinates are (x, y) of origin + x right + y down; lines are 1 apart from the top. A
+ * letter is a polygon on a square of 255 by 255, from the lower left, by the even-odd rule; letters
+ * may overlap. Units: the scene's. Ownership: all in a parsed scene's arena. Immutable once made.
+ */
 
 enum { ORL_GLYPH_SIDE = 255 };
 
@@ -47,43 +81,6 @@ struct orl_lettering {
     size_t n_lines;
 };
 
-bool orl_lettering_covers(const struct orl_lettering *text, struct orl_vec3 place);
-
-/*
- * Patterns: factors of a material's colour that vary over its surface. They are functions
- * (brightfunc, colorfunc), or values on grids (brightdata, colordata, colorpict), of the place, the
- * normal and, for emitters, the direction. A pattern may modify another: their factors multiply.
- *
- * A mixture of two materials that differ only in colours and patterns is a pattern too. Its
- * function's value, clamped to 0..1, is the first's share of the colour; where it has no value, the
- * share is 1. For two materials of different kinds (scatter.h) the pattern's factor is the first's
- * share, by the same rule.
- *
- * A reflector's colour with its pattern is clamped to 0..1 in each channel; Radiance would let a
- * surface reflect more than it gets, or less than nothing. Where a function has no value
- * (function.h) or takes too long, the colour is left unchanged.
- *
- * Mean and maximum come from evaluation at 1 024 places of equal area, fewer if there are very many
- * patterns, towards cosine-distributed directions; the planners' bound of a patterned surface is
- * this maximum. For patterns used only by distant light, mean and maximum are over its directions.
- * Rays find such light by chance: a warning is given where a thousandth of all directions has more
- * than a fourth of the light.
- *
- * Spectra (spectrum, specfile, specfunc, specdata) are converted by the standard observer
- * (observer.h): constant ones when they are read, others at every hit, band by band.
- *
- * Texts have two factors, in letters and around them (lettering.h); as mixtures their share is 1 or
- * 0.
- *
- * A texture (texture.h) is a pattern whose three values perturb the normal; patterns and textures
- * may modify each other.
- *
- * Frames: hits are in the geometry's moved coordinates, functions in their own. Patterns on
- * instances (instances.h) are evaluated where the prototype was read.
- * Ownership: a description owns its patterns. Threads: immutable once settled; each thread has its
- * own scratch.
- */
-
 /* limit of function evaluations of one pattern with all it depends on */
 enum { ORL_PATTERN_STEPS = 64 };
 
@@ -109,7 +106,7 @@ struct orl_pattern {
     size_t key_size;
     /* owned; gives one factor, or three; with grids, their coordinates */
     struct orl_function *function;
-    const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* borrowed from the description */
+    const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* borrowed from the parsed scene */
     uint32_t n_grids;                                /* 1 for a picture with all channels */
     struct orl_function *values;     /* owned; factors from the grids' values; NULL without grids */
     const struct orl_pattern *under; /* pattern of the same sort that modifies this one; or NULL */
@@ -125,12 +122,12 @@ struct orl_pattern {
     const struct orl_spectral_band
         *bands; /* bands of a spectrum, in the arena: `values` is evaluated for each; or NULL */
     uint32_t n_bands;
-    enum orl_function_brdf_kind own; /* not a pattern, but functions of a material */
-    uint32_t n_own;                  /* number of these functions */
+    enum orl_function_brdf_kind function_brdf; /* not a pattern, but functions of a material */
+    uint32_t n_brdf_functions;                 /* number of these functions */
     bool sided; /* lobes: the front is the surface's, not the eye's side (BRTDfunc) */
-    struct orl_lobe_table *lobe_table; /* owned; lobes: tables by normal (function_lobes.h) */
+    struct orl_lobe_table *lobe_table; /* owned; lobes: tables by normal */
     uint32_t n_lobe_tables;
-    bool narrow;         /* lobes: too narrow for the sampling tables (function_lobes.h) */
+    bool narrow;         /* lobes: too narrow for the sampling tables */
     bool opaque;         /* lobes: none transmits light */
     double integrals[2]; /* lobes: mean integrals, reflected and transmitted */
     bool mixture;
@@ -140,13 +137,13 @@ struct orl_pattern {
     bool coloured;          /* true if it or a pattern under it has three factors */
     bool directed;          /* it or a pattern under it depends on the ray's direction */
     bool uses_mesh_uv;      /* it uses a mesh's coordinates (Lu Lv) */
-    uint32_t index;         /* in the description */
+    uint32_t index;         /* in the parsed scene */
     struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
     double scale;                        /* length of the function's unit in the files' units */
     struct orl_vec3 center;              /* the geometry's centre */
     const struct orl_geometry *geometry; /* NULL until geometry is built */
-    const struct orl_parsed_scene *parsed_scene; /* the description that owns it */
+    const struct orl_parsed_scene *parsed_scene; /* the parsed scene that owns it */
     struct orl_rgb mean, maximum;
 };
 
@@ -182,8 +179,8 @@ enum { ORL_PATTERN_ANGLES = 6 };
 bool orl_pattern_of_angle(const struct orl_pattern *pattern, double cosine,
                           double ret_values[ORL_PATTERN_ANGLES]);
 
-/* Returns the surface that was hit as it was read, if it belongs to a mesh; others are not kept.
- * orl_pattern_corners: barycentric coordinates of corners b and c at a hit. */
+/* Returns the surface that was hit as it was read, if it belongs to a mesh; other surfaces are not
+ * stored. orl_pattern_corners: barycentric coordinates of corners b and c at a hit. */
 const struct orl_surface *orl_pattern_surface(const struct orl_pattern *pattern,
                                               const struct orl_hit *hit);
 void orl_pattern_corners(const struct orl_pattern *pattern, const struct orl_hit *hit,
@@ -213,13 +210,13 @@ int orl_patterns_measure(struct orl_parsed_scene *parsed_scene, const struct orl
 
 /*
  * Shared by the files that evaluate patterns: inputs of functions, and validity of values. Internal
- * to pattern*.c and own.c.
+ * to this folder and function_brdf.c.
  */
 
 /* Validity of a function's values at a hit; without a value the colour stays unchanged. */
 enum orl_pattern_validity { ORL_PATTERN_VALID, ORL_PATTERN_UNDEFINED, ORL_PATTERN_TOO_LONG };
 
-/* Stores a direction in the function's frame, from that input on (ray_names.h). */
+/* Stores a direction in the function's frame, from that input on (function/function.h). */
 void orl_pattern_set_direction(const struct orl_pattern *pattern, double *inputs,
                                enum orl_ray_input first, struct orl_vec3 direction);
 /* Sets all inputs for a hit seen from that direction. */

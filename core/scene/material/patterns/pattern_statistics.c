@@ -161,9 +161,9 @@ static void warn_of_concentration(struct orl_parsed_scene *parsed_scene,
 }
 
 /* Evaluates a pattern over the directions of a source, in equal solid angles. */
-static int settle_distant(struct orl_parsed_scene *parsed_scene,
-                          const struct orl_distant_source *distant, struct orl_pattern *pattern,
-                          bool alone, struct orl_error *err)
+static int measure_distant_pattern(struct orl_parsed_scene *parsed_scene,
+                                   const struct orl_distant_source *distant,
+                                   struct orl_pattern *pattern, bool alone, struct orl_error *err)
 {
     const double least = cos(0.5 * distant->angle_deg * ORL_DEG_TO_RAD);
     double *const lumas = malloc(sizeof *lumas * DIRECTIONS);
@@ -200,16 +200,16 @@ static int settle_distant(struct orl_parsed_scene *parsed_scene,
     return code;
 }
 
-static int settle_distants(struct orl_parsed_scene *parsed_scene, const size_t *first,
-                           struct orl_error *err)
+static int measure_distant_patterns(struct orl_parsed_scene *parsed_scene, const size_t *first,
+                                    struct orl_error *err)
 {
     int code = 0;
     for (size_t i = 0; i < parsed_scene->n_distant_sources && code == 0; i++) {
         const struct orl_distant_source *const distant = &parsed_scene->distant_sources[i];
         struct orl_pattern *const p = parsed_scene->materials[distant->material].pattern;
         if (p)
-            code = settle_distant(parsed_scene, distant, p, first[p->index + 1] == first[p->index],
-                                  err);
+            code = measure_distant_pattern(parsed_scene, distant, p,
+                                           first[p->index + 1] == first[p->index], err);
     }
     return code;
 }
@@ -237,7 +237,7 @@ int orl_patterns_measure(struct orl_parsed_scene *parsed_scene, const struct orl
         warn(parsed_scene, pattern, without, places);
     }
     if (code == 0)
-        code = settle_distants(parsed_scene, first, err);
+        code = measure_distant_patterns(parsed_scene, first, err);
     free(first);
     free(sorted);
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory for patterns") : code;

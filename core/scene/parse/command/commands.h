@@ -1,14 +1,18 @@
 /*
- * Markers of replmarks: polygons of a given modifier that are replaced by an object placed at them.
- * A marker is a right triangle: its longest side is ignored, the next is the object's x axis, the
- * third its y axis, and these two meet at its origin. Reference: replmarks(1) of Radiance; numbers
- * are rounded as it prints them.
+ * Commands with a source of their own: replmarks (markers.c), pkgBSDF and mgf2rad (pkgbsdf.c).
  */
 #ifndef ORL_SCENE_PARSE_COMMAND_COMMANDS_H
 #define ORL_SCENE_PARSE_COMMAND_COMMANDS_H
 
 #include "scene/generate/mgf/mgf.h"
 #include "scene/parse/parser.h"
+
+/*
+ * Markers of replmarks: polygons of a given modifier that are replaced by an object placed at them.
+ * A marker is a right triangle: its longest side is ignored, the next is the object's x axis, the
+ * third its y axis, and these two meet at its origin. Reference: replmarks(1) of Radiance; numbers
+ * are rounded as it prints them.
+ */
 
 enum { ORL_MARKERS_MAX = 128 };
 
@@ -44,7 +48,7 @@ int orl_marker_place(struct orl_parser *parser, const struct orl_scope *scope, d
 
 /*
  * Geometry that comes with BSDF files: the command pkgBSDF -s FILE.xml, which puts proxy faces of
- * the panel's size in front of and behind its MGF geometry; and mgf2rad, for MGF files. Both write
+ * the BSDF's size in front of and behind its MGF geometry; and mgf2rad, for MGF files. Both write
  * scene text, which is then read.
  */
 

@@ -17,7 +17,7 @@ struct package {
 
 /* ---- Faces ----------------------------------------------------------------------------------- */
 
-/* Adds the panel's rectangle as a proxy in front of (offset positive) or behind its geometry; 0:
+/* Adds the BSDF's rectangle as a proxy in front of (offset positive) or behind its geometry; 0:
  * there is no geometry. Like pkgBSDF it leaves a small clearance. */
 static void add_face(struct orl_text *text, const struct package *package, double offset)
 {

@@ -1,8 +1,9 @@
 /*
  * glTF 2.0 (.glb; .gltf with embedded or separate buffers): the triangles of its scene, placed by
  * its nodes. Units are metres; the axes (y up) are converted to Radiance's: x, y, z become x, -z,
- * y. Faces are wavefront.h's: the material's name; the node's name or else the mesh's; normals if
- * the mesh has them. Blanks in names become underscores; "line" is the triangle's number.
+ * y. Faces are those of mesh_formats.h: the material's name; the node's name or else the mesh's;
+ * normals if the mesh has them. Blanks in names become underscores; "line" is the triangle's
+ * number.
  *
  * Vertices may be quantized (KHR_mesh_quantization) or sparse, meshes instanced
  * (EXT_mesh_gpu_instancing). Colours, textures, cameras, lights and animation are ignored. Content

@@ -1,9 +1,5 @@
 /*
- * Objects of a glTF file's JSON, with checked access to their members. Messages name an object by
- * its position, such as "nodes[3]".
- *
- * Functions return 0 or ORL_ERR_SYNTAX with err filled. If a member is absent they return 0 and
- * leave the output unchanged.
+ * Access to a glTF file for gltf.c: objects of its JSON, buffers, accessors, transforms.
  */
 #ifndef ORL_SCENE_PARSE_GLTF_GLTF_FILE_H
 #define ORL_SCENE_PARSE_GLTF_GLTF_FILE_H
@@ -19,6 +15,14 @@
 #include "scene/parse/gltf/gltf.h"
 
 /* All pointers are borrowed. */
+/*
+ * Objects of a glTF file's JSON, with checked access to their members. Messages name an object by
+ * its position, such as "nodes[3]".
+ *
+ * Functions return 0 or ORL_ERR_SYNTAX with err filled. If a member is absent they return 0 and
+ * leave the output unchanged.
+ */
+
 struct orl_gltf_item {
     const char *file;
     const json_t *root, *object;

@@ -47,7 +47,7 @@ int orl_binary_open(const char *data, size_t size, const char *format,
 
 /* ---- Numbers and strings --------------------------------------------------------------------- */
 
-void orl_binary_skip(struct orl_binary_reader *reader, uint64_t bytes)
+static void skip_bytes(struct orl_binary_reader *reader, uint64_t bytes)
 {
     if (bytes > reader->size - reader->at) {
         reader->ended = true;
@@ -60,7 +60,7 @@ void orl_binary_skip(struct orl_binary_reader *reader, uint64_t bytes)
 int64_t orl_binary_int(struct orl_binary_reader *reader, unsigned bytes)
 {
     const unsigned char *at = reader->data + reader->at;
-    orl_binary_skip(reader, bytes);
+    skip_bytes(reader, bytes);
     if (reader->ended)
         return 0;
     uint64_t value = at[0] & 0x80 ? UINT64_MAX : 0; /* sign extension */
@@ -84,7 +84,7 @@ const char *orl_binary_string(struct orl_binary_reader *reader)
     const char *text = (const char *)reader->data + reader->at;
     const char *end = memchr(text, '\0', left < STRING_BYTES ? left : STRING_BYTES);
     if (!end) {
-        orl_binary_skip(reader, left + (uint64_t)1);
+        skip_bytes(reader, left + (uint64_t)1);
         return "";
     }
     reader->at += (size_t)(end - text) + 1;
@@ -104,7 +104,7 @@ int orl_binary_skip_octree(struct orl_binary_reader *reader, unsigned bytes, str
             const int64_t count = orl_binary_int(reader, bytes);
             if (count < 0)
                 return orl_binary_fail(reader, "a leaf of its octree is damaged", err);
-            orl_binary_skip(reader, (uint64_t)(count < INT32_MAX ? count : INT32_MAX) * bytes);
+            skip_bytes(reader, (uint64_t)(count < INT32_MAX ? count : INT32_MAX) * bytes);
         } else if (kind == TREE) {
             nodes += CHILDREN;
         } else if (kind != EMPTY) {
@@ -164,7 +164,7 @@ static void add_numbers(struct orl_binary_reader *reader, struct orl_text *text,
     orl_text_add(text, "\n");
 }
 
-/* An alias has one word; or none, if it stands for its modifier with all its properties. */
+/* An alias has one word; or none, if it represents its modifier with all its properties. */
 static void add_alias(struct orl_binary_reader *reader, struct orl_text *text, const char *modifier,
                       const char *name)
 {

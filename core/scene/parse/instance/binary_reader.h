@@ -32,7 +32,6 @@ int64_t orl_binary_int(struct orl_binary_reader *reader, unsigned bytes);
 double orl_binary_number(struct orl_binary_reader *reader);
 /* Returns "" beyond the end, or if the string is longer than Radiance allows. */
 const char *orl_binary_string(struct orl_binary_reader *reader);
-void orl_binary_skip(struct orl_binary_reader *reader, uint64_t bytes);
 
 /* Skips an octree whose leaves are sets of integers of that size in bytes. */
 int orl_binary_skip_octree(struct orl_binary_reader *reader, unsigned bytes, struct orl_error *err);
@@ -48,10 +47,10 @@ struct orl_binary_names {
 };
 
 /*
- * Converts primitives to scene text: calls take with pieces of text, each of whole primitives, in
- * order. In the file primitives refer to each other by number, in the text by name, which is
- * equivalent unless a name is defined twice. Fills names meanwhile. Returns 0, ORL_ERR_SYNTAX,
- * _NOMEM, or take's error.
+ * Converts primitives to scene text: calls take with successive texts, each of whole primitives. In
+ * the file primitives refer to each other by number, in the text by name, which is equivalent
+ * unless a name is defined twice. Fills names meanwhile. Returns 0, ORL_ERR_SYNTAX, _NOMEM, or
+ * take's error.
  */
 int orl_binary_primitives(struct orl_binary_reader *reader, unsigned bytes,
                           struct orl_binary_names *names,
@@ -61,7 +60,7 @@ int orl_binary_primitives(struct orl_binary_reader *reader, unsigned bytes,
 
 /*
  * Triangles of a compiled mesh: vertices in patches of at most 256; triangles index them by patch
- * and position. Reference: see binary.h.
+ * and position. Reference: see above.
  */
 
 struct orl_patch_triangle {
@@ -93,8 +92,8 @@ struct orl_patch_frame {
  * case. */
 int orl_patches_read(struct orl_binary_reader *reader, const struct orl_patch_frame *frame,
                      struct orl_patches *ret, struct orl_error *err);
-/* Returns false if a corner is not a vertex. *ret_placed: all corners have (u, v); *ret_turned: all
- * have normals. */
+/* Returns false if a corner is not a vertex. *ret_has_uv: all corners have (u, v);
+ * *ret_has_normals: all have normals. */
 bool orl_patches_corners(const struct orl_patches *patches, const struct orl_patch_triangle *t,
                          struct orl_vec3 ret_corners[3], double ret_uv[6], bool *ret_has_uv,
                          struct orl_vec3 ret_normals[3], bool *ret_has_normals);

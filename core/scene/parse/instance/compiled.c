@@ -1,3 +1,14 @@
+/*
+ * The primitives instance and mesh: scenes that oconv has compiled into an octree, and triangles
+ * that obj2mesh has compiled. Their octrees are skipped; for an octree that is not frozen, the
+ * files it names are read.
+ *
+ * Names inside are separate: a file sees no modifiers from outside, and its own are not visible
+ * there. A modifier of the primitive itself, other than void, replaces all modifiers inside.
+ *
+ * Normals and (u, v) of a mesh's corners are read (material_table.c). Files that occur several
+ * times may be stored once (instanced_files.h).
+ */
 #include "scene/parse/parser.h"
 
 #include <stdio.h>

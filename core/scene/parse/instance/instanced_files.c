@@ -167,7 +167,7 @@ int orl_instanced_files_add(struct orl_parser *parser, const struct orl_instance
     if (!is_fit(parser, before, &has_patterns))
         return 0;
     const char *const prefix = prefixed(parser, scope, "");
-    /* Files read within this one become part of it, and are not placed elsewhere yet. */
+    /* Files read within this one belong to it, and are not instanced in other places yet. */
     while (r->n > 0 && r->items[r->n - 1].first >= before->surfaces)
         r->n--;
     if (!prefix || !orl_array_reserve(&r->items, &r->room, r->n, sizeof *r->items))
@@ -206,7 +206,7 @@ static void order_places(const struct orl_instanced_files *r, struct orl_parsed_
         d->placements[d->n_placements++] = r->places[next++];
 }
 
-/* Makes a prototype of the repeat's surfaces. */
+/* Makes a prototype of the surfaces of an instanced file. */
 static bool make_prototype(const struct orl_instanced_file *item, struct orl_parsed_scene *d)
 {
     struct orl_prototype *const prototype = &d->prototypes[d->n_prototypes];
@@ -222,7 +222,8 @@ static bool make_prototype(const struct orl_instanced_file *item, struct orl_par
     return true;
 }
 
-/* Returns the number of surfaces taken out before index; *next: the first repeat not yet passed. */
+/* Returns the number of surfaces taken out before index; *next: the first instanced file not yet
+ * passed. */
 static size_t count_before(const struct orl_instanced_files *r, size_t index, size_t *next,
                            size_t *gone)
 {

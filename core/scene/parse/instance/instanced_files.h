@@ -9,7 +9,7 @@
  *
  * Patterns and textures of such a file are evaluated where it was read first
  * (geometry/instances.h). Patterns from outside the file may only depend on a mesh's coordinates;
- * its own must not depend on the world's position in their frame (Ix, Tx and the like). Files with
+ * its own must not depend on the scene's position in their frame (Ix, Tx and the like). Files with
  * any are stored once from two places on.
  */
 #ifndef ORL_SCENE_PARSE_INSTANCE_INSTANCED_FILES_H
@@ -68,7 +68,7 @@ int orl_instanced_files_add(struct orl_parser *parser, const struct orl_instance
                             const struct orl_parser_counts *before, const struct orl_scope *scope,
                             struct orl_error *err);
 
-/* Makes prototypes, and expands those with too few places. Everything else in the description must
+/* Makes prototypes, and expands those with too few places. Everything else in the parsed scene must
  * be complete. Returns 0, ORL_ERR_LIMIT or ORL_ERR_NOMEM. */
 int orl_instanced_files_finish(struct orl_instanced_files *instanced_files,
                                struct orl_parsed_scene *parsed_scene, struct orl_error *err);

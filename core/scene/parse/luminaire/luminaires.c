@@ -9,24 +9,38 @@
 #include "scene/grid/ies.h"
 #include "scene/parse/command/commands.h"
 
-static const double shape_tiny = 1e-6;
+/* Luminaires: the shape of the luminous opening, then the scene text of the whole. */
 
-static struct orl_luminaire_shape box(double length, double width, double height)
+static const double tiny = 1e-6;
+
+/* ---- Shape of the luminous opening, from the sizes in the IES file -----------------------------
+ */
+
+/* Lower bound of sizes. */
+#define MIN_M 1e-3
+
+enum luminaire_body { BODY_BOX, BODY_DISC, BODY_BALL };
+
+/* In metres: along x, along y, height. For round shapes length and width are the diameter. */
+struct luminaire_shape {
+    enum luminaire_body body;
+    double length, width, height;
+};
+
+static struct luminaire_shape box(double length, double width, double height)
 {
-    return (struct orl_luminaire_shape){ORL_LUMINAIRE_BOX, fmax(length, ORL_LUMINAIRE_MIN_M),
-                                        fmax(width, ORL_LUMINAIRE_MIN_M),
-                                        fmax(height, ORL_LUMINAIRE_MIN_M / 2)};
+    return (struct luminaire_shape){BODY_BOX, fmax(length, MIN_M), fmax(width, MIN_M),
+                                    fmax(height, MIN_M / 2)};
 }
 
-static struct orl_luminaire_shape disc(double width, double height)
+static struct luminaire_shape disc(double width, double height)
 {
-    return (struct orl_luminaire_shape){ORL_LUMINAIRE_DISC, width, width,
-                                        fmax(height, ORL_LUMINAIRE_MIN_M / 2)};
+    return (struct luminaire_shape){BODY_DISC, width, width, fmax(height, MIN_M / 2)};
 }
 
 /* Replaces an ellipse by a disc if it is nearly round, else by its bounding box. */
-static struct orl_luminaire_shape ellipse(double length, double width, double height,
-                                          struct orl_text *text)
+static struct luminaire_shape ellipse(double length, double width, double height,
+                                      struct orl_text *text)
 {
     const double mean = (length + width) / 2;
     const bool round = fabs(length - mean) < mean / 2;
@@ -43,16 +57,17 @@ static int sign_of(double size)
 /* Signs of length, width and height, - 0 +, as one number. */
 #define SIGNS(l, w, h) (100 * ((l) + 1) + 10 * ((w) + 1) + (h) + 1)
 
-bool orl_luminaire_shape_of(const struct orl_ies *ies, struct orl_text *text,
-                            struct orl_luminaire_shape *ret)
+/* Interprets the signs of the sizes by the edition of LM-63: before 1995, of 1995, since 2002.
+ * Returns false if they mean no shape. Adds a warning to text if a shape is approximated. */
+static bool read_shape(const struct orl_ies *ies, struct orl_text *text,
+                       struct luminaire_shape *ret)
 {
     const double l = fabs(ies->length), w = fabs(ies->width), h = fabs(ies->height);
     const int signs = 100 * sign_of(ies->length) + 10 * sign_of(ies->width) + sign_of(ies->height);
     const bool is_1986 = ies->year == 1986, is_1995 = ies->year == 1995;
     switch (signs) {
     case SIGNS(0, 0, 0):
-        *ret = (struct orl_luminaire_shape){ORL_LUMINAIRE_BALL, ORL_LUMINAIRE_MIN_M,
-                                            ORL_LUMINAIRE_MIN_M, ORL_LUMINAIRE_MIN_M};
+        *ret = (struct luminaire_shape){BODY_BALL, MIN_M, MIN_M, MIN_M};
         return true;
     case SIGNS(1, 1, 0):
     case SIGNS(1, 1, 1):
@@ -67,18 +82,18 @@ bool orl_luminaire_shape_of(const struct orl_ies *ies, struct orl_text *text,
         *ret = disc(w, h);
         return is_1986 || is_1995;
     case SIGNS(0, -1, -1):
-        *ret = (struct orl_luminaire_shape){ORL_LUMINAIRE_BALL, w, w, w};
+        *ret = (struct luminaire_shape){BODY_BALL, w, w, w};
         return is_1995;
     case SIGNS(-1, -1, 0):
     case SIGNS(-1, -1, 1):
-        *ret = fabs(l - w) < shape_tiny ? disc(w, h) : ellipse(w, l, h, text);
+        *ret = fabs(l - w) < tiny ? disc(w, h) : ellipse(w, l, h, text);
         return !is_1986 && !is_1995;
     case SIGNS(1, -1, 0):
         *ret = ellipse(l, w, 0, text);
         return is_1986;
     case SIGNS(-1, -1, -1):
-        *ret = (struct orl_luminaire_shape){ORL_LUMINAIRE_BALL, w, w, w};
-        if (fabs(l - w) < shape_tiny && fabs(l - h) < shape_tiny)
+        *ret = (struct luminaire_shape){BODY_BALL, w, w, w};
+        if (fabs(l - w) < tiny && fabs(l - h) < tiny)
             return true;
         break;
     case SIGNS(-1, 1, 1):
@@ -95,8 +110,6 @@ bool orl_luminaire_shape_of(const struct orl_ies *ies, struct orl_text *text,
     return l > 0 || w > 0;
 }
 
-static const double tiny = 1e-6;
-
 struct luminaire {
     const char *file; /* name usable in scene text */
     char name[128];
@@ -109,7 +122,7 @@ struct luminaire {
 
 /* ---- Scene text ------------------------------------------------------------------------------ */
 
-static void add_rectangle(const struct luminaire *lamp, const struct orl_luminaire_shape *s,
+static void add_rectangle(const struct luminaire *lamp, const struct luminaire_shape *s,
                           const char *suffix, const int corners[4], struct orl_text *text)
 {
     orl_text_add(text, "'%s_light' polygon '%s.%s'\n0\n0\n12\n", lamp->name, lamp->name, suffix);
@@ -119,7 +132,7 @@ static void add_rectangle(const struct luminaire *lamp, const struct orl_luminai
                      (corners[i] & 4 ? .5 : -.5) * s->height * lamp->unit);
 }
 
-static void add_disc(const struct luminaire *lamp, const struct orl_luminaire_shape *s, int side,
+static void add_disc(const struct luminaire *lamp, const struct luminaire_shape *s, int side,
                      struct orl_text *text)
 {
     orl_text_add(text, "'%s_light' ring '%s.%s'\n0\n0\n8 0 0 %g 0 0 %d 0 %g\n", lamp->name,
@@ -131,28 +144,28 @@ struct faces {
     bool lower, upper, sides;
 };
 
-static void add_body(const struct luminaire *lamp, const struct orl_luminaire_shape *s,
+static void add_body(const struct luminaire *lamp, const struct luminaire_shape *s,
                      const struct faces *faces, struct orl_text *text)
 {
     static const int down[4] = {0, 2, 3, 1}, up[4] = {4, 5, 7, 6},
                      sides[4][4] = {{0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}};
     static const char *const names[4] = {"1", "2", "3", "4"};
-    if (s->body == ORL_LUMINAIRE_BALL) {
+    if (s->body == BODY_BALL) {
         orl_text_add(text, "'%s_light' sphere '%s.s'\n0\n0\n4 0 0 0 %g\n", lamp->name, lamp->name,
                      .5 * s->width * lamp->unit);
         return;
     }
-    if (faces->lower && s->body == ORL_LUMINAIRE_BOX)
+    if (faces->lower && s->body == BODY_BOX)
         add_rectangle(lamp, s, "d", down, text);
-    if (faces->upper && s->body == ORL_LUMINAIRE_BOX)
+    if (faces->upper && s->body == BODY_BOX)
         add_rectangle(lamp, s, "u", up, text);
-    for (int i = 0; i < 4 && faces->sides && s->body == ORL_LUMINAIRE_BOX; i++)
+    for (int i = 0; i < 4 && faces->sides && s->body == BODY_BOX; i++)
         add_rectangle(lamp, s, names[i], sides[i], text);
-    if (faces->lower && s->body == ORL_LUMINAIRE_DISC)
+    if (faces->lower && s->body == BODY_DISC)
         add_disc(lamp, s, -1, text);
-    if (faces->upper && s->body == ORL_LUMINAIRE_DISC)
+    if (faces->upper && s->body == BODY_DISC)
         add_disc(lamp, s, 1, text);
-    if (faces->sides && s->body == ORL_LUMINAIRE_DISC)
+    if (faces->sides && s->body == BODY_DISC)
         orl_text_add(text, "'%s_light' cylinder '%s.c'\n0\n0\n7 0 0 %g 0 0 %g %g\n", lamp->name,
                      lamp->name, .5 * s->height * lamp->unit, -.5 * s->height * lamp->unit,
                      .5 * s->width * lamp->unit);
@@ -192,28 +205,27 @@ static void add_tilt(const struct luminaire *lamp, const struct orl_ies_tilt *ti
 }
 
 static void add_distribution(const struct luminaire *lamp, const struct orl_ies *ies,
-                             const struct orl_luminaire_shape *s, bool sides, struct orl_text *text)
+                             const struct luminaire_shape *s, bool sides, struct orl_text *text)
 {
     const double factor = lamp->factor * ies->factor;
-    const double area =
-        s->body == ORL_LUMINAIRE_BOX ? s->width * s->length : M_PI / 4 * s->width * s->width;
+    const double area = s->body == BODY_BOX ? s->width * s->length : M_PI / 4 * s->width * s->width;
     const char *angles, *turn;
     name_angles(ies, &angles, &turn);
-    const bool flat = s->body == ORL_LUMINAIRE_BALL || !sides;
+    const bool flat = s->body == BODY_BALL || !sides;
     const int n = 3 + (strchr(angles, ' ') ? 2 : 1) + (*turn ? 2 : 0);
     if (ies->tilt.n > 0)
         orl_text_add(text, "'%s_tilt'", lamp->name);
     else
         orl_text_add(text, "void");
     orl_text_add(text, " brightdata '%s_dist'\n%d %s '%s' source.cal %s%s\n0\n", lamp->name, n,
-                 s->body == ORL_LUMINAIRE_BALL   ? "corr"
-                 : !sides                        ? "flatcorr"
-                 : s->body == ORL_LUMINAIRE_DISC ? "cylcorr"
-                                                 : "boxcorr",
+                 s->body == BODY_BALL   ? "corr"
+                 : !sides               ? "flatcorr"
+                 : s->body == BODY_DISC ? "cylcorr"
+                                        : "boxcorr",
                  lamp->file, angles, turn);
     if (flat)
         orl_text_add(text, "1 %g\n", factor / area);
-    else if (s->body == ORL_LUMINAIRE_DISC)
+    else if (s->body == BODY_DISC)
         orl_text_add(text, "3 %g %g %g\n", factor, s->width, s->height);
     else
         orl_text_add(text, "4 %g %g %g %g\n", factor, s->length, s->width, s->height);
@@ -238,19 +250,19 @@ static void warn_of_angles(const struct orl_ies *ies, struct orl_text *text)
 
 /* Writes the whole luminaire except its geometry, around which it is an illum. */
 static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies, bool geometry,
-                         struct orl_text *text, struct orl_luminaire_shape *ret_shape,
+                         struct orl_text *text, struct luminaire_shape *ret_shape,
                          struct orl_error *err)
 {
     const double size = 2 * lamp->illum_radius / lamp->unit;
-    struct orl_luminaire_shape shape = {ORL_LUMINAIRE_BALL, size, size, size};
-    if (!(lamp->illum_radius > 0) && !orl_luminaire_shape_of(ies, text, &shape))
+    struct luminaire_shape shape = {BODY_BALL, size, size, size};
+    if (!(lamp->illum_radius > 0) && !read_shape(ies, text, &shape))
         return orl_error_set(err, ORL_ERR_RANGE, "its sizes make no shape that LM-63 has");
-    if (lamp->illum_radius > 0 && size < ORL_LUMINAIRE_MIN_M)
+    if (lamp->illum_radius > 0 && size < MIN_M)
         return orl_error_set(err, ORL_ERR_RANGE, "ies2rad: the radius of -i is too small");
     struct faces faces = {
         .lower =
             ies->vertical[0]<90 - tiny, .upper = ies->vertical[ies->n_vertical - 1]> 90 + tiny};
-    faces.sides = faces.lower && faces.upper && shape.height > ORL_LUMINAIRE_MIN_M;
+    faces.sides = faces.lower && faces.upper && shape.height > MIN_M;
     warn_of_angles(ies, text);
     if (ies->tilt.n > 0)
         add_tilt(lamp, &ies->tilt, text);
@@ -266,7 +278,7 @@ static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies
 /* Adds the luminaire's geometry from its MGF file, in metres. Its lamps glow only within the size
  * of the opening: the emitted light is the measured one. scope: of the IES file. */
 static int add_geometry(const struct luminaire *lamp, const struct orl_ies *ies,
-                        const struct orl_luminaire_shape *shape, struct orl_parser *parser,
+                        const struct luminaire_shape *shape, struct orl_parser *parser,
                         const struct orl_scope *scope, struct orl_text *text, struct orl_error *err)
 {
     const double size = sqrt(shape->width * shape->width + shape->height * shape->height +
@@ -321,8 +333,9 @@ static int find_in_file(struct luminaire *lamp, struct orl_lamp_table *table,
 
 /* Sets the colour of its lamp from the table, as ies2rad does; without a table the given colour
  * stays. */
-static int settle_lamp(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
-                       const struct orl_file *file, struct orl_text *text, struct orl_error *err)
+static int apply_lamp_table(struct luminaire *lamp, struct orl_parser *parser, const char *folder,
+                            const struct orl_file *file, struct orl_text *text,
+                            struct orl_error *err)
 {
     const bool is_default = lamp->type && strcmp(lamp->type, no_lamp) == 0;
     struct orl_error missing = {0};
@@ -395,7 +408,7 @@ static int write_luminaire(struct luminaire *lamp, struct orl_parser *parser, co
     char beside[512];
     const struct orl_scope scope = {.file = resolved, .folder = beside};
     struct orl_ies ies;
-    struct orl_luminaire_shape shape = {.body = ORL_LUMINAIRE_BALL};
+    struct luminaire_shape shape = {.body = BODY_BALL};
     bool geometry = false;
     if (snprintf(beside, sizeof beside, "%.*s", slash ? (int)(slash - resolved) : 0, resolved) >=
         (int)sizeof beside)
@@ -403,7 +416,7 @@ static int write_luminaire(struct luminaire *lamp, struct orl_parser *parser, co
     int code = orl_ies_read(resolved, file->data, file->size, &ies, err);
     if (code < 0)
         return code;
-    code = settle_lamp(lamp, parser, folder, file, text, err);
+    code = apply_lamp_table(lamp, parser, folder, file, text, err);
     if (code == 0)
         code = read_tilt_file(parser, beside, &ies, err);
     if (code == 0)

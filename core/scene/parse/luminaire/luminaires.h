@@ -2,9 +2,9 @@
  * Luminaires: converts IES files (grid/ies.h) as Radiance's ies2rad does. The result is a light
  * whose radiance varies with direction, on a box, disc, cylinder or sphere of the luminous
  * opening's size about the origin; down is -z. The lamp's colour and depreciation come from the
- * table lamp.tab (lamp_table.h), among the scene's files or in the user's library. The words that
- * the file has for its lamp select the entry; without a table or such words the lamp is white. The
- * MGF file that [LUMINOUSGEOMETRY] names, next to the IES file, is placed within an illum.
+ * table lamp.tab (see below), among the scene's files or in the user's library. The words that the
+ * file has for its lamp select the entry; without a table or such words the lamp is white. The MGF
+ * file that [LUMINOUSGEOMETRY] names, next to the IES file, is placed within an illum.
  */
 #ifndef ORL_SCENE_PARSE_LUMINAIRE_LUMINAIRES_H
 #define ORL_SCENE_PARSE_LUMINAIRE_LUMINAIRES_H
@@ -28,24 +28,6 @@ int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
 /* Writes an IES file that is itself a part of the scene, in metres; scope: the file's. */
 int orl_luminaire_write(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_file *file, struct orl_text *text, struct orl_error *err);
-
-/* Shape of a luminaire's luminous opening, from the sizes in its IES file. */
-
-/* Lower bound of sizes. */
-#define ORL_LUMINAIRE_MIN_M 1e-3
-
-enum orl_luminaire_body { ORL_LUMINAIRE_BOX, ORL_LUMINAIRE_DISC, ORL_LUMINAIRE_BALL };
-
-/* In metres: along x, along y, height. For round shapes length and width are the diameter. */
-struct orl_luminaire_shape {
-    enum orl_luminaire_body body;
-    double length, width, height;
-};
-
-/* Interprets the signs of the sizes by the edition of LM-63: before 1995, of 1995, since 2002.
- * Returns false if they mean no shape. Adds a warning to text if a shape is approximated. */
-bool orl_luminaire_shape_of(const struct orl_ies *ies, struct orl_text *text,
-                            struct orl_luminaire_shape *ret);
 
 /*
  * Tables of lamps, as Radiance's lamp.tab(5): the colour of a lamp that some words name, and its

@@ -1,3 +1,7 @@
+/*
+ * Materials defined by functions, and sums of materials: prism1 to transdata, BRTDfunc (WGMDfunc:
+ * wgmd_material.c).
+ */
 #include <math.h>
 #include <string.h>
 
@@ -111,7 +115,7 @@ int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl
 /*
  * BRTDfunc. Without lobes and patterns it is glazing, whose mirrored and straight shares are
  * functions of the angle (material/function_brdf/glazing.c). They are evaluated at many angles from
- * both sides, which also gives their bounds. Otherwise it is a sum: of the diffuse parts, to which
+ * both sides, which also gives their bounds. Otherwise it is a sum: of diffuse scattering, to which
  * the pattern applies, of such shares, and of lobes by functions of both directions
  * (material/function_brdf/function_lobes.c).
  */
@@ -169,7 +173,7 @@ static int check_angle(struct orl_parser *parser, const struct orl_scope *scope,
     return 0;
 }
 
-/* Reads the shares by angle, which add to the diffuse parts. */
+/* Reads the shares by angle, which add to diffuse scattering. */
 static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_material *material, struct orl_error *err)
 {
@@ -202,7 +206,7 @@ static int read_glazing(struct orl_parser *parser, const struct orl_scope *scope
     return code < 0 ? code : read_angles(parser, scope, material, err);
 }
 
-/* Reads the parts that exist: diffuse, mirrored and straight, lobes. */
+/* Reads the terms that exist: diffuse, mirrored and straight, lobes. */
 static int read_sum(struct orl_parser *parser, const struct orl_scope *scope,
                     struct orl_material *material, struct orl_error *err)
 {

@@ -41,8 +41,9 @@ int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope
     return ORL_ERR_UNSUPPORTED;
 }
 
-int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
-                             struct orl_error *err)
+/* Checks that a string argument is '.', where Radiance's types name a function file. */
+static int expect_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
+                              struct orl_error *err)
 {
     const char *text = orl_primitive_string(&parser->primitive, i);
     if (strcmp(text, ".") == 0)
@@ -72,8 +73,10 @@ bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
     }
 }
 
-int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
-                           int32_t *ret_seen_as, struct orl_error *err)
+/* Finds the material that the first string argument names, for views: its index, or that of the
+ * material it is seen as, or ORL_SEEN_AS_NOTHING. */
+static int find_alternate(struct orl_parser *parser, const struct orl_scope *scope,
+                          int32_t *ret_seen_as, struct orl_error *err)
 {
     const char *name = orl_primitive_string(&parser->primitive, 0);
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
@@ -156,9 +159,9 @@ static void clamp_reflector(struct orl_parser *parser, const struct orl_scope *s
         orl_parser_tally(parser, scope, &parser->white);
 }
 
-/* Clamps a transmissivity or a mirror's reflectance to at most 1. */
-void orl_material_clamp_clear(struct orl_parser *parser, const struct orl_scope *scope,
-                              struct orl_rgb *share)
+/* Clamps a transmissivity or a mirror's reflectance that is slightly above 1, with a warning. */
+static void clamp_clear(struct orl_parser *parser, const struct orl_scope *scope,
+                        struct orl_rgb *share)
 {
     lift_negative_rgb(parser, scope, share);
     if (clamp_rgb(share, nextafter(1, 2), 1))
@@ -220,7 +223,7 @@ static int read_anisotropy_axis(struct orl_parser *parser, const struct orl_scop
     for (size_t i = 0; i < 3 && code == 0; i++)
         code = orl_material_number(parser, scope, i, anisotropy_axis + i, err);
     if (code == 0)
-        code = orl_material_no_function(parser, scope, 3, err);
+        code = expect_no_function(parser, scope, 3, err);
     if (code == 0)
         code = orl_parser_string_xform(parser, scope, 4, &xform, err);
     if (code < 0)
@@ -302,7 +305,7 @@ int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *s
         return code;
     material->transmissivity = orl_material_rgb(parser, 0);
     material->ior = has_index ? parser->primitive.reals[3] : 1.52;
-    orl_material_clamp_clear(parser, scope, &material->transmissivity);
+    clamp_clear(parser, scope, &material->transmissivity);
     code = orl_material_check_range(parser, scope, material->transmissivity, true, "transmissivity",
                                     err);
     if (code == ORL_ERR_RANGE)
@@ -376,7 +379,7 @@ int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *sc
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its eccentricity %g is not between -1 and 1", material->asymmetry);
     material->extinction = orl_rgb_scale(extinction, per_length);
-    material->scattered = orl_rgb_mul(material->extinction, albedo);
+    material->scattering = orl_rgb_mul(material->extinction, albedo);
     return 0;
 }
 
@@ -412,7 +415,7 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
     material->seen_as = ORL_SEEN_AS_NOTHING;
     if (code == 0 && n_strings > 0)
-        code = orl_material_alternate(parser, scope, &material->seen_as, err);
+        code = find_alternate(parser, scope, &material->seen_as, err);
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);
@@ -429,7 +432,7 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     return check_radiance(parser, scope, material->color, err);
 }
 
-/* The length of the aim vector is the distance of the focus behind the lamp. */
+/* The length of the axis vector is the distance of the focus behind the lamp. */
 int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scope *scope,
                                 struct orl_material *material, struct orl_error *err)
 {
@@ -500,7 +503,7 @@ int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *
     int32_t instead = ORL_SEEN_AS_ITSELF;
     int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
     if (code == 0 && n_strings > 0)
-        code = orl_material_alternate(parser, scope, &instead, err);
+        code = find_alternate(parser, scope, &instead, err);
     if (code < 0)
         return code;
     if (instead != ORL_SEEN_AS_ITSELF && replaces_mirror(parser, instead)) {
@@ -514,6 +517,6 @@ int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *
                         "not '%.100s'",
                         parser->primitive.id, scope->file, parser->primitive.line,
                         orl_primitive_string(&parser->primitive, 0));
-    orl_material_clamp_clear(parser, scope, &material->color);
+    clamp_clear(parser, scope, &material->color);
     return orl_material_check_range(parser, scope, material->color, true, "reflectance", err);
 }

@@ -11,7 +11,7 @@
 typedef int (*orl_material_reader)(struct orl_parser *parser, const struct orl_scope *scope,
                                    struct orl_material *material, struct orl_error *err);
 
-/* material_readers.c; reflector: plastic, metal, trans; grained: plastic2, metal2, trans2 */
+/* material_readers.c; reflector: plastic, metal, trans; anisotropic: plastic2, metal2, trans2 */
 int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scope *scope,
                                 struct orl_material *material, struct orl_error *err);
 int orl_material_read_anisotropic(struct orl_parser *parser, const struct orl_scope *scope,
@@ -41,7 +41,7 @@ int orl_parser_texture_mixture(struct orl_parser *parser, const struct orl_scope
 int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);
 
-/* mirror_material.c */
+/* material_readers.c */
 int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
                              struct orl_material *material, struct orl_error *err);
 
@@ -49,11 +49,11 @@ int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *
 int orl_material_read_wgmd(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);
 
-/* glazing_material.c */
+/* function_materials.c */
 int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_material *material, struct orl_error *err);
 
-/* function_brdf_reader.c */
+/* function_materials.c */
 int orl_material_read_prism(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err);
 
@@ -74,15 +74,6 @@ int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *sc
  * direction. */
 bool orl_material_is_patterned(enum orl_material_kind kind, bool directed);
 
-/* Finds the material that the first string argument names, for views: its index, or that of the
- * material it is seen as, or ORL_SEEN_AS_NOTHING. */
-int orl_material_alternate(struct orl_parser *parser, const struct orl_scope *scope,
-                           int32_t *ret_seen_as, struct orl_error *err);
-
-/* Clamps a transmissivity or a mirror's reflectance that is slightly above 1, with a warning. */
-void orl_material_clamp_clear(struct orl_parser *parser, const struct orl_scope *scope,
-                              struct orl_rgb *c);
-
 /* Returns three number arguments from index i on. */
 struct orl_rgb orl_material_rgb(const struct orl_parser *parser, size_t i);
 
@@ -100,13 +91,9 @@ int orl_material_check_reflector(struct orl_parser *parser, const struct orl_sco
 int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
                         double *ret_value, struct orl_error *err);
 
-/* Checks that a string argument is '.', where Radiance's types name a function file. */
-int orl_material_no_function(struct orl_parser *parser, const struct orl_scope *scope, size_t i,
-                             struct orl_error *err);
-
 /*
  * Materials that are sums of other materials (material/mixture.c): WGMDfunc, and BRTDfunc with
- * lobes. Parts are added one after the other.
+ * lobes. Terms are added one after the other.
  */
 
 struct orl_material_sum {
@@ -115,7 +102,7 @@ struct orl_material_sum {
     struct orl_error *err;
     struct orl_material own; /* has the main modifier's pattern and texture */
     struct orl_material sum; /* sum so far */
-    bool any;                /* a part was added */
+    bool any;                /* a term was added */
 };
 
 /* Returns a material of that kind and colour, with defaults otherwise. */
@@ -132,7 +119,7 @@ int orl_material_sum_add_reflected(struct orl_material_sum *sum, struct orl_rgb 
 int orl_material_sum_add_through(struct orl_material_sum *sum, struct orl_rgb color,
                                  struct orl_pattern *pattern);
 
-/* Returns the sum; black if it has no parts. */
+/* Returns the sum; black if it has no terms. */
 struct orl_material orl_material_sum_result(const struct orl_material_sum *sum);
 
 #endif

@@ -1,4 +1,5 @@
-/* The table of materials while a scene is read. */
+/* The table of materials while a scene is read; copies of materials with a mesh's corner normals.
+ * */
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,7 +31,7 @@ static bool same_reflector(const struct orl_material *a, const struct orl_materi
            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
            a->prism_rays == b->prism_rays && a->lobes == b->lobes &&
            a->transmitted == b->transmitted && a->transmitted_specular == b->transmitted_specular &&
-           same_rgb(a->extinction, b->extinction) && same_rgb(a->scattered, b->scattered) &&
+           same_rgb(a->extinction, b->extinction) && same_rgb(a->scattering, b->scattering) &&
            a->asymmetry == b->asymmetry;
 }
 

@@ -36,7 +36,7 @@ static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, 
     return ORL_ERR_UNSUPPORTED;
 }
 
-/* Returns true if the kind may be part of a mixture of different kinds. */
+/* Returns true if the kind may occur in a mixture of different kinds. */
 static bool is_mixable(enum orl_material_kind kind)
 {
     switch (kind) {

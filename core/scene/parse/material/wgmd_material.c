@@ -132,7 +132,7 @@ static int make_pattern(struct reading *r, const char *type, const char *part,
     return 0;
 }
 
-/* Reads the part's share of the light, which may be a function. */
+/* Reads the share of a term of the light, which may be a function. */
 static int read_share(struct reading *r, size_t first, struct orl_material *part, double *ret_share)
 {
     const char *const text = string_at(r, first + VALUE);
@@ -168,7 +168,7 @@ static int read_roughness(struct reading *r, size_t first, struct orl_material *
     return 0;
 }
 
-/* Reads the direction of the anisotropy axis, which matters if a part is rough. */
+/* Reads the direction of the anisotropy axis, which matters if a term is rough. */
 static int read_anisotropy_axis(struct reading *r)
 {
     struct orl_xform xform;
@@ -219,7 +219,7 @@ static int add_directed(struct reading *r, size_t first)
     return code < 0 ? code : orl_material_sum_add(&r->sum, &part);
 }
 
-/* All reflecting parts must share one normal, because mirror directions depend on it. */
+/* All reflecting terms must share one normal, because mirror directions depend on it. */
 static int find_texture(struct reading *r, const struct orl_material *m,
                         struct orl_pattern **texture, bool *found)
 {

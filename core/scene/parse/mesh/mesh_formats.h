@@ -1,8 +1,6 @@
 /*
- * Wavefront OBJ: its polygonal faces with their names. Lines, points and curved surfaces are
- * counted and ignored, as are materials of .mtl files: the name in usemtl is that of a modifier.
- * Units and axes are the file's. Reference: Wavefront, "Object Files (.obj)", appendix B1 of the
- * Advanced Visualizer's manual.
+ * Readers of mesh files without a scene: Wavefront OBJ, STL, and rules for the materials of faces
+ * (glTF: gltf/gltf.h).
  */
 #ifndef ORL_SCENE_PARSE_MESH_MESH_FORMATS_H
 #define ORL_SCENE_PARSE_MESH_MESH_FORMATS_H
@@ -14,6 +12,13 @@
 #include <oriel/base/error.h>
 #include <oriel/base/vec.h>
 
+/*
+ * Wavefront OBJ: its polygonal faces with their names. Lines, points and curved surfaces are
+ * counted and ignored, as are materials of .mtl files: the name in usemtl is that of a modifier.
+ * Units and axes are the file's. Reference: Wavefront, "Object Files (.obj)", appendix B1 of the
+ * Advanced Visualizer's manual.
+ */
+
 enum { ORL_WAVEFRONT_NAME = 128, ORL_WAVEFRONT_GROUPS = 16 };
 
 struct orl_wavefront_face {
@@ -23,7 +28,7 @@ struct orl_wavefront_face {
     size_t n_corners; /* at least three */
     uint64_t number;  /* from 1 */
     int line;         /* 1-based */
-    /* Names; "" if not given. Of too many groups the first are kept. */
+    /* Names; "" if not given. If there are too many groups, only the first are stored. */
     char material[ORL_WAVEFRONT_NAME], map[ORL_WAVEFRONT_NAME], object[ORL_WAVEFRONT_NAME];
     char groups[ORL_WAVEFRONT_GROUPS][ORL_WAVEFRONT_NAME];
     size_t n_groups;

@@ -148,7 +148,7 @@ static int set_closely(const struct setting *s, int gap)
     return pen + gap / 2;
 }
 
-/* Returns the end of the part that begins at letter i: behind more than INDENT spaces, or at the
+/* Returns the end of the text that begins at letter i: behind more than INDENT spaces, or at the
  * line's end. */
 static size_t end_of_part(const struct setting *s, size_t i, int *ret_letters)
 {
@@ -167,7 +167,8 @@ static size_t end_of_part(const struct setting *s, size_t i, int *ret_letters)
     return i;
 }
 
-/* Sets letters closely, then stretches each part to one mean width per letter. */
+/* Sets letters closely, then stretches each text between indentations to one mean width per letter.
+ * */
 static int set_in_steps(const struct setting *s, int gap)
 {
     set_closely(s, gap);

@@ -63,7 +63,7 @@ static int load_context(struct orl_parser *parser, const struct orl_scope *scope
 /* ---- Programs ---------------------------------------------------------------------------------
  */
 
-/* Sets the pattern's frame by inverting its transform to the world. */
+/* Sets the pattern's frame by inverting its transform to the scene. */
 static void place_pattern(struct orl_pattern *pattern, const struct orl_xform *to_world)
 {
     const struct orl_vec3 *const r = to_world->row;
@@ -94,12 +94,12 @@ static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_R
 
 /* Returns true for inputs that only functions of materials have: those oriented to the front, the
  * colour, the light. */
-static bool is_function_brdf_input(enum orl_function_brdf_kind own, int i)
+static bool is_function_brdf_input(enum orl_function_brdf_kind kind, int i)
 {
-    if (own == ORL_FUNCTION_BRDF_LOBES)
+    if (kind == ORL_FUNCTION_BRDF_LOBES)
         return (i >= ORL_RAY_NXP && i <= ORL_RAY_CBP) ||
                (i >= ORL_RAY_LIGHT_X && i <= ORL_RAY_LIGHT_Z);
-    return own == ORL_FUNCTION_BRDF_GLAZING && i == ORL_RAY_RDOTP;
+    return kind == ORL_FUNCTION_BRDF_GLAZING && i == ORL_RAY_RDOTP;
 }
 
 /* Refuses inputs other than the place, the normal and the direction. */
@@ -111,7 +111,7 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         const bool directed = i == ORL_RAY_RDOT || (i >= ORL_RAY_DX && i <= ORL_RAY_DZ);
         const bool uses_mesh_uv = i == ORL_RAY_LU || i == ORL_RAY_LV;
-        const bool oriented = is_function_brdf_input(pattern->own, i);
+        const bool oriented = is_function_brdf_input(pattern->function_brdf, i);
         const bool placed = oriented || uses_mesh_uv || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ);
         const bool data = i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->values;
         if (inputs >> i & 1)
@@ -295,17 +295,17 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
     int code =
         load_context(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
-    if (code == 0 && pattern->own == ORL_FUNCTION_BRDF_LOBES)
+    if (code == 0 && pattern->function_brdf == ORL_FUNCTION_BRDF_LOBES)
         code = compile_lobes(parser, scope, pattern, context, strings, err);
     else if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
         code = compile_program(parser, scope, pattern, context, expressions, n, &pattern->function,
                                err);
-    if (code == 0 && pattern->own == ORL_FUNCTION_BRDF_GLAZING)
+    if (code == 0 && pattern->function_brdf == ORL_FUNCTION_BRDF_GLAZING)
         code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)
         code = compile_spectral(parser, scope, pattern, context,
                                 orl_primitive_string(primitive, strings->functions), err);
-    else if (code == 0 && pattern->n_grids > 0 && pattern->own != ORL_FUNCTION_BRDF_LOBES)
+    else if (code == 0 && pattern->n_grids > 0 && pattern->function_brdf != ORL_FUNCTION_BRDF_LOBES)
         code = compile_values(parser, scope, pattern, context, strings->functions, err);
     if (code == 0 || code == ORL_ERR_NOMEM)
         return code;

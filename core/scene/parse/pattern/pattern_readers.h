@@ -1,5 +1,5 @@
 /*
- * Compiles the functions of patterns from the current primitive. Internal to this folder.
+ * Readers of patterns: their functions and grids, spectra, texts. Internal to this folder.
  */
 #ifndef ORL_SCENE_PARSE_PATTERN_PATTERN_READERS_H
 #define ORL_SCENE_PARSE_PATTERN_PATTERN_READERS_H
@@ -22,14 +22,14 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
                         struct orl_pattern *pattern, const struct orl_xform *to_world,
                         const struct orl_pattern_strings *strings, struct orl_error *err);
 
-/* Returns the grid of a file, which is read at first use. The description owns it. */
+/* Returns the grid of a file, which is read at first use. The parsed scene owns it. */
 int orl_pattern_grid(struct orl_parser *parser, const struct orl_scope *scope, const char *name,
                      bool picture, const struct orl_grid **ret_grid, struct orl_error *err);
 
 /*
  * Spectra among the patterns: spectrum, specfile, specfunc, specdata, converted by the standard
  * observer (material/patterns/observer.h). Radiance's renderer does the same unless it is set to
- * more than three channels. Internal to this folder.
+ * more than three channels.
  *
  * A sample is the mean of its band, which reaches half way to its neighbours, and as far beyond the
  * first and the last; outside the spectrum is 0. For a specfile with uneven wavelengths, which
@@ -47,7 +47,7 @@ int orl_spectrum_bands(struct orl_parser *parser, const struct orl_scope *scope,
 
 /*
  * Texts among the patterns and mixtures: brighttext, colortext, mixtext
- * (material/patterns/lettering.h). Internal to this folder.
+ * (material/patterns/pattern.h).
  *
  * Strings: two materials (mixtext); a font file, a text file; or '.' and words, which are one line.
  * Numbers: origin, right and down; the colours of letters and of their surroundings (not for

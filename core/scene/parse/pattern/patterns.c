@@ -1,6 +1,6 @@
 /*
- * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; spectra (spectra.h):
- * spectrum, specfile, specfunc, specdata, specpict; texts (lettering_reader.h): brighttext,
+ * Patterns by name: brightfunc, colorfunc, brightdata, colordata, colorpict; spectra (spectra.c):
+ * spectrum, specfile, specfunc, specdata, specpict; texts (lettering_reader.c): brighttext,
  * colortext; textures: texfunc, texdata; and mixtures of materials: mixfunc, mixdata, mixpict,
  * mixtext. Strings: two materials (mixtures); one function, or three; files (grids); the function
  * file or
@@ -24,7 +24,7 @@ struct pattern_type {
     bool texture;
     bool spectral;
     bool text;
-    enum orl_function_brdf_kind own; /* the functions of a material */
+    enum orl_function_brdf_kind function_brdf; /* the functions of a material */
     /* other strings before the functions, and between them and the function file */
     size_t n_before, n_between;
 };
@@ -48,28 +48,30 @@ static const struct pattern_type pattern_types[] = {
     {.name = "mixtext", .text = true, .n_materials = 2},
     {.name = "BRTDfunc",
      .n_functions = ORL_PATTERN_ANGLES,
-     .own = ORL_FUNCTION_BRDF_GLAZING,
+     .function_brdf = ORL_FUNCTION_BRDF_GLAZING,
      .n_between = 3},
     {.name = "BRTDfunc",
      .n_functions = 3,
-     .own = ORL_FUNCTION_BRDF_LOBES,
+     .function_brdf = ORL_FUNCTION_BRDF_LOBES,
      .n_before = ORL_PATTERN_ANGLES},
-    {.name = "prism1", .n_functions = 4, .own = ORL_FUNCTION_BRDF_PRISM},
-    {.name = "prism2", .n_functions = 8, .own = ORL_FUNCTION_BRDF_PRISM},
-    {.name = "plasfunc", .n_functions = 1, .own = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "metfunc", .n_functions = 1, .own = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "transfunc", .n_functions = 1, .own = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "plasdata", .n_functions = 1, .n_files = 1, .own = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "metdata", .n_functions = 1, .n_files = 1, .own = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "transdata", .n_functions = 1, .n_files = 1, .own = ORL_FUNCTION_BRDF_LOBES},
+    {.name = "prism1", .n_functions = 4, .function_brdf = ORL_FUNCTION_BRDF_PRISM},
+    {.name = "prism2", .n_functions = 8, .function_brdf = ORL_FUNCTION_BRDF_PRISM},
+    {.name = "plasfunc", .n_functions = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
+    {.name = "metfunc", .n_functions = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
+    {.name = "transfunc", .n_functions = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
+    {.name = "plasdata", .n_functions = 1, .n_files = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
+    {.name = "metdata", .n_functions = 1, .n_files = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
+    {.name = "transdata", .n_functions = 1, .n_files = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
     {.name = "texfunc", .n_functions = 3, .texture = true},
     {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
 };
 
-static const struct pattern_type *find_type(const char *name, enum orl_function_brdf_kind own)
+static const struct pattern_type *find_type(const char *name,
+                                            enum orl_function_brdf_kind function_brdf)
 {
     for (size_t i = 0; i < sizeof pattern_types / sizeof *pattern_types; i++)
-        if (pattern_types[i].own == own && strcmp(pattern_types[i].name, name) == 0)
+        if (pattern_types[i].function_brdf == function_brdf &&
+            strcmp(pattern_types[i].name, name) == 0)
             return pattern_types + i;
     return NULL;
 }
@@ -112,9 +114,9 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
                               pattern->other ? pattern->other->index + 1.0 : 0};
     for (size_t i = 0; i < 2; i++) {
         const struct orl_mixed *const m = &pattern->mixed[i];
-        const double own[4] = {m->color.r, m->color.g, m->color.b,
-                               m->pattern ? m->pattern->index + 1.0 : 0};
-        memcpy(numbers + 14 + 4 * i, own, sizeof own);
+        const double numbers_of_material[4] = {m->color.r, m->color.g, m->color.b,
+                                               m->pattern ? m->pattern->index + 1.0 : 0};
+        memcpy(numbers + 14 + 4 * i, numbers_of_material, sizeof numbers_of_material);
     }
     size_t strings = 0;
     for (size_t i = 0; i < primitive->n_strings; i++)
@@ -137,7 +139,7 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = (unsigned char)((unsigned)type->own << 6 | (unsigned)type->text << 5 |
+    *at = (unsigned char)((unsigned)type->function_brdf << 6 | (unsigned)type->text << 5 |
                           (unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
                           (unsigned)pattern->n_grids << 1 | (unsigned)pattern->is_rgb);
     return 0;
@@ -162,7 +164,7 @@ int orl_parser_add_pattern(struct orl_parser *parser, struct orl_pattern *patter
     return 0;
 }
 
-/* Adds the pattern to the description, and defines a name for it. */
+/* Adds the pattern to the parsed scene, and defines a name for it. */
 static int define_pattern(struct orl_parser *parser, struct orl_pattern *pattern, const char *id)
 {
     struct orl_symbol symbol = {.kind = ORL_SYMBOL_PATTERN};
@@ -209,15 +211,16 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* Returns a material's functions of that kind, or those of the first of its parts that has any. */
+/* Returns a material's functions of that kind, or those of the first of its mixed materials that
+ * has any. */
 static struct orl_pattern *function_brdf_of(const struct orl_material *material,
-                                            enum orl_function_brdf_kind own)
+                                            enum orl_function_brdf_kind function_brdf)
 {
-    struct orl_pattern *found = own == ORL_FUNCTION_BRDF_GLAZING ? material->angles
-                                : own == ORL_FUNCTION_BRDF_PRISM ? material->prism_rays
-                                                                 : material->lobes;
+    struct orl_pattern *found = function_brdf == ORL_FUNCTION_BRDF_GLAZING ? material->angles
+                                : function_brdf == ORL_FUNCTION_BRDF_PRISM ? material->prism_rays
+                                                                           : material->lobes;
     for (int i = 0; i < 2 && !found && material->mixed; i++)
-        found = function_brdf_of(&material->mixed[i], own);
+        found = function_brdf_of(&material->mixed[i], function_brdf);
     return found;
 }
 
@@ -229,8 +232,8 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
     const bool share = type->n_materials > 0 && !pattern->mixture;
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
-    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->own != ORL_FUNCTION_BRDF_NONE)
-        other = function_brdf_of(&parser->out->materials[old->index], type->own);
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->function_brdf != ORL_FUNCTION_BRDF_NONE)
+        other = function_brdf_of(&parser->out->materials[old->index], type->function_brdf);
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
         other = parser->out->materials[old->index].mix;
     if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
@@ -364,8 +367,8 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
         pattern->is_rgb = type->n_functions == 3 || strcmp(type->name, "colortext") == 0;
     if (pattern) {
         pattern->texture = type->texture;
-        pattern->own = type->own;
-        pattern->n_own = (uint32_t)type->n_functions;
+        pattern->function_brdf = type->function_brdf;
+        pattern->n_brdf_functions = (uint32_t)type->n_functions;
         pattern->sided = type->n_before > 0; /* BRTDfunc's lobes */
     }
     return pattern;
@@ -411,10 +414,11 @@ static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope
         code = orl_parser_add_pattern(parser, pattern);
     if (code == 0) {
         struct orl_material *const old = same ? &parser->out->materials[same->index] : NULL;
-        *ret_pattern = !old                                  ? pattern
-                       : type->own != ORL_FUNCTION_BRDF_NONE ? function_brdf_of(old, type->own)
-                       : mixed                               ? old->pattern
-                                                             : old->mix;
+        *ret_pattern = !old ? pattern
+                       : type->function_brdf != ORL_FUNCTION_BRDF_NONE
+                           ? function_brdf_of(old, type->function_brdf)
+                       : mixed ? old->pattern
+                               : old->mix;
     }
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
@@ -428,9 +432,9 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 int orl_parser_function_brdf(struct orl_parser *parser, const struct orl_scope *scope,
-                             enum orl_function_brdf_kind own, struct orl_pattern **ret_pattern,
+                             enum orl_function_brdf_kind kind, struct orl_pattern **ret_pattern,
                              struct orl_error *err)
 {
-    return read_unnamed(parser, scope, find_type(parser->primitive.type, own), NULL, ret_pattern,
+    return read_unnamed(parser, scope, find_type(parser->primitive.type, kind), NULL, ret_pattern,
                         err);
 }

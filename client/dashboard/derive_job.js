@@ -5,7 +5,7 @@ const named = (document, addition) => (document.name ? { name: `${document.name}
 export const changed = (document) => ({ ...document });
 
 // What it came to says what half of it is; counts give way to the accuracy.
-export function halved(document, result) {
+export function withHalfError(document, result) {
   const { photons, gather_samples: samples, pixel_samples: paths, accuracy, ...rest } = document;
   const found = result.cost.next.error;
   if (accuracy?.dgp_error) {
