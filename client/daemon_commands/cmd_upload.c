@@ -1,6 +1,6 @@
-/* What a daemon stores: oriel upload scene|bsdf FILE... uploads a scene or a BSDF, oriel list
- * scenes|bsdfs prints the uploads as a table, oriel remove job|scene|bsdf ID... removes jobs or
- * uploads. */
+/* Commands for the files that a daemon stores: oriel upload scene|bsdf FILE... uploads a scene or a
+ * BSDF, oriel list scenes|bsdfs prints the uploads as a table, oriel remove job|scene|bsdf ID...
+ * removes jobs or uploads. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 
 const named = (document, addition) => (document.name ? { name: `${document.name}${addition}`.slice(0, 100) } : {});
 
-export const changed = (document) => ({ ...document });
+export const copyDocument = (document) => ({ ...document });
 
-// What it came to says what half of it is; counts give way to the accuracy.
+// Asks for half the error of the result; numbers of photons and samples give way to the accuracy.
 export function withHalfError(document, result) {
   const { photons, gather_samples: samples, pixel_samples: paths, accuracy, ...rest } = document;
   const found = result.cost.next.error;

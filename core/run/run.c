@@ -163,7 +163,6 @@ static int run_stages(struct orl_run_state *state, struct orl_error *err)
 
 static int sensor_stages(struct orl_run_state *state, struct orl_error *err)
 {
-    state->only_sensors = true;
     const int code = prepare_run(state, err);
     return code == 0 ? render_and_check(state, err) : code;
 }
@@ -182,9 +181,24 @@ static int pilot_stages(struct orl_run_state *state, struct orl_error *err)
     return code == 0 ? orl_run_pilot(state, err) : code;
 }
 
-/* Stages to run, and an optional pilot to fill in. */
+static int run_by_mode(struct orl_run_state *state, struct orl_error *err)
+{
+    switch (state->mode) {
+    case ORL_RUN_SENSORS:
+        return sensor_stages(state, err);
+    case ORL_RUN_PLAN:
+        return plan_stages(state, err);
+    case ORL_RUN_PILOT:
+        return pilot_stages(state, err);
+    case ORL_RUN_ALL:
+        break;
+    }
+    return run_stages(state, err);
+}
+
+/* Which stages run, and the pilot to fill in, with ORL_RUN_PILOT only. */
 struct run_mode {
-    int (*stages)(struct orl_run_state *state, struct orl_error *err);
+    enum orl_run_mode mode;
     struct orl_pilot *pilot;
 };
 
@@ -199,7 +213,7 @@ static int run_resolved(const struct orl_job *job, const struct orl_run_env *env
                                   .env = env,
                                   .result = &result,
                                   .run_sensors = orl_run_only_sensors,
-                                  .only_plan = run_mode->stages == plan_stages,
+                                  .mode = run_mode->mode,
                                   .pilot = run_mode->pilot};
     const double started = env->now_s(env->ctx);
     struct orl_progress progress = {.at_s = started};
@@ -209,13 +223,13 @@ static int run_resolved(const struct orl_job *job, const struct orl_run_env *env
     state.progress = &progress;
     state.n_sensors = job->n_sensors;
     orl_run_estimate_stages(&state);
-    state.stage_started = state.started_s = started;
+    state.clock.stage_started = state.clock.started_s = started;
     if (job->goal.deadline_s > 0)
-        state.deadline_at_s = started + job->goal.deadline_s;
+        state.clock.deadline_at_s = started + job->goal.deadline_s;
     orl_thread_pool_set_cancel(env->pool, env->cancel);
     state.searches = calloc(orl_thread_pool_size(env->pool), sizeof *state.searches);
     if (state.searches)
-        code = run_mode->stages(&state, err);
+        code = run_by_mode(&state, err);
     else
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_thread_pool_set_cancel(env->pool, NULL);
@@ -251,7 +265,7 @@ int orl_run_only_sensors(const struct orl_job *job, const struct orl_run_env *en
                          struct orl_scene *scene, struct orl_result *ret_result,
                          struct orl_error *err)
 {
-    return run_resolved(job, env, &scene, &(struct run_mode){.stages = sensor_stages}, ret_result,
+    return run_resolved(job, env, &scene, &(struct run_mode){.mode = ORL_RUN_SENSORS}, ret_result,
                         err);
 }
 
@@ -273,7 +287,7 @@ int orl_run_with_scene(const struct orl_job *job, const struct orl_run_env *env,
                        struct orl_scene **scene, struct orl_result *ret_result,
                        struct orl_error *err)
 {
-    return run_job(job, env, scene, &(struct run_mode){.stages = run_stages}, ret_result, err);
+    return run_job(job, env, scene, &(struct run_mode){.mode = ORL_RUN_ALL}, ret_result, err);
 }
 
 int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl_result *ret_result,
@@ -281,7 +295,7 @@ int orl_run(const struct orl_job *job, const struct orl_run_env *env, struct orl
 {
     struct orl_scene *scene = NULL;
     const int code =
-        run_job(job, env, &scene, &(struct run_mode){.stages = run_stages}, ret_result, err);
+        run_job(job, env, &scene, &(struct run_mode){.mode = ORL_RUN_ALL}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -291,7 +305,7 @@ int orl_plan_job(const struct orl_job *job, const struct orl_run_env *env,
 {
     struct orl_scene *scene = NULL;
     const int code =
-        run_job(job, env, &scene, &(struct run_mode){.stages = plan_stages}, ret_result, err);
+        run_job(job, env, &scene, &(struct run_mode){.mode = ORL_RUN_PLAN}, ret_result, err);
     orl_scene_release(scene);
     return code;
 }
@@ -307,7 +321,7 @@ int orl_plan_accuracy_curve(const struct orl_job *job, const struct orl_run_env 
     struct orl_result result = {0};
     struct orl_scene *scene = NULL;
     const int code =
-        run_job(&pilot_job, env, &scene, &(struct run_mode){pilot_stages, &pilot}, &result, err);
+        run_job(&pilot_job, env, &scene, &(struct run_mode){ORL_RUN_PILOT, &pilot}, &result, err);
     orl_scene_release(scene);
     orl_result_done(&result);
     if (code == 0)

@@ -27,6 +27,37 @@ struct orl_progress {
 struct orl_film;
 struct orl_pilot;
 
+/* Which stages of a job run. */
+enum orl_run_mode {
+    ORL_RUN_ALL,
+    ORL_RUN_SENSORS, /* the sensors' own run of a job with views (orl_sensor_run_start) */
+    ORL_RUN_PLAN,    /* only the plan, without rendering */
+    ORL_RUN_PILOT    /* a small run that measures what accuracy costs (accuracy_curve.h) */
+};
+
+/* What a refinement round (rounds.h) changes of its run; all zero for a run without rounds. */
+struct orl_round_overrides {
+    double shift[2]; /* offset of view rays, pixels (paint.h) */
+    /* Factor of view rays over the usual number by maps (paint.h); 0: 1. */
+    double view_rays;
+    const double *bandwidths; /* by kind of map (gather.h); NULL: the usual ones */
+    const struct orl_sensor_round *sensor_round; /* NULL: samples are the job's */
+    /* Receives finished pictures instead of files; NULL: files are written. */
+    int (*receive_film)(void *ctx, size_t index, const struct orl_film *film,
+                        struct orl_error *err);
+    void *receive_ctx;
+};
+
+/* The current stage, and estimates of time (remaining_time.h). Times are those of env->now_s. */
+struct orl_run_clock {
+    enum orl_stage stage;
+    double stage_started;
+    double started_s;               /* start of the run */
+    double deadline_at_s;           /* deadline, until the last round of a job with one; else 0 */
+    double cost_s[ORL_STAGE_COUNT]; /* estimate for the run or the current round */
+    double after_s;                 /* estimate for the rounds after it */
+};
+
 struct orl_run_state {
     const struct orl_job *job;
     const struct orl_run_env *env;
@@ -34,9 +65,9 @@ struct orl_run_state {
     struct orl_sensor *sensors; /* the job's, or read from its file; owned if sensors_owned */
     size_t n_sensors;
     bool sensors_owned;
-    /* True in the sensors' own run of a job with views (run_stages.h). */
-    bool only_sensors;
-    bool only_plan;          /* true if only a plan is requested, without rendering */
+    enum orl_run_mode mode;
+    struct orl_round_overrides round;
+    struct orl_run_clock clock;
     struct orl_pilot *pilot; /* set if the accuracy curve is requested (round_cost.h); else NULL */
     const struct orl_material_overrides
         *material_overrides; /* changed materials of the scene; NULL: none */
@@ -50,32 +81,17 @@ struct orl_run_state {
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool pinned[ORL_MAP_KINDS]; /* true if a pin of the store must be released */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];
-    struct orl_search *searches;    /* one per thread */
-    double map_share_read;          /* share of the global map that earlier jobs have read */
-    double cost_s[ORL_STAGE_COUNT]; /* estimate for the run or the current round (progress.h) */
-    double after_s;                 /* estimate for the rounds after it */
-    struct orl_progress *progress;  /* progress of the whole run */
+    struct orl_search *searches;   /* one per thread */
+    double map_share_read;         /* share of the global map that earlier jobs have read */
+    struct orl_progress *progress; /* progress of the whole run */
     /* Plans and renders a job's sensors in a run of their own (run_stages.h). */
     int (*run_sensors)(const struct orl_job *job, const struct orl_run_env *env,
                        struct orl_scene *scene, struct orl_result *ret_result,
                        struct orl_error *err);
-    enum orl_stage stage;
-    double stage_started;
-    double started_s;     /* start of the run */
-    double deadline_at_s; /* deadline, until the last round of a job with one; else 0 */
-    double shift[2];      /* offset of view rays in this round, pixels (image.h) */
-    /* Factor of view rays over the usual number by maps, in this round (image.h); 0: 1. */
-    double view_rays;
-    const double *bandwidths; /* by kind of map, in this round (gather.h); NULL: the usual ones */
-    const struct orl_sensor_round *sensor_round; /* NULL: samples are the job's */
     /* Contributions of single rays to the sensors, lux, for rare light; owned. */
     struct orl_ray_moments *rays;
     double samples; /* mean samples of a sensor in all rounds so far; 0: the job's */
     struct orl_estimates *stored_pixels; /* by view, for the cost of a job without rounds; owned */
-    /* In rounds: receives finished pictures instead of files. */
-    int (*receive_film)(void *ctx, size_t index, const struct orl_film *film,
-                        struct orl_error *err);
-    void *receive_ctx;
 };
 
 /* Returns true if the job has an accuracy or a deadline (rounds.h). */

@@ -14,19 +14,25 @@ static double read_clock(clockid_t clock)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void __real_orl_parallel_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
-int __real_orl_parallel_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
-void __wrap_orl_parallel_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
-int __wrap_orl_parallel_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg);
+void __real_orl_parallel_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body,
+                             void *arg);
+int __real_orl_parallel_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body,
+                            void *arg);
+void __wrap_orl_parallel_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body,
+                             void *arg);
+int __wrap_orl_parallel_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body,
+                            void *arg);
 
-void __wrap_orl_parallel_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg)
+void __wrap_orl_parallel_for(struct orl_thread_pool *pool, size_t count, orl_loop_body body,
+                             void *arg)
 {
     const double started = read_clock(CLOCK_THREAD_CPUTIME_ID);
     __real_orl_parallel_for(pool, count, body, arg);
     in_loops_s += read_clock(CLOCK_THREAD_CPUTIME_ID) - started;
 }
 
-int __wrap_orl_parallel_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body, void *arg)
+int __wrap_orl_parallel_try(struct orl_thread_pool *pool, size_t count, orl_loop_body body,
+                            void *arg)
 {
     const double started = read_clock(CLOCK_THREAD_CPUTIME_ID);
     const int code = __real_orl_parallel_try(pool, count, body, arg);

@@ -157,7 +157,7 @@ static void test_a_slow_machine(void **state)
                                              .forecast = {.known = true, .ray_s = 2e-7 * (1 + i)}}};
         struct orl_run_state run = {.job = &job, .env = &env, .result = &result, .n_sensors = 50};
         orl_run_estimate_stages(&run);
-        render_s[i] = run.cost_s[ORL_STAGE_RENDER];
+        render_s[i] = run.clock.cost_s[ORL_STAGE_RENDER];
     }
     assert_true(render_s[0] > 0 && fabs(render_s[1] / render_s[0] - sqrt(2)) < 1e-9);
 }
@@ -177,7 +177,7 @@ static void test_a_map_that_was_read(void **state)
         struct orl_run_state run = {.job = &job, .env = &env, .result = &result, .n_sensors = 50};
         orl_run_estimate_stages(&run);
         orl_run_discount_map_reads(&run, 0.5 * i);
-        render_s[i] = run.cost_s[ORL_STAGE_RENDER];
+        render_s[i] = run.clock.cost_s[ORL_STAGE_RENDER];
         /* For an unread map the first sensors take most of the time; for a read one, all take the
          * same. */
         const double tenth = orl_run_sensors_time_share(&run, 0.1);

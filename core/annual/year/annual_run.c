@@ -125,7 +125,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
     state.sensors = y->request->sensors;
     state.n_sensors = y->request->n_sensors;
     state.material_overrides = y->overrides ? y->overrides->material_overrides : NULL;
-    state.stage_started = state.started_s = orl_year_now(y);
+    state.clock.stage_started = state.clock.started_s = orl_year_now(y);
     int code = orl_run_load_scene(&state, err);
     y->lights = state.lights;
     if (code == 0)

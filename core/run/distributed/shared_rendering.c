@@ -17,7 +17,7 @@ struct chunk_header {
 
 static size_t batches_of(const struct orl_rendering *rendering)
 {
-    return rendering->state->sensor_round ? ORL_MAP_BATCHES : 0;
+    return rendering->state->round.sensor_round ? ORL_MAP_BATCHES : 0;
 }
 
 static size_t chunk_bytes(const struct orl_rendering *rendering, size_t count)
@@ -51,7 +51,7 @@ static int make_chunk(void *ctx, size_t index, void **ret_data, size_t *ret_size
     for (size_t i = 0; i < count && batches_of(rendering) > 0; i++) {
         const size_t bytes = ORL_MAP_BATCHES * sizeof(double);
         memcpy(to,
-               state->sensor_round->batches +
+               state->round.sensor_round->batches +
                    orl_rendering_sensor_at(rendering, first + i) * ORL_MAP_BATCHES,
                bytes);
         to += bytes;
@@ -80,7 +80,7 @@ static int load_chunk(void *ctx, size_t index, const void *data, size_t size, bo
                      bytes = batches_of(rendering) * 8;
         rendering->renderer->sensor_loaded(rendering->renderer->ctx, sensor, &rendering->found[i]);
         if (bytes > 0)
-            memcpy(state->sensor_round->batches + sensor * ORL_MAP_BATCHES, from, bytes);
+            memcpy(state->round.sensor_round->batches + sensor * ORL_MAP_BATCHES, from, bytes);
         from += bytes;
         atomic_fetch_add(&rendering->samples_done, orl_run_sensor_samples(state, sensor));
     }
@@ -101,7 +101,7 @@ static void name_chunk(const struct orl_rendering *rendering, size_t first,
         const size_t sensor = orl_rendering_sensor_at(rendering, first + i);
         const uint64_t samples = orl_run_sensor_samples(state, sensor);
         const uint64_t before =
-            state->sensor_round ? state->sensor_round->before[sensor] : UINT64_MAX;
+            state->round.sensor_round ? state->round.sensor_round->before[sensor] : UINT64_MAX;
         orl_sha256_add(&hash, &samples, sizeof samples);
         orl_sha256_add(&hash, &before, sizeof before);
         job_task->work += (double)samples;

@@ -40,9 +40,10 @@ void orl_task_key_begin(const struct orl_run_state *state, struct orl_sha256 *ha
     orl_sha256_add(hash, numbers, sizeof numbers);
     orl_sha256_add(hash, state->scene->parsed_scene.digest, ORL_SHA256_BYTES);
     orl_scene_digest_build(state->scene, hash);
-    orl_sha256_add(hash, state->shift, sizeof state->shift);
-    if (state->bandwidths)
-        orl_sha256_add(hash, state->bandwidths, ORL_MAP_KINDS * sizeof *state->bandwidths);
+    orl_sha256_add(hash, state->round.shift, sizeof state->round.shift);
+    if (state->round.bandwidths)
+        orl_sha256_add(hash, state->round.bandwidths,
+                       ORL_MAP_KINDS * sizeof *state->round.bandwidths);
 }
 
 void orl_task_key_end(struct orl_sha256 *hash, char ret_key[ORL_JOB_TASK_KEY])
@@ -56,7 +57,7 @@ void orl_task_work_estimate(const struct orl_run_state *state, struct orl_task_w
                             double share)
 {
     const double pool = orl_thread_pool_size(state->env->pool);
-    const double core_s = pool * share * state->cost_s[ORL_STAGE_RENDER];
+    const double core_s = pool * share * state->clock.cost_s[ORL_STAGE_RENDER];
     double all = 0;
     for (size_t i = 0; i < work->n; i++)
         all += work->tasks[i].work;

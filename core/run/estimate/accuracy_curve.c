@@ -84,7 +84,7 @@ static int shrink_views(struct orl_job *job, struct orl_pilot *pilot, struct orl
 /* Returns the samples of a round by photon maps; 0 for paths. */
 static double samples_of(const struct orl_run_state *state)
 {
-    const double all = state->cost_s[ORL_STAGE_PHOTONS], unit = ORL_MAP_BATCHES;
+    const double all = state->clock.cost_s[ORL_STAGE_PHOTONS], unit = ORL_MAP_BATCHES;
     if (state->result->plan.technique == ORL_TECHNIQUE_BACKWARD)
         return 0;
     const double share = fmin(photons_s / fmax(all, photons_s), 1.0 / ORL_PILOT_ROUNDS);

@@ -53,8 +53,8 @@ double orl_run_estimate_core_s(const struct orl_job *job);
 /* Returns a rough estimate of the job's memory in bytes, besides the scene. */
 uint64_t orl_run_estimate_bytes(const struct orl_job *job);
 
-/* Estimates the job's stages into state->cost_s; called when the sensors are known, and again when
- * the photons are. */
+/* Estimates the job's stages into state->clock.cost_s; called when the sensors are known, and again
+ * when the photons are. */
 void orl_run_estimate_stages(struct orl_run_state *state);
 /* Reduces the sensors' estimate: earlier jobs have read that share of the global map. */
 void orl_run_discount_map_reads(struct orl_run_state *state, double share);

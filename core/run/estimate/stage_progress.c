@@ -90,19 +90,20 @@ double orl_remaining_time_share(double before, double since_s, double left_s)
 
 static double remaining_s(const struct orl_run_state *state, double fraction, double now)
 {
-    struct orl_remaining_time remaining = {.stage = state->stage,
+    struct orl_remaining_time remaining = {.stage = state->clock.stage,
                                            .fraction = fraction,
-                                           .stage_elapsed_s = now - state->stage_started,
+                                           .stage_elapsed_s = now - state->clock.stage_started,
                                            .phase_from = state->progress->phase_from,
                                            .phase_to = state->progress->phase_to,
                                            .phase_elapsed_s = now - state->progress->phase_s};
     for (int i = 0; i < ORL_STAGE_COUNT; i++) {
-        remaining.estimated_s[i] = state->cost_s[i];
+        remaining.estimated_s[i] = state->clock.cost_s[i];
         remaining.spent_s[i] = state->result->timings_s[i];
     }
-    const double left = orl_remaining_time_s(&remaining) + state->after_s;
-    return state->deadline_at_s > 0
-               ? orl_deadline_left_s(left, state->deadline_at_s - now, state->job->goal.deadline_s)
+    const double left = orl_remaining_time_s(&remaining) + state->clock.after_s;
+    return state->clock.deadline_at_s > 0
+               ? orl_deadline_left_s(left, state->clock.deadline_at_s - now,
+                                     state->job->goal.deadline_s)
                : left;
 }
 
@@ -134,15 +135,15 @@ void orl_run_report_progress(const struct orl_run_state *state, double fraction)
     const double *spent = state->result->timings_s;
     struct orl_progress *progress = state->progress;
     /* If the number of rounds is unknown, as much work again is assumed. */
-    const double unknown = progress->rounds_unknown ? now - state->started_s + left : 0;
+    const double unknown = progress->rounds_unknown ? now - state->clock.started_s + left : 0;
     progress->share =
         orl_remaining_time_share(progress->share, now - progress->at_s, left + unknown);
     progress->at_s = now;
     /* A larger task that the run is part of reads the scene only once. */
     const struct orl_progress_report report = {
-        progress->share, now - state->started_s - spent[ORL_STAGE_LOAD] - spent[ORL_STAGE_BVH],
-        left};
-    orl_progress_report(state->env, state->stage, fraction, &report);
+        progress->share,
+        now - state->clock.started_s - spent[ORL_STAGE_LOAD] - spent[ORL_STAGE_BVH], left};
+    orl_progress_report(state->env, state->clock.stage, fraction, &report);
 }
 
 void orl_run_begin_phase(const struct orl_run_state *state, double from, double to)
@@ -161,20 +162,20 @@ void orl_run_begin_work(const struct orl_run_state *state)
 void orl_run_end_stage(struct orl_run_state *state)
 {
     const double now = state->env->now_s(state->env->ctx);
-    state->result->timings_s[state->stage] += now - state->stage_started;
-    state->stage_started = now;
+    state->result->timings_s[state->clock.stage] += now - state->clock.stage_started;
+    state->clock.stage_started = now;
 }
 
 void orl_run_move_time(struct orl_run_state *state, enum orl_stage stage, double seconds)
 {
     state->result->timings_s[stage] += seconds;
-    state->stage_started += seconds;
+    state->clock.stage_started += seconds;
 }
 
 void orl_run_begin_stage(struct orl_run_state *state, enum orl_stage stage)
 {
     orl_run_end_stage(state);
     orl_run_begin_phase(state, 0, 0);
-    state->stage = stage;
+    state->clock.stage = stage;
     orl_run_report_progress(state, 0);
 }

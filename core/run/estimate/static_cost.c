@@ -78,7 +78,7 @@ double orl_run_painting_share(const struct orl_run_state *state,
     for (uint32_t formats = view->formats; formats != 0; formats &= formats - 1)
         files++;
     const double painting = paint_us(state);
-    return state->receive_film ? 1 : painting / (painting + files * write_us);
+    return state->round.receive_film ? 1 : painting / (painting + files * write_us);
 }
 
 double orl_run_photons_in_view_time(const struct orl_run_state *state)
@@ -152,7 +152,7 @@ void orl_run_discount_map_reads(struct orl_run_state *state, double share)
     const double before = sensors_us(state);
     state->map_share_read = share;
     if (!orl_run_is_measured(state))
-        state->cost_s[ORL_STAGE_RENDER] -= crew_s(state) * (before - sensors_us(state));
+        state->clock.cost_s[ORL_STAGE_RENDER] -= crew_s(state) * (before - sensors_us(state));
 }
 
 bool orl_run_is_measured(const struct orl_run_state *state)
@@ -229,21 +229,21 @@ void orl_run_estimate_stages(struct orl_run_state *state)
     const struct orl_plan *plan = &state->result->plan;
     const bool planned = plan->technique != ORL_TECHNIQUE_AUTO;
     if (orl_run_is_measured(state)) {
-        memcpy(state->cost_s, state->env->part_stages_s, sizeof state->cost_s);
+        memcpy(state->clock.cost_s, state->env->part_stages_s, sizeof state->clock.cost_s);
         return;
     }
     const double photons = planned ? (double)(plan->photons_global + plan->photons_caustic)
                                    : 2.0 * ORL_DEFAULT_PHOTONS;
     const double us = crew_s(state);
-    state->cost_s[ORL_STAGE_LOAD] = 0.2;
-    state->cost_s[ORL_STAGE_BVH] = 0.05;
-    state->cost_s[ORL_STAGE_PLAN] = 0.1;
+    state->clock.cost_s[ORL_STAGE_LOAD] = 0.2;
+    state->clock.cost_s[ORL_STAGE_BVH] = 0.05;
+    state->clock.cost_s[ORL_STAGE_PLAN] = 0.1;
     const bool lamps = plan->technique == ORL_TECHNIQUE_BACKWARD;
-    state->cost_s[ORL_STAGE_PHOTONS] = us * photons * (lamps ? lamp_us : photon_us);
+    state->clock.cost_s[ORL_STAGE_PHOTONS] = us * photons * (lamps ? lamp_us : photon_us);
     if (plan->forecast.known)
-        state->cost_s[ORL_STAGE_PHOTONS] = plan->forecast.photons_s;
-    state->cost_s[ORL_STAGE_MAPS] = lamps ? 0 : us * photons * index_us;
+        state->clock.cost_s[ORL_STAGE_PHOTONS] = plan->forecast.photons_s;
+    state->clock.cost_s[ORL_STAGE_MAPS] = lamps ? 0 : us * photons * index_us;
     if (plan->technique == ORL_TECHNIQUE_PRECOMPUTED)
-        state->cost_s[ORL_STAGE_MAPS] += us * (double)plan->photons_global * record_us;
-    state->cost_s[ORL_STAGE_RENDER] = us * (sensors_us(state) + views_us(state));
+        state->clock.cost_s[ORL_STAGE_MAPS] += us * (double)plan->photons_global * record_us;
+    state->clock.cost_s[ORL_STAGE_RENDER] = us * (sensors_us(state) + views_us(state));
 }

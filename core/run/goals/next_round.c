@@ -107,17 +107,17 @@ double orl_rounds_estimate_samples(const struct orl_rounds *r)
 void orl_rounds_estimate(struct orl_rounds *r)
 {
     struct orl_run_state *state = r->state;
-    double *estimated = state->cost_s;
+    double *estimated = state->clock.cost_s;
     const double samples = r->samples, done = r->throughput.samples + samples;
-    state->after_s = 0;
+    state->clock.after_s = 0;
     if (r->throughput.rounds > 0) {
         /* After its last progress report. */
         const double other_s_a_round = r->throughput.other_s / r->throughput.rounds;
         orl_throughput_stage_s(&r->throughput, &r->work, samples, estimated);
         estimated[ORL_STAGE_RENDER] -= other_s_a_round;
-        state->after_s = other_s_a_round;
+        state->clock.after_s = other_s_a_round;
         if (done < r->wanted)
-            state->after_s +=
+            state->clock.after_s +=
                 r->planned > 0
                     ? (r->wanted - done) / samples *
                           orl_throughput_round_s(&r->throughput, &r->work, samples)
@@ -129,7 +129,7 @@ void orl_rounds_estimate(struct orl_rounds *r)
     for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++) {
         estimated[i] = r->estimated_s[i] * (alike && i == ORL_STAGE_RENDER ? 1 : share);
         if (done < r->wanted)
-            state->after_s += estimated[i] * (r->wanted - done) / samples;
+            state->clock.after_s += estimated[i] * (r->wanted - done) / samples;
     }
 }
 
@@ -220,7 +220,7 @@ static void plan_for_dgp(struct orl_rounds *r)
 static void plan_for_deadline(struct orl_rounds *r)
 {
     const double deadline = r->state->job->goal.deadline_s;
-    const double left = r->state->started_s + deadline - orl_rounds_now(r);
+    const double left = r->state->clock.started_s + deadline - orl_rounds_now(r);
     const struct orl_deadline_next next =
         orl_deadline_next(&r->throughput, &r->work, deadline, left);
     const char *plural = r->count == 1 ? "" : "s";
@@ -233,7 +233,7 @@ static void plan_for_deadline(struct orl_rounds *r)
     case ORL_DEADLINE_ROUND:
         r->samples = next.samples;
         if (next.last)
-            r->state->deadline_at_s = 0;
+            r->state->clock.deadline_at_s = 0;
         break;
     case ORL_DEADLINE_USED_UP:
         end_rounds(r, true, "the time is used up: %u round%s took %.3g s of %.3g s", r->count,

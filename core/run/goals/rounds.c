@@ -36,12 +36,12 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
         r->planned = orl_run_count_batches(state);
         r->samples = ceil((double)ORL_DEFAULT_GATHER_SAMPLES / r->planned);
     }
-    memcpy(r->estimated_s, state->cost_s, sizeof r->estimated_s);
+    memcpy(r->estimated_s, state->clock.cost_s, sizeof r->estimated_s);
     if (state->job->goal.deadline_s > 0)
         r->samples = orl_deadline_first(
             &r->work, r->estimated_s[ORL_STAGE_PHOTONS] + r->estimated_s[ORL_STAGE_MAPS],
             r->estimated_s[ORL_STAGE_RENDER],
-            state->job->goal.deadline_s - (orl_rounds_now(r) - state->started_s));
+            state->job->goal.deadline_s - (orl_rounds_now(r) - state->clock.started_s));
     r->wanted = orl_rounds_estimate_samples(r);
     orl_rounds_estimate(r);
     orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
@@ -52,7 +52,7 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
         if (code < 0)
             return code;
     }
-    r->throughput.setup_s = orl_rounds_now(r) - state->started_s;
+    r->throughput.setup_s = orl_rounds_now(r) - state->clock.started_s;
     if (r->work.by_noise) {
         const size_t n = state->n_sensors;
         double *batches = calloc(n * ORL_MAP_BATCHES + 1, sizeof *batches);
@@ -201,13 +201,13 @@ static void make_round(struct orl_rounds *r, struct orl_job *job, struct orl_run
     ret_round->env = env;
     ret_round->result = result;
     orl_work_bandwidths(r->samples, r->throughput.samples, r->bandwidths);
-    ret_round->bandwidths = r->bandwidths;
-    ret_round->view_rays = orl_work_view_rays(&r->work, r->samples);
-    offset_rays(r, ret_round->shift);
-    ret_round->sensor_round = r->shares ? &r->sensor_round : NULL;
-    ret_round->receive_film = receive_film;
-    ret_round->receive_ctx = r;
-    ret_round->stage_started = state->env->now_s(state->env->ctx);
+    ret_round->round.bandwidths = r->bandwidths;
+    ret_round->round.view_rays = orl_work_view_rays(&r->work, r->samples);
+    offset_rays(r, ret_round->round.shift);
+    ret_round->round.sensor_round = r->shares ? &r->sensor_round : NULL;
+    ret_round->round.receive_film = receive_film;
+    ret_round->round.receive_ctx = r;
+    ret_round->clock.stage_started = state->env->now_s(state->env->ctx);
     for (uint32_t i = 0; i < orl_thread_pool_size(env->pool); i++)
         memset(&state->searches[i].health, 0, sizeof state->searches[i].health);
 }
@@ -249,8 +249,8 @@ static int run_round(struct orl_rounds *r, struct orl_error *err)
         add_times(r, &result, orl_rounds_now(r) - started);
         r->count++;
     }
-    state->stage = ORL_STAGE_RENDER;
-    state->stage_started = orl_rounds_now(r);
+    state->clock.stage = ORL_STAGE_RENDER;
+    state->clock.stage_started = orl_rounds_now(r);
     free(round.rays);
     orl_result_done(&result);
     return code;
@@ -338,7 +338,7 @@ static int resolve_round(struct orl_rounds *r, struct orl_error *err)
     orl_rounds_plan_next(r, &outputs);
     orl_rounds_estimate(r);
     state->progress->rounds_unknown = false;
-    result->total_s = orl_rounds_now(r) - state->started_s;
+    result->total_s = orl_rounds_now(r) - state->clock.started_s;
     append_error_history(&result->outcome, result->total_s);
     if (code == 0 && state->env->round_ready)
         state->env->round_ready(state->env->ctx, result);

@@ -335,9 +335,9 @@ static int build_missing(struct orl_run_state *state, struct map_work *work, str
     for (int k = 0; k < ORL_SHOT_KINDS; k++)
         orl_health_add(&state->result->health, &shots[k].health);
     if (!missing)
-        state->cost_s[ORL_STAGE_PHOTONS] = 0;
+        state->clock.cost_s[ORL_STAGE_PHOTONS] = 0;
     if (!missing && !is_missing(&work[ORL_MAP_PRECOMPUTED]))
-        state->cost_s[ORL_STAGE_MAPS] = 0;
+        state->clock.cost_s[ORL_STAGE_MAPS] = 0;
     const double seconds = env->now_s(env->ctx) - started;
     orl_run_begin_stage(state, ORL_STAGE_MAPS);
     for (int k = 0; k < ORL_SHOT_KINDS && code == 0; k++)
@@ -387,8 +387,9 @@ static int distribute_missing(struct orl_run_state *state, struct map_work *work
     const struct orl_job_tasks_watch watch = {report_share, state};
     bool here[ORL_MAP_KINDS] = {false};
     /* Each map costs the tracing of all photons, because both kinds come from the same paths. */
-    const double core_s = (state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS]) *
-                          orl_thread_pool_size(state->env->pool);
+    const double core_s =
+        (state->clock.cost_s[ORL_STAGE_PHOTONS] + state->clock.cost_s[ORL_STAGE_MAPS]) *
+        orl_thread_pool_size(state->env->pool);
     size_t n = 0;
     for (int k = 0; k < ORL_MAP_KINDS; k++) {
         if (!is_missing(&work[k]))

@@ -72,7 +72,7 @@ static int run_photon_pilot(struct orl_run_state *state, struct orl_plan *plan,
         plan->photons_caustic > 0 && (state->job->photons_caustic == ORL_PHOTONS_BY_PLAN ||
                                       orl_plan_bounds_caustics(state->job));
     struct orl_photon_pilot pilot;
-    if (!decides && !state->only_plan)
+    if (!decides && state->mode != ORL_RUN_PLAN)
         return 0;
     int code = orl_run_ensure_emission(state, err);
     if (code == 0) {
@@ -155,13 +155,13 @@ static void orl_run_estimate_from_pilot(struct orl_run_state *state)
     struct orl_photon_forecast *f = &plan->forecast;
     const bool known = f->known && plan->technique == ORL_TECHNIQUE_GATHER &&
                        state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
-    double least = known ? state->env->now_s(state->env->ctx) - state->started_s : NAN;
+    double least = known ? state->env->now_s(state->env->ctx) - state->clock.started_s : NAN;
     for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
-        least += state->cost_s[i];
+        least += state->clock.cost_s[i];
     const double most = least + sensor_flux_limit_s(state);
     f->job_s = most <= max_ratio * least ? sqrt(least * most) : NAN;
     if (isfinite(f->job_s) && !orl_run_is_measured(state))
-        state->cost_s[ORL_STAGE_RENDER] += f->job_s - least;
+        state->clock.cost_s[ORL_STAGE_RENDER] += f->job_s - least;
 }
 
 int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
@@ -182,7 +182,7 @@ int orl_run_plan(struct orl_run_state *state, struct orl_error *err)
     if (code == 0) {
         warn_of_no_light(state);
         orl_run_diagnose_views(state);
-        if (!state->only_sensors) /* the whole job checks their places */
+        if (state->mode != ORL_RUN_SENSORS) /* the whole job checks their places */
             code = check_sensors(state, err);
     }
     orl_run_estimate_stages(state);

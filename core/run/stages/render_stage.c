@@ -60,7 +60,7 @@ static int render_sensors(struct orl_rendering *rendering, struct orl_error *err
     result->n_sensors = n;
     for (size_t i = 0; i < n; i++)
         rendering->samples += orl_run_sensor_samples(state, i);
-    if (!state->receive_film && state->env->sensors_kept &&
+    if (!state->round.receive_film && state->env->sensors_kept &&
         state->env->sensors_kept(state->env->ctx, result)) {
         orl_run_report_progress(state, rendering->share);
         return 0;
@@ -71,9 +71,9 @@ static int render_sensors(struct orl_rendering *rendering, struct orl_error *err
     int code = compute_chunks(rendering, err);
     if (code == 0 && renderer->finish_sensors)
         code = renderer->finish_sensors(renderer->ctx, err);
-    if (code == 0 && !state->receive_film)
+    if (code == 0 && !state->round.receive_film)
         orl_run_add_sparse_errors(result, state->sensors, state->rays);
-    if (code == 0 && !state->receive_film && state->env->sensors_done)
+    if (code == 0 && !state->round.receive_film && state->env->sensors_done)
         state->env->sensors_done(state->env->ctx, result);
     return code;
 }
@@ -94,7 +94,7 @@ static int render_view(struct orl_rendering *rendering, size_t index, struct orl
 static bool is_restored(const struct orl_run_state *state, size_t index)
 {
     const struct orl_run_env *env = state->env;
-    if (state->receive_film || !env->view_kept ||
+    if (state->round.receive_film || !env->view_kept ||
         !env->view_kept(env->ctx, index, &state->result->views[index]))
         return false;
     state->result->n_views = index + 1;

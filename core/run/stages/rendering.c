@@ -52,8 +52,8 @@ static void compute_sensor(void *arg, size_t index, uint32_t member)
 uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index)
 {
     const uint32_t all = state->job->gather_samples;
-    if (state->sensor_round)
-        return state->sensor_round->samples[index];
+    if (state->round.sensor_round)
+        return state->round.sensor_round->samples[index];
     return all ? all : ORL_DEFAULT_GATHER_SAMPLES;
 }
 
@@ -104,8 +104,8 @@ static void view_phase(void *ctx, double from, double to)
 static int store_film(struct orl_run_state *state, size_t index, const struct orl_film *film,
                       struct orl_error *err)
 {
-    if (state->receive_film)
-        return state->receive_film(state->receive_ctx, index, film, err);
+    if (state->round.receive_film)
+        return state->round.receive_film(state->round.receive_ctx, index, film, err);
     orl_run_store_pixels(state, index, film);
     if (state->env->view_ready)
         state->env->view_ready(state->env->ctx, index, film->pixels,
@@ -144,8 +144,8 @@ int orl_rendering_paint_view(struct orl_rendering *rendering, size_t index,
                                           .view = &view,
                                           .film = ret_film,
                                           .irradiance = state->job->views[index].irradiance,
-                                          .shift = {state->shift[0], state->shift[1]},
-                                          .rays = state->view_rays};
+                                          .shift = {state->round.shift[0], state->round.shift[1]},
+                                          .rays = state->round.view_rays};
     const int code = orl_rendering_open_view(state, index, &view, ret_film, err);
     return code == 0 ? rendering->renderer->paint_view(rendering->renderer->ctx, &painting, err)
                      : code;

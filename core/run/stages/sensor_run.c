@@ -11,8 +11,8 @@
 /* Returns the estimated seconds of the stages from photons on. */
 static double estimated_s(const struct orl_run_state *state)
 {
-    return state->cost_s[ORL_STAGE_PHOTONS] + state->cost_s[ORL_STAGE_MAPS] +
-           state->cost_s[ORL_STAGE_RENDER];
+    return state->clock.cost_s[ORL_STAGE_PHOTONS] + state->clock.cost_s[ORL_STAGE_MAPS] +
+           state->clock.cost_s[ORL_STAGE_RENDER];
 }
 
 static struct orl_job without_views(const struct orl_job *job)
@@ -107,8 +107,8 @@ int orl_sensor_run_start(struct orl_run_state *state, struct orl_sensor_run *ret
     memcpy(state->result->plan.sensor_why, run->result.plan.sensor_why, ORL_WHY_MAX);
     state->env = &run->env;
     run->seconds = env->now_s(env->ctx) - started;
-    state->stage_started += run->seconds;
-    state->started_s += run->seconds;
+    state->clock.stage_started += run->seconds;
+    state->clock.started_s += run->seconds;
     state->progress->at_s += run->seconds;
     return 0;
 }
@@ -171,7 +171,7 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
     state->job = run->job;
     state->env = run->all;
     state->n_sensors = run->n_sensors;
-    state->started_s -= run->seconds;
+    state->clock.started_s -= run->seconds;
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         result->timings_s[i] += sensors->timings_s[i];
     for (size_t i = 0; i < sensors->n_warnings; i++)
@@ -270,7 +270,7 @@ int orl_sensor_run_retry(struct orl_run_state *state, size_t first_warning, stru
     orl_thread_pool_set_cancel(own->pool, own->cancel);
     if (code < 0)
         return code;
-    state->stage_started = state->progress->at_s = own->now_s(own->ctx);
+    state->clock.stage_started = state->progress->at_s = own->now_s(own->ctx);
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         result->timings_s[i] += second.timings_s[i];
     join_health(&result->health, &second.health);

@@ -81,7 +81,7 @@ static void compute_backward_sensor(void *ctx, size_t index, uint32_t member,
 {
     struct orl_run_state *state = ctx;
     const struct orl_sensor *sensor = &state->sensors[index];
-    const struct orl_sensor_round *round = state->sensor_round;
+    const struct orl_sensor_round *round = state->round.sensor_round;
     const struct orl_sample_range range = {.seed = round ? round->seed : state->job->seed,
                                            .index = index,
                                            .first = round ? round->before[index] : 0,
@@ -250,7 +250,7 @@ static bool cache_key_text(const struct orl_run_state *state, enum orl_indirect_
     snprintf(ret_key, ORL_MEMORY_CACHE_KEY, "gather %d %s %s", (int)indirect,
              state->maps[first] ? state->keys[first] : "none",
              state->maps[ORL_MAP_CAUSTIC] ? state->keys[ORL_MAP_CAUSTIC] : "none");
-    return state->env->memory_cache && !state->bandwidths && state->maps[first];
+    return state->env->memory_cache && !state->round.bandwidths && state->maps[first];
 }
 
 static void free_gather(void *cached)
@@ -279,8 +279,9 @@ static int load_or_make_gather(struct orl_run_state *state, enum orl_indirect_mo
             orl_run_discount_map_reads(state,
                                        orl_leaf_irradiance_filled(ret_gather->leaf_irradiance));
     } else {
-        code = orl_gather_init(ret_gather, state->lit_scene, indirect, maps, state->bandwidths,
-                               state->job->seed, state->env->pool, &state->searches[0]);
+        code =
+            orl_gather_init(ret_gather, state->lit_scene, indirect, maps, state->round.bandwidths,
+                            state->job->seed, state->env->pool, &state->searches[0]);
     }
     if (code == 0 && state->job->n_views > 0)
         code = orl_gather_for_views(ret_gather, state->env->pool);
