@@ -32,13 +32,14 @@ enum orl_run_mode {
     ORL_RUN_ALL,
     ORL_RUN_SENSORS, /* the sensors' own run of a job with views (orl_sensor_run_start) */
     ORL_RUN_PLAN,    /* only the plan, without rendering */
-    ORL_RUN_PILOT    /* a small run that measures what accuracy costs (accuracy_curve.h) */
+    ORL_RUN_PILOT    /* a small run that measures what accuracy costs (round_cost.h) */
 };
 
-/* What a refinement round (rounds.h) changes of its run; all zero for a run without rounds. */
+/* Settings of a refinement round (rounds.h) that differ from its run; all zero for a run without
+ * rounds. */
 struct orl_round_overrides {
-    double shift[2]; /* offset of view rays, pixels (paint.h) */
-    /* Factor of view rays over the usual number by maps (paint.h); 0: 1. */
+    double shift[2]; /* offset of view rays, pixels (image.h) */
+    /* Factor of view rays over the usual number by maps (image.h); 0: 1. */
     double view_rays;
     const double *bandwidths; /* by kind of map (gather.h); NULL: the usual ones */
     const struct orl_sensor_round *sensor_round; /* NULL: samples are the job's */
@@ -48,7 +49,7 @@ struct orl_round_overrides {
     void *receive_ctx;
 };
 
-/* The current stage, and estimates of time (remaining_time.h). Times are those of env->now_s. */
+/* The current stage, and estimates of time (progress.h). Times are those of env->now_s. */
 struct orl_run_clock {
     enum orl_stage stage;
     double stage_started;
