@@ -330,7 +330,9 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
     if (rc == 0)
         rc = orl_db_serve(&server->db, err);
     if (rc == ORL_ERR_FULL)
-        orl_error_hint(err, "Free some MiB of the disk; photon maps (%.200s/maps) are made anew",
+        orl_error_hint(err,
+                       "Free some MiB on the disk; photon maps (%.200s/maps) can be removed, since "
+                       "they are rebuilt",
                        server->config.data);
     if (rc == 0)
         orl_disk_reserve_wal(&server->disk);
@@ -379,7 +381,7 @@ static int open_tokens(struct orl_server *server, struct orl_error *err)
     }
     if (rc == 0 && !any) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "there are no access tokens yet");
-        orl_error_hint(err, "orield token add NAME --data %.200s makes one", server->config.data);
+        orl_error_hint(err, "Make one: orield token add NAME --data %.200s", server->config.data);
     }
     return rc;
 }

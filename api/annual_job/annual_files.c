@@ -228,7 +228,7 @@ static int write_years(struct annual_writer *w, size_t g, const char *grid)
         rc = orl_annual_series_of(w->outputs->report, w->outputs->result, g, of[s].series, 300,
                                   w->outputs->run->cancel, values);
         if (rc)
-            orl_error_set(w->err, rc, "%s writing the pictures of a year",
+            orl_error_set(w->err, rc, "%s while writing the annual pictures",
                           rc == ORL_ERR_CANCELLED ? "cancelled" : "out of memory");
         for (int i = 0; i < 2 && rc == 0; i++) {
             const struct orl_temporal_map map = {.title = title,

@@ -32,7 +32,7 @@ static int decode_grid(const json_t *value, const char *path, void *into, struct
     const struct orl_json_member members[] = {
         {"name", .text = &draft->name, .longest = NAME_MAX_BYTES},
         {"area", .real = &draft->area, .most = INFINITY, .above = true,
-         .bounds = "a number above zero is wanted"},
+         .bounds = "a number above zero is expected"},
         {"sensors", .decode = note_value, .into = &draft->sensors},
         {0}};
     const int rc = orl_json_members(value, path, members, err);
@@ -128,9 +128,10 @@ static int check_ending(const struct file_name *names, size_t n, const char *end
             continue;
         bare.text[length - cut] = '\0';
         if (bsearch(&bare, names, n, sizeof *names, compare_files))
-            return orl_json_fail(err, ORL_ERR_INVALID, "grids",
-                                 "a file of '%s' would be named as one of '%s' is", bare.grid,
-                                 bare.text);
+            return orl_json_fail(
+                err, ORL_ERR_INVALID, "grids",
+                "a file of grid '%s' would have the same name as a file of grid '%s': rename one",
+                bare.grid, bare.text);
     }
     return 0;
 }
@@ -142,9 +143,12 @@ static int compare_neighbours(const struct file_name *names, size_t n, struct or
         if (strcmp(a->text, b->text) != 0)
             continue;
         if (strcmp(a->grid, b->grid) == 0)
-            return orl_json_fail(err, ORL_ERR_INVALID, "grids", "two are named '%s'", a->grid);
-        return orl_json_fail(err, ORL_ERR_INVALID, "grids",
-                             "files of '%s' would be named as those of '%s' are", b->grid, a->grid);
+            return orl_json_fail(err, ORL_ERR_INVALID, "grids", "two grids are named '%s'",
+                                 a->grid);
+        return orl_json_fail(
+            err, ORL_ERR_INVALID, "grids",
+            "files of grid '%s' would have the same names as files of grid '%s': rename one",
+            b->grid, a->grid);
     }
     return 0;
 }
@@ -230,8 +234,9 @@ static int set_areas(const struct grid_draft *drafts, size_t n,
     if (known == 0)
         return 0;
     if (known < n)
-        return orl_json_fail(err, ORL_ERR_INVALID, "grids",
-                             "some have an \"area\" and some have not");
+        return orl_json_fail(
+            err, ORL_ERR_INVALID, "grids",
+            "some grids have an \"area\" and some do not: give it for all or none");
     report_request->grid_area = calloc(n, sizeof *report_request->grid_area);
     if (!report_request->grid_area)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -285,10 +290,9 @@ int orl_annual_grids_from_json(const json_t *doc, enum orl_job_origin origin,
     const json_t *grids = json_object_get(doc, "grids"), *sensors = json_object_get(doc, "sensors");
     const struct grids_decoder m = {json_object_get(doc, "scene"), origin, job, ret_scene_id};
     if (!m.scene)
-        return orl_json_fail(err, ORL_ERR_INVALID, "scene", "the year names no scene");
+        return orl_json_fail(err, ORL_ERR_INVALID, "scene", "the annual job names no scene");
     if (!grids == !sensors)
-        return orl_json_fail(err, ORL_ERR_INVALID, "grids",
-                             "either \"grids\" or \"sensors\" are wanted");
+        return orl_json_fail(err, ORL_ERR_INVALID, "grids", "give either \"grids\" or \"sensors\"");
     const int rc = decode_scene(&m, err);
     if (rc)
         return rc;

@@ -66,7 +66,8 @@ static int decode_occupancy(const json_t *value, const char *path, void *into,
         {0}};
     const int rc = orl_json_members(value, path, members, err);
     if (rc == 0 && report_request->occupancy_file && json_object_size(value) > 1)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "the file says all of it");
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "\"file\" gives the whole occupancy: leave the other members out");
     return rc;
 }
 
@@ -152,7 +153,8 @@ static int check_metrics(const struct orl_report_request *report_request, const 
         for (size_t k = 0; k < i; k++) {
             orl_annual_metric_file(&report_request->metrics[k], other, sizeof other);
             if (strcmp(name, other) == 0)
-                return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is there twice", name);
+                return orl_json_fail(err, ORL_ERR_INVALID, path, "the metric %s is listed twice",
+                                     name);
         }
     }
     return 0;
@@ -214,10 +216,11 @@ static int check_precomputed(const struct orl_annual_job *job, struct orl_error 
         return 0;
     if (job->report_request.glare.n_viewpoints > 0)
         return orl_json_fail(err, ORL_ERR_UNSUPPORTED, "glare",
-                             "glare of seats goes by paths: leave \"technique\" out");
+                             "glare needs the technique \"paths\": leave \"technique\" out");
     if (job->formats.phases)
-        return orl_json_fail(err, ORL_ERR_UNSUPPORTED, "formats",
-                             "matrices of phases go by paths: leave \"technique\" out");
+        return orl_json_fail(
+            err, ORL_ERR_UNSUPPORTED, "formats",
+            "phase matrices need the technique \"paths\": leave \"technique\" out");
     return 0;
 }
 
@@ -257,7 +260,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {"photons", .whole_32 = &request->photons, .from = 1, .to = ORL_ANNUAL_MOST_PHOTONS},
         {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},
         {"median_diffuse", .real = &report_request->median_diffuse_lx, .most = INFINITY,
-         .above = true, .bounds = "a number of lux above zero is wanted"},
+         .above = true, .bounds = "a number of lux above zero is expected"},
         {"exposure", .decode = orl_annual_exposure_from_json, .into = &report_request->exposure},
         {"glare", .decode = orl_annual_glare_from_json, .into = &report_request->glare},
         {"view_out", .decode = orl_annual_view_out_from_json, .into = &report_request->view_out},
@@ -275,11 +278,11 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         rc = check_precomputed(job, err);
     if (rc == 0 && request->coefficients && report_request->until)
         return orl_json_fail(err, ORL_ERR_INVALID, "formats",
-                             "daylight coefficients are of one run: leave \"accuracy\" out");
+                             "daylight coefficients need a single run: leave \"accuracy\" out");
     if (rc == 0 && job->formats.phases && (report_request->until || request->n_terms > 0))
         return orl_json_fail(err, ORL_ERR_INVALID, "formats",
-                             "matrices of phases are of one run by paths: leave \"accuracy\" and "
-                             "\"matrices\" out");
+                             "phase matrices need a single run by path tracing: leave \"accuracy\" "
+                             "and \"matrices\" out");
     if (rc == 0 && report_request->until && request->samples == 0)
         request->samples = FIRST_ROUND;
     return rc;
@@ -290,7 +293,8 @@ static int decode_document(const json_t *doc, enum orl_job_origin origin,
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "annual") != 0))
-        return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a year says \"kind\": \"annual\"");
+        return orl_json_fail(err, ORL_ERR_INVALID, "kind",
+                             "an annual job needs \"kind\": \"annual\"");
     const int rc = decode_members(doc, job, err);
     return rc ? rc : orl_annual_grids_from_json(doc, origin, job, ret_scene_id, err);
 }

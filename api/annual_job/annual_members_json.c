@@ -123,7 +123,7 @@ int orl_annual_view_out_from_json(const json_t *value, const char *path, void *i
     const int rc = orl_json_members(value, path, members, err);
     if (rc == 0 && !orl_view_out_is_requested(view_out_request))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "from where? \"points\", \"above_sensors\", or both are wanted");
+                             "give \"points\", \"above_sensors\", or both");
     return rc ? rc : orl_places_name(view_out_request->points, view_out_request->n_points, err);
 }
 

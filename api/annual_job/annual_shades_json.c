@@ -82,7 +82,7 @@ static int decode_months(const json_t *value, const char *path, void *into, stru
     struct orl_shade_span *span = into;
     uint64_t from, to;
     if (!json_is_array(value) || json_array_size(value) != 2)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "two months are wanted: [5, 9]");
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "two months are expected: [5, 9]");
     int rc = orl_json_whole(json_array_get(value, 0), path, 1, 12, &from, err);
     if (rc == 0)
         rc = orl_json_whole(json_array_get(value, 1), path, 1, 12, &to, err);
@@ -146,19 +146,19 @@ static int check_control(const struct orl_window_group *group, bool lm83, const 
     const struct orl_shade_control *control = &group->control;
     if (lm83 && (control->above_lx != lm83_lx || control->share_percent != lm83_share))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "LM-83 has bounds of its own: \"by\": \"sun\" takes others");
+                             "LM-83 has fixed bounds: use \"by\": \"sun\" for others");
     if (control->kind == ORL_SHADES_BY_LIGHT && control->share_percent != lm83_share)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "a \"share\" is of control by sun");
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "\"share\" is only for control by sun");
     if (control->kind == ORL_SHADES_BY_LIGHT && !control->grid)
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "control by illuminance wants the \"grid\" of its sensors");
+                             "control by illuminance needs the \"grid\" of its sensors");
     const bool glare = control->kind == ORL_SHADES_BY_GLARE;
     if (glare != (control->viewpoints.n_viewpoints > 0))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "control by dgp wants its \"seats\", and no other has any");
+                             "control by dgp needs \"seats\", and other controls must have none");
     if (glare && (control->grid || control->share_percent != lm83_share))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "control by dgp has seats: a \"grid\" or \"share\" is of others");
+                             "control by dgp uses \"seats\": leave \"grid\" and \"share\" out");
     return 0;
 }
 
@@ -175,7 +175,7 @@ static int decode_control(const json_t *value, const char *path, void *into, str
         {"by", .word = &by, .words = control_names, .required = true},
         {"grid", .text = &control->grid, .longest = NAME_MAX_BYTES},
         {"above", .real = &above, .most = INFINITY, .above = true,
-         .bounds = "a number of lux, or a DGP, above zero is wanted"},
+         .bounds = "a number of lux, or a DGP, above zero is expected"},
         {"seats", .decode = orl_viewpoints_from_json, .into = &control->viewpoints},
         {"share", .real = &control->share_percent, .least = 0, .most = 100},
         {"state", .text = &state, .longest = NAME_MAX_BYTES},

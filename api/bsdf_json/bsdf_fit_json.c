@@ -55,8 +55,9 @@ static int decode_document(const json_t *doc, struct draft *draft, struct orl_er
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_fit") != 0))
-        return orl_json_fail(err, ORL_ERR_INVALID, "kind",
-                             "a BSDF of measurements says \"kind\": \"bsdf_fit\"");
+        return orl_json_fail(
+            err, ORL_ERR_INVALID, "kind",
+            "a document that fits a BSDF to measurements needs \"kind\": \"bsdf_fit\"");
     const int rc = decode_members(doc, draft, err);
     draft->request.has_basis = json_object_get(doc, "basis") != NULL;
     return rc == 0 && draft->request.has_basis
@@ -180,17 +181,17 @@ static int warn_of_scan(json_t *list, const struct orl_bsdf_fit_scan *s)
     int rc = 0;
     if (s->hidden_deg > 0)
         rc |= json_array_append_new(
-            list, json_sprintf("light from the %s, theta %.4g, phi %.4g: where it goes %s nothing "
-                               "was measured within %.2g degrees; a peak there is lost",
+            list, json_sprintf("light from the %s, theta %.4g, phi %.4g: around the %s direction "
+                               "nothing was measured within %.2g degrees; a peak there is lost",
                                from, s->theta_deg, s->phi_deg,
                                s->transmitted ? "straight" : "mirrored", s->hidden_deg));
     if (s->total > 1 + 3 * s->total_error)
         rc |= json_array_append_new(
             list,
-            json_sprintf("light from the %s, theta %.4g, phi %.4g: %.4g times as much is %s as "
-                         "comes",
-                         from, s->theta_deg, s->phi_deg, s->total,
-                         s->transmitted ? "transmitted" : "reflected"));
+            json_sprintf(
+                "light from the %s, theta %.4g, phi %.4g: %.4g times the incident light is %s",
+                from, s->theta_deg, s->phi_deg, s->total,
+                s->transmitted ? "transmitted" : "reflected"));
     return rc;
 }
 
@@ -204,11 +205,11 @@ json_t *orl_bsdf_fitted_warnings(const struct orl_bsdf_fit_result *f)
         if (f->has[i / 2][i % 2] && f->misplaced[i / 2][i % 2] < 0)
             rc = json_array_append_new(
                 list,
-                json_sprintf("light from the %s, %s: too few incident directions to say how "
-                             "well others are told",
+                json_sprintf("light from the %s, %s: too few incident directions to check the "
+                             "interpolation between them",
                              i / 2 ? "inside" : "outside", i % 2 ? "transmitted" : "reflected"));
     if (f->color_left_out && rc == 0)
-        rc = json_array_append_new(list, json_string("of CIE-XYZ values only Y is kept"));
+        rc = json_array_append_new(list, json_string("the fit keeps only Y of CIE-XYZ values"));
     if (rc == 0)
         return list;
     json_decref(list);

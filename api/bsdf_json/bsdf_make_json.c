@@ -27,7 +27,7 @@ static int decode_scene(const json_t *scene, const char *path, void *into, struc
 
 static int decode_range(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char wanted[] = "two numbers are wanted, from and to";
+    static const char wanted[] = "two numbers are expected, from and to";
     double *ends = into;
     if (!json_is_array(value) || json_array_size(value) != 2)
         return orl_json_fail(err, ORL_ERR_INVALID, path, wanted);
@@ -71,7 +71,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {"paths", .whole_32 = &r->paths, .from = ORL_BSDF_MAKE_PATHS_LEAST,
          .to = ORL_BSDF_MAKE_PATHS_MOST},
         {"accuracy", .real = &r->accuracy, .least = 0, .most = 1, .above = true, .below = true,
-         .bounds = "it is the share of the error in a value, above 0 and below 1: 0.02 is 2 %"},
+         .bounds = "the relative error of a value must be above 0 and below 1: 0.02 is 2 %"},
         {"paths_most", .whole_32 = &r->paths_most, .from = ORL_BSDF_MAKE_PATHS_LEAST,
          .to = ORL_BSDF_MAKE_PATHS_MOST},
         {"seed", .whole = &r->seed, .from = 0, .to = INT64_MAX},
@@ -87,7 +87,7 @@ int orl_bsdf_check_tree_members(const json_t *doc, enum orl_bsdf_basis basis, st
     for (size_t i = 0; i < sizeof members / sizeof *members; i++)
         if (!orl_bsdf_basis_is_tree(basis) && json_object_get(doc, members[i]))
             return orl_json_fail(err, ORL_ERR_INVALID, members[i],
-                                 "it is of tensor trees, and the basis is none");
+                                 "this member is for tensor trees, and the basis is not one");
     return 0;
 }
 
@@ -96,13 +96,13 @@ static int decode_document(const json_t *doc, struct draft *draft, struct orl_er
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "bsdf_make") != 0))
         return orl_json_fail(err, ORL_ERR_INVALID, "kind",
-                             "a BSDF to be made says \"kind\": \"bsdf_make\"");
+                             "a document that makes a BSDF needs \"kind\": \"bsdf_make\"");
     int rc = decode_members(doc, draft, err);
     if (rc == 0)
         rc = orl_bsdf_check_tree_members(doc, draft->request.basis, err);
     if (rc == 0 && json_object_get(doc, "paths_most") && !(draft->request.accuracy > 0))
         return orl_json_fail(err, ORL_ERR_INVALID, "paths_most",
-                             "it bounds what an accuracy takes, and none is asked for");
+                             "it limits the paths for \"accuracy\", which is not given");
     return rc;
 }
 
@@ -214,19 +214,19 @@ json_t *orl_bsdf_made_warnings(const struct orl_bsdf_make_result *made,
     int rc = list ? 0 : -1;
     if (!made->reached)
         rc |= json_array_append_new(
-            list, json_sprintf("the accuracy was not reached within %u paths a direction: the "
+            list, json_sprintf("the accuracy was not reached within %u paths per direction: the "
                                "largest standard error is %.2g %% of its value",
                                request->paths_most, 100 * made->worst));
     if (is_air(made))
         rc |= json_array_append_new(
-            list,
-            json_sprintf("all light goes through the cell, x %g to %g, y %g to %g, as through "
-                         "air: no surface was met in it",
-                         made->cell[0], made->cell[1], made->cell[2], made->cell[3]));
+            list, json_sprintf("no ray hit a surface in the cell, x %g to %g, y %g to %g: all "
+                               "light passes through it unchanged",
+                               made->cell[0], made->cell[1], made->cell[2], made->cell[3]));
     if (made->lost > lost_unsaid)
-        rc |= json_array_append_new(list, json_sprintf("%.2g %% of the light was given up inside "
-                                                       "the panel, and is missing",
-                                                       100 * made->lost));
+        rc |= json_array_append_new(list,
+                                    json_sprintf("%.2g %% of the light is missing: its paths "
+                                                 "inside the panel were too long and were cut off",
+                                                 100 * made->lost));
     if (rc) {
         json_decref(list);
         return NULL;

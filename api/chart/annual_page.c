@@ -170,15 +170,15 @@ static double put_shades(const struct orl_page_canvas *s, double y)
     const size_t n = page->request->n_groups;
     if (!page->result->states)
         return put_line(s, y,
-                        "No blinds or shades move: all is as in the scene. LM-83 asks for blinds "
-                        "that close on more than 2 %% of the points in direct sun.");
-    y = put_line(s, y, "Shades, in hours in use with light (ASE is of open ones):");
+                        "No movable blinds or shades. LM-83 asks for blinds that close when more "
+                        "than 2 %% of the points are in direct sun.");
+    y = put_line(s, y, "Shades, in occupied hours with light (ASE is for open shades):");
     for (size_t g = 0; g < n && g < GROUPS_SHOWN; g++) {
         struct orl_state_hours hours[ORL_SHADES_MOST_STATES];
         orl_annual_state_hours(page->result, page->report, g, hours);
         y = put_group(s, y, &page->request->groups[g], hours);
     }
-    return n > GROUPS_SHOWN ? put_line(s, y, "   and %zu groups more", n - GROUPS_SHOWN) : y;
+    return n > GROUPS_SHOWN ? put_line(s, y, "   and %zu more groups", n - GROUPS_SHOWN) : y;
 }
 
 /* Writes the direction of north in plans, which have the model's +Y up. */
@@ -209,26 +209,25 @@ static void draw_assumptions(const struct orl_page_canvas *s, double y)
                      (use->days & 0x7f) == 0x7f ? "every day" : "on some days of the week",
                      report->periods[ORL_WHEN_OCCUPIED].hours);
     y = put_north(s, y);
-    y = put_line(
-        s, y,
-        "Weather: %s%s (%.2f %c, %.2f %c); each hour's sun stands where it is at the middle "
-        "of it. Ground outside reflects %g %%.",
-        page->request->weather_file, year, fabs(page->result->latitude_deg),
-        page->result->latitude_deg < 0 ? 'S' : 'N', fabs(page->result->longitude_deg),
-        page->result->longitude_deg < 0 ? 'W' : 'E', 100 * page->request->ground_reflectance);
+    y = put_line(s, y,
+                 "Weather: %s%s (%.2f %c, %.2f %c); each hour has the sun of its middle. The "
+                 "ground outside reflects %g %%.",
+                 page->request->weather_file, year, fabs(page->result->latitude_deg),
+                 page->result->latitude_deg < 0 ? 'S' : 'N', fabs(page->result->longitude_deg),
+                 page->result->longitude_deg < 0 ? 'W' : 'E',
+                 100 * page->request->ground_reflectance);
     if (report->year.n_missing > 0)
         y = put_line(s, y,
-                     "%zu hours are not in the file, or were not measured: they count "
-                     "nowhere.",
+                     "%zu hours are not in the file, or were not measured: they are not counted.",
                      report->year.n_missing);
     y = put_shades(s, y);
     y = put_line(s, y,
-                 "Daylight hours (EN 17037): the half of the year with the most global "
-                 "horizontal daylight. Sensors stand for equal areas of a grid.");
-    y = put_line(s, y,
-                 "Intervals hold what the simulation itself leaves open, not what weather, "
-                 "materials or geometry may do otherwise.");
-    put_line(s, y, "%u paths a sensor, seed %llu, Oriel %s.", page->result->samples,
+                 "Daylight hours (EN 17037): the half of the year with the most global horizontal "
+                 "daylight. All sensors of a grid have equal areas.");
+    y = put_line(
+        s, y,
+        "Intervals cover the error of the simulation, not that of weather, materials or geometry.");
+    put_line(s, y, "%u paths per sensor, seed %llu, Oriel %s.", page->result->samples,
              (unsigned long long)page->result->seed, ORL_VERSION);
 }
 

@@ -92,7 +92,7 @@ static void draw_peaks(const struct page *p, size_t i, double y)
         if (n == 0) {
             y += line_height;
             write_text(p, table_x, y, letters, false, grey,
-                       t ? "no peak in what is transmitted" : "no peak in what is reflected");
+                       t ? "no peak in transmission" : "no peak in reflection");
         }
     }
 }
@@ -116,14 +116,14 @@ static double moved_flux(const struct page *p, int t)
 static void draw_difference(const struct page *p, double y)
 {
     const struct orl_bsdf_polar *first = &p->polar[0], *second = &p->polar[1];
-    write_text(p, rim, y + 6, title, true, ink, "The second less the first");
+    write_text(p, rim, y + 6, title, true, ink, "The second minus the first");
     for (int t = 0; t < 2; t++) {
         struct orl_polar_map map = map_of(p, t, y);
         char text[96];
         map.values = first->values[t];
         map.second = second->values[t];
         orl_polar_map_draw(&map);
-        snprintf(text, sizeof text, "in all %+.2f %%, elsewhere %.2f %% of the light",
+        snprintf(text, sizeof text, "total %+.2f %%, moved %.2f %% of the light",
                  100 * (t ? p->polar[1].transmitted - p->polar[0].transmitted
                           : p->polar[1].reflected - p->polar[0].reflected),
                  100 * moved_flux(p, t));
@@ -171,7 +171,7 @@ static double draw_findings(const struct page *p, size_t i, double y)
 {
     const struct orl_bsdf_check *check = p->chart->files[i].check;
     char text[256];
-    snprintf(text, sizeof text, "%.100s: %s, %d directions a side, %zu values",
+    snprintf(text, sizeof text, "%.100s: %s, %d directions per side, %zu values",
              p->chart->files[i].name, check->info.kind, check->info.resolution, check->info.values);
     write_text(p, rim, y, letters, true, ink, text);
     y += line_height;
@@ -191,10 +191,9 @@ static void draw_page(const struct page *p)
     snprintf(text, sizeof text, "Light from the %s at theta %.4g, phi %.4g",
              c->front ? "inside" : "outside", c->theta_deg, c->phi_deg);
     write_text(p, rim, 24, 14, true, ink, text);
-    write_text(
-        p, rim, 42, letters, false, grey,
-        "Means over 2.5 by 5 degrees, 1/sr; theta outwards, every 30 degrees a ring; x to the "
-        "right, y up; the small circle: straight on, or mirrored");
+    write_text(p, rim, 42, letters, false, grey,
+               "Means over 2.5 by 5 degrees, 1/sr; theta outwards, a ring every 30 degrees; x to "
+               "the right, y up; small circle: direct or mirror direction");
     for (size_t i = 0; i < c->n_files; i++) {
         draw_file(p, i, y);
         draw_peaks(p, i, y + 40);

@@ -251,7 +251,7 @@ static void draw_legend(const struct glare_drawing *s)
         const char *text;
         bool there, hollow, cross;
     } rows[] = {{"value and its 95 % interval", true, false, false},
-                {"undecided: the interval holds a bound", undecided, true, false},
+                {"undecided: the interval includes a bound", undecided, true, false},
                 {"no light from the sky", dark, false, true}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         if (!rows[i].there)

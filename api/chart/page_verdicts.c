@@ -271,7 +271,7 @@ static void put_none(const struct orl_page_canvas *s, struct orl_page_column *co
 {
     column->y = orl_page_draw_heading(s, column->x, column->y, column->right, of_grid);
     orl_page_draw_text(s, column->x, column->y, ORL_CANVAS_LEFT, ORL_PAGE_TEXT, orl_page_gray,
-                       "none were named");
+                       "no targets were given");
     column->y += ORL_PAGE_LINE;
 }
 

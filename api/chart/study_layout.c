@@ -145,9 +145,9 @@ static void add_legend(struct orl_chart *chart, const struct orl_study *study)
         add_row(chart, ORL_CHART_KEY_REFERENCE, none, "reference's own error");
     if (study->n_external > 0)
         add_row(chart, ORL_CHART_KEY_GIVEN, none,
-                any_scaled(study) ? "other programs, as if here" : "other programs");
+                any_scaled(study) ? "other programs, scaled times" : "other programs");
     chart->rows[chart->n_rows++].key = ORL_CHART_KEY_NOTE; /* an empty row */
-    add_row(chart, ORL_CHART_KEY_NOTE, none, "hollow: its technique does better");
+    add_row(chart, ORL_CHART_KEY_NOTE, none, "hollow: same technique does better");
     snprintf(text, sizeof text, "bars: standard error, %u seed%s", seeds, seeds == 1 ? "" : "s");
     add_row(chart, ORL_CHART_KEY_NOTE, none, text);
     add_row(chart, ORL_CHART_KEY_NOTE, none, "numbers: photons, samples");

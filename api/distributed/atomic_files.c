@@ -127,7 +127,7 @@ int orl_make_folder(const char *path, struct orl_error *err)
     }
     if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)) {
         errno = ENOTDIR;
-        return io_error(err, path, "use as a folder");
+        return io_error(err, path, "use the path as a folder");
     }
     return 0;
 }

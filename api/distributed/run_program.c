@@ -81,7 +81,7 @@ int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cance
 
     ret_output[0] = '\0';
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of descriptors for '%s'", argv[0]);
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of file descriptors to run '%s'", argv[0]);
     rc = spawn(argv, ends, &pid);
     close(ends[1]);
     if (rc) {
@@ -99,6 +99,6 @@ int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cance
     ret_output[0] = '\0';
     return rc == ORL_ERR_CANCELLED
                ? orl_error_set(err, rc, "cancelled while '%s' ran", argv[0])
-               : orl_error_set(err, rc, "the command '%s' has not ended within %.0f s", argv[0],
+               : orl_error_set(err, rc, "the command '%s' did not end within %.0f s", argv[0],
                                limit_s);
 }

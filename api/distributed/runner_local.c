@@ -149,7 +149,8 @@ int orl_own_program(char ret_path[4096], struct orl_error *err)
     const ssize_t length = readlink("/proc/self/exe", ret_path, 4095);
 
     if (length < 0)
-        return orl_error_set(err, orl_err_of_errno(errno), "this program's own file is not known");
+        return orl_error_set(err, orl_err_of_errno(errno),
+                             "the path of this program's executable is not known");
     ret_path[length] = '\0';
     return 0;
 }

@@ -312,8 +312,8 @@ static int check_outage(struct slurm *slurm, const char *says, struct orl_error 
         return 0;
     orl_error_set(err, ORL_ERR_IO, "Slurm has not answered for %.0f s: %.200s", outage_limit_s,
                   says);
-    orl_error_hint(err, "see `scontrol ping`; once slurmctld answers, the same job takes up what "
-                        "was made");
+    orl_error_hint(err, "see `scontrol ping`; once slurmctld answers, run the same job again: it "
+                        "reuses the finished parts");
     return ORL_ERR_IO;
 }
 
@@ -431,8 +431,8 @@ static int cancel_tasks(const struct orl_runner_spec *spec, const char *round, d
     }
     if (gone)
         return 0;
-    orl_error_set(err, ORL_ERR_IO, "tasks of Slurm named %s may still be under way", tasks);
-    orl_error_hint(err, "scancel --name=%s ends them", tasks);
+    orl_error_set(err, ORL_ERR_IO, "Slurm tasks named %s may still be running", tasks);
+    orl_error_hint(err, "cancel them with scancel --name=%s", tasks);
     return ORL_ERR_IO;
 }
 
@@ -474,7 +474,7 @@ int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_
     snprintf(slurm->script, sizeof slurm->script, "%s/part.sh", spec->folder);
     rc = spec->n_words <= ORL_SBATCH_OPTIONS_MAX
              ? orl_write_text(slurm->script, script, sizeof script - 1, err)
-             : orl_error_set(err, ORL_ERR_LIMIT, "more than %d options of sbatch",
+             : orl_error_set(err, ORL_ERR_LIMIT, "more than %d options for sbatch",
                              ORL_SBATCH_OPTIONS_MAX);
     if (rc) {
         slurm_done(slurm);

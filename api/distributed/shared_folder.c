@@ -168,7 +168,8 @@ int orl_shared_folder_verify(const char *folder, char ret_job[ORL_JOB_TASK_KEY],
         rc = rc ? rc : orl_digest_file(path, found, err);
         const char *text = json_string_value(wanted);
         if (rc == 0 && (!text || strcmp(found, text) != 0))
-            rc = orl_error_set(err, ORL_ERR_CORRUPT, "'%.300s' is not what it was", path);
+            rc = orl_error_set(err, ORL_ERR_CORRUPT, "'%.300s' has changed since the job began",
+                               path);
     }
     json_decref(digests);
     orl_sha256_finish(&hash, digest);
@@ -214,9 +215,9 @@ static int install_folder(const char *fresh, const char *path, const char *job, 
     if (is_ours(path)) /* renamed first, so that the next run never sees it half removed */
         remove_aside(path);
     else if (stat(path, &st) == 0)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "'%.300s' is there, and is no folder of a job in parts: move it away",
-                             path);
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "'%.300s' exists, but is not the folder of a job in parts: move it away", path);
     return rename(fresh, path) == 0 ? 0
                                     : orl_error_set(err, orl_err_of_errno(errno),
                                                     "cannot make '%s': %s", path, strerror(errno));

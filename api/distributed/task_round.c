@@ -187,7 +187,7 @@ static void update_state(struct orl_distributed_job *distributed, struct task_ro
     if (state == ORL_PART_UNKNOWN)
         return;
     if (part->started_s > 0 && state == ORL_PART_WAITING)
-        count_lost(distributed, round, i, "Slurm has put it back");
+        count_lost(distributed, round, i, "Slurm requeued it");
     if (state == ORL_PART_RUNNING && part->started_s <= 0) {
         part->started_s = now_s(distributed);
         report_part_start(distributed, round, i);
@@ -279,7 +279,7 @@ static void read_error(const char *path, struct orl_error *ret_part_error)
         orl_problem_to_error(problem, ret_part_error);
     if (ret_part_error->code == 0)
         orl_error_set(ret_part_error, ORL_ERR_INTERNAL,
-                      "a part of the job failed, and does not say why");
+                      "a part of the job failed and gave no reason");
     json_decref(problem);
 }
 
@@ -315,16 +315,16 @@ static void describe_end(const struct orl_distributed_job *distributed, const st
 {
     if (end == ORL_PART_OUT_OF_TIME)
         orl_error_set(ret_part_error, ORL_ERR_LIMIT,
-                      "a part of the job ran out of its time, %u minutes in the end",
+                      "a part of the job exceeded its time limit (%u minutes in the last try)",
                       status->limits.minutes);
     else if (end == ORL_PART_OUT_OF_MEMORY)
         orl_error_set(ret_part_error, ORL_ERR_LIMIT,
-                      "a part of the job ran out of its memory, %u MiB in the end",
+                      "a part of the job exceeded its memory limit (%u MiB in the last try)",
                       status->limits.mib);
     else
         orl_error_set(ret_part_error, ORL_ERR_INTERNAL,
-                      "a part of the job ended %u times without a word: it was killed, or its node "
-                      "was lost; its log is in '%s'",
+                      "a part of the job ended %u times without a result: it was killed, or its "
+                      "node was lost; its log is in '%s'",
                       part->tries, distributed->folder);
 }
 
@@ -444,7 +444,7 @@ static int wait_for_parts(struct orl_distributed_job *distributed, struct task_r
         if (rc == 0)
             report_progress(distributed, round);
         if (rc == 0 && left > 0 && atomic_load(distributed->spec.cancel))
-            rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while others made parts of it");
+            rc = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while its parts were running");
         if (left > 0 && rc == 0)
             sleep_between_polls(distributed, round);
     }

@@ -157,7 +157,7 @@ static int write_member(struct orl_hb *hb, const struct orl_hb_member *member, s
     struct orl_hb_member surface = *member;
     int rc = 0;
     if (states && !json_is_array(states))
-        return orl_hb_fail(&list, hb->err, ORL_ERR_INVALID, "a list is wanted here");
+        return orl_hb_fail(&list, hb->err, ORL_ERR_INVALID, "a list is expected here");
     if (named)
         rc = orl_hb_modifier_find(hb, named, &in, &surface.modifier);
     if (rc == 0)

@@ -64,9 +64,10 @@ int orl_hb_check(struct orl_hb *hb, const struct orl_hb_file *file)
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory for the model's files");
     if (hb->bytes + (uint64_t)at <= ORL_LIMIT_FILE_BYTES)
         return 0;
-    orl_error_set(hb->err, ORL_ERR_LIMIT, "the model comes to more than %lu MiB of Radiance files",
+    orl_error_set(hb->err, ORL_ERR_LIMIT, "the model's Radiance files would be larger than %lu MiB",
                   ORL_LIMIT_FILE_BYTES >> 20);
-    orl_error_hint(hb->err, "Groups of many objects with many states take most: make them fewer");
+    orl_error_hint(hb->err,
+                   "Groups with many objects and many states take most of it: reduce them");
     return ORL_ERR_LIMIT;
 }
 
@@ -104,10 +105,10 @@ int orl_hb_end(struct orl_hb *hb, struct orl_hb_file *file, const char *name, ..
     if (rc == 0 && length >= NAME_SIZE)
         rc = orl_error_set(hb->err, ORL_ERR_LIMIT, "the name of a file is too long: %.80s", text);
     if (rc == 0 && hb->files.count == ORL_LIMIT_SCENE_FILES)
-        rc = orl_error_set(hb->err, ORL_ERR_LIMIT,
-                           "the model comes to more than %u files: it has too many grids, views or "
-                           "states",
-                           ORL_LIMIT_SCENE_FILES);
+        rc = orl_error_set(
+            hb->err, ORL_ERR_LIMIT,
+            "the model would need more than %u files: it has too many grids, views or states",
+            ORL_LIMIT_SCENE_FILES);
     if (rc == 0)
         rc = make_room(hb);
     const int closed = fclose(file->stream);
@@ -159,7 +160,7 @@ int orl_hb_array(struct orl_hb *hb, const json_t *object, const struct orl_hb_at
     const json_t *value = orl_hb_get(object, member);
     const struct orl_hb_at here = {at, member, 0};
     if (value && !json_is_array(value))
-        return orl_hb_fail(&here, hb->err, ORL_ERR_INVALID, "a list is wanted here");
+        return orl_hb_fail(&here, hb->err, ORL_ERR_INVALID, "a list is expected here");
     *ret_array = value;
     return 0;
 }
@@ -195,9 +196,9 @@ int orl_hb_identifier(struct orl_hb *hb, const json_t *value, const struct orl_h
         *ret_text = text;
         return 0;
     }
-    orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "an identifier is wanted here");
-    orl_error_hint(hb->err, "Identifiers are of 1 to 100 letters, digits, '.', '_' and '-', and "
-                            "begin with no dot: rename it, and what refers to it");
+    orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "an identifier is expected here");
+    orl_error_hint(hb->err, "Identifiers have 1 to 100 letters, digits, '.', '_' and '-', and do "
+                            "not begin with a dot: rename it and all references to it");
     return ORL_ERR_INVALID;
 }
 
@@ -208,7 +209,7 @@ int orl_hb_number(struct orl_hb *hb, const json_t *value, const struct orl_hb_at
     const double number = json_number_value(value);
     if (!json_is_number(value) || !(fabs(number) <= most))
         return orl_hb_fail(at, hb->err, ORL_ERR_INVALID,
-                           "a number from -1e12 to 1e12 is wanted here");
+                           "a number from -1e12 to 1e12 is expected here");
     *ret_number = number;
     return 0;
 }
@@ -218,7 +219,7 @@ int orl_hb_point(struct orl_hb *hb, const json_t *value, const struct orl_hb_at 
 {
     double v[3] = {0};
     if (json_array_size(value) != 3)
-        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three numbers are wanted here");
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three numbers are expected here");
     for (size_t i = 0; i < 3; i++) {
         const struct orl_hb_at here = {at, NULL, i};
         const int rc = orl_hb_number(hb, json_array_get(value, i), &here, &v[i]);

@@ -29,11 +29,11 @@ static int read_tolerance(struct orl_hb *hb)
     if (i == sizeof units / sizeof *units)
         return orl_hb_fail(
             &in_units, hb->err, ORL_ERR_INVALID,
-            "one of Meters, Millimeters, Centimeters, Feet and Inches is wanted here");
+            "one of Meters, Millimeters, Centimeters, Feet and Inches is expected here");
     hb->tolerance = units[i].tolerance;
     const int rc = tolerance ? orl_hb_number(hb, tolerance, &in_tolerance, &hb->tolerance) : 0;
     if (rc == 0 && hb->tolerance < 0)
-        return orl_hb_fail(&in_tolerance, hb->err, ORL_ERR_RANGE, "it is 0 or above");
+        return orl_hb_fail(&in_tolerance, hb->err, ORL_ERR_RANGE, "it must be 0 or above");
     return rc;
 }
 
@@ -43,9 +43,9 @@ static int refuse_dragonfly(struct orl_hb *hb)
     if (!json_object_get(hb->model, "buildings"))
         return 0;
     orl_hb_fail(&(struct orl_hb_at){NULL, "buildings", 0}, hb->err, ORL_ERR_UNSUPPORTED,
-                "this is a model of Dragonfly's");
-    orl_error_hint(hb->err, "Make Honeybee models of it first: dragonfly translate "
-                            "model-to-honeybee");
+                "this is a Dragonfly model");
+    orl_error_hint(hb->err,
+                   "Convert it to Honeybee models first: dragonfly translate model-to-honeybee");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -97,7 +97,7 @@ int orl_hbjson_translate(const json_t *model, struct orl_text_files *ret_files,
     int rc = orl_hbjson_is_model(model)
                  ? write_files(&hb)
                  : orl_hb_fail(&(struct orl_hb_at){NULL, "type", 0}, err, ORL_ERR_INVALID,
-                               "the document is no Honeybee model");
+                               "the document is not a Honeybee model");
     orl_hb_modifiers_done(&hb);
     if (rc) {
         orl_text_files_done(&hb.files);

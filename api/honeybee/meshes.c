@@ -33,7 +33,7 @@ int orl_hb_mesh_face(struct orl_hb *hb, const json_t *face, const struct orl_hb_
 {
     const size_t n = json_array_size(face);
     if (n != 3 && n != 4)
-        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three or four numbers are wanted here");
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three or four numbers are expected here");
     for (size_t i = 0; i < n; i++) {
         const json_t *corner = json_array_get(face, i);
         const json_int_t index = json_integer_value(corner);

@@ -17,7 +17,7 @@ static int read_name(struct orl_hb *hb, const json_t *asset, const struct orl_hb
     if (rc)
         return rc;
     if (group && !json_is_string(group))
-        return orl_hb_fail(&grouped, hb->err, ORL_ERR_INVALID, "a name is wanted here");
+        return orl_hb_fail(&grouped, hb->err, ORL_ERR_INVALID, "a name is expected here");
     text = group ? json_string_value(group) : "";
     while (*text && rc == 0) {
         const size_t n = strcspn(text, "/\\");
@@ -138,8 +138,8 @@ static int write_grid(struct orl_hb *hb, const json_t *list, const struct grid *
     }
     if (*from - first > 1)
         orl_hb_warn(hb,
-                    "grid '%.100s': %zu sensor grids of the model have this identifier: their "
-                    "sensors are one grid, in the order of the model",
+                    "grid '%.100s': %zu sensor grids of the model have this identifier; their "
+                    "sensors are joined into one grid, in the order of the model",
                     grids[first].name, *from - first);
     return orl_hb_end(hb, &file, "model/grid/%s.pts", grids[first].name);
 }
@@ -192,7 +192,7 @@ static int put_view(struct orl_hb *hb, const json_t *view, const struct orl_hb_a
     const char *letter = type ? json_string_value(type) : "v";
     if (!letter || strlen(letter) != 1 || !strchr("vhlcas", *letter))
         return orl_hb_fail(&in_type, hb->err, ORL_ERR_INVALID,
-                           "one of v, h, l, c, a and s is wanted here");
+                           "one of v, h, l, c, a and s is expected here");
     fprintf(stream, "rvu -vt%s", letter);
     int rc = put_vector(hb, view, "position", at, "-vp", stream);
     if (rc == 0)
@@ -257,8 +257,8 @@ int orl_hb_views_write(struct orl_hb *hb)
         rc = read_name(hb, json_array_get(views, i), &here, name);
         if (rc == 0 && (size_t)json_integer_value(json_object_get(last, name)) != i)
             orl_hb_warn(hb,
-                        "view '%.100s': several views of the model have this identifier: the last "
-                        "one is taken",
+                        "view '%.100s': several views of the model have this identifier; the last "
+                        "one is used",
                         name);
         else if (rc == 0)
             rc = write_view(hb, json_array_get(views, i), &here, name);

@@ -20,7 +20,7 @@ static int read_factor(struct luminaire_writer *w, const json_t *of, const struc
     *ret_factor = 1;
     const int rc = value ? orl_hb_number(w->hb, value, &here, ret_factor) : 0;
     if (rc == 0 && !(*ret_factor > 0))
-        return orl_hb_fail(&here, w->hb->err, ORL_ERR_RANGE, "it is above 0");
+        return orl_hb_fail(&here, w->hb->err, ORL_ERR_RANGE, "it must be above 0");
     return rc;
 }
 
@@ -33,12 +33,12 @@ static int read_shares(struct luminaire_writer *w, const json_t *lamp, const str
     int rc = 0;
     *ret_given = values;
     if (values && json_array_size(values) != n)
-        return orl_hb_fail(&here, w->hb->err, ORL_ERR_INVALID, "%zu numbers are wanted here", n);
+        return orl_hb_fail(&here, w->hb->err, ORL_ERR_INVALID, "%zu numbers are expected here", n);
     for (size_t i = 0; values && i < n && rc == 0; i++) {
         const struct orl_hb_at in = {&here, NULL, i};
         rc = orl_hb_number(w->hb, json_array_get(values, i), &in, &ret_shares[i]);
         if (rc == 0 && !(ret_shares[i] >= 0 && ret_shares[i] <= 1))
-            rc = orl_hb_fail(&in, w->hb->err, ORL_ERR_RANGE, "it is from 0 to 1");
+            rc = orl_hb_fail(&in, w->hb->err, ORL_ERR_RANGE, "it must be from 0 to 1");
     }
     return rc;
 }
@@ -72,7 +72,7 @@ static int read_lamp(struct luminaire_writer *w, char *ret_options, size_t size,
     if (rc == 0)
         rc = read_shares(w, lamp, &at, "white_xy", white, 2, &is_white);
     if (rc == 0 && is_rgb == is_white)
-        rc = orl_hb_fail(&at, w->hb->err, ORL_ERR_INVALID, "either rgb or white_xy is wanted here");
+        rc = orl_hb_fail(&at, w->hb->err, ORL_ERR_INVALID, "either rgb or white_xy is expected here");
     if (rc)
         return rc;
     if (is_rgb) {
@@ -130,7 +130,7 @@ static int write_placements(struct luminaire_writer *w, const char *command)
     int rc = orl_hb_walk(w->hb, zone, &in_zone, "instances", &instances);
     if (rc == 0 && json_array_size(instances.array) == 0)
         return orl_hb_fail(&list, w->hb->err, ORL_ERR_INVALID,
-                           "the places of the luminaire are wanted here");
+                           "the luminaire has no instances: list at least one position");
     for (const json_t *instance; rc == 0 && (instance = orl_hb_next(&instances));)
         rc = write_placement(w, instance, &instances.here, command);
     return rc;
@@ -160,7 +160,7 @@ static int write_luminaire(struct luminaire_writer *w)
         rc = read_factor(w, w->json, w->at, "candela_multiplier", &candela);
     if (rc == 0 && !json_is_string(ies))
         rc = orl_hb_fail(&in_text, w->hb->err, ORL_ERR_INVALID,
-                         "the text of an IES file is wanted here");
+                         "the text of an IES file is expected here");
     if (rc == 0)
         rc = read_lamp(w, options, sizeof options, &lamp);
     if (rc == 0)

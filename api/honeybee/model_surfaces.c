@@ -178,7 +178,7 @@ static int use_of_face(struct surfaces *s, const json_t *face, const char *type,
         *ret_use = out ? ORL_HB_ROOF : ORL_HB_ROOF_INSIDE;
     else
         return orl_hb_fail(&here, s->hb->err, ORL_ERR_INVALID,
-                           "one of Wall, Floor, RoofCeiling and AirBoundary is wanted here");
+                           "one of Wall, Floor, RoofCeiling and AirBoundary is expected here");
     return 0;
 }
 

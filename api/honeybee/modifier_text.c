@@ -110,7 +110,7 @@ static int read_numbers(struct modifier_writer *w, const struct kind *kind, cons
         if (rc)
             return rc;
         if (values[n] < field->least || values[n] > field->most)
-            return orl_hb_fail(&here, w->hb->err, ORL_ERR_RANGE, "it is from %g to %g",
+            return orl_hb_fail(&here, w->hb->err, ORL_ERR_RANGE, "it must be from %g to %g",
                                field->least, field->most);
     }
     *ret_count = n;
@@ -153,7 +153,7 @@ static int write_bsdf_file(struct modifier_writer *w, struct orl_hb_modifier *mo
         return 0;
     if (!json_is_string(data))
         return orl_hb_fail(&here, w->hb->err, ORL_ERR_INVALID,
-                           "the text of a BSDF file is wanted here");
+                           "the text of a BSDF file is expected here");
     const int rc = orl_hb_begin(w->hb, &file);
     if (rc)
         return rc;
@@ -194,11 +194,11 @@ static int write_bsdf_strings(struct modifier_writer *w, struct orl_hb_modifier 
         rc = orl_hb_number(w->hb, thick, &in_thick, &thickness);
     if (rc == 0 && function && strcmp(function, ".") != 0)
         rc = orl_hb_fail(&in_file, w->hb->err, ORL_ERR_UNSUPPORTED,
-                         "no function file belongs to a model: \".\" is wanted here");
+                         "a model cannot contain a function file: only \".\" is allowed here");
     if (rc == 0 && with &&
         (!json_is_string(with) ||
          count_words(json_string_value(with), json_string_length(with), &words)))
-        rc = orl_hb_fail(&in_with, w->hb->err, ORL_ERR_INVALID, "options of xform are wanted here");
+        rc = orl_hb_fail(&in_with, w->hb->err, ORL_ERR_INVALID, "options of xform are expected here");
     if (rc)
         return rc;
     FILE *stream = w->file->stream;
@@ -234,7 +234,7 @@ static int add_index(struct modifier_writer *w, const json_t *json, const struct
         return 0;
     const int rc = orl_hb_number(w->hb, index, &here, &values[*count]);
     if (rc == 0 && !(values[*count] > 1 && values[*count] < 10))
-        return orl_hb_fail(&here, w->hb->err, ORL_ERR_RANGE, "it is above 1 and below 10");
+        return orl_hb_fail(&here, w->hb->err, ORL_ERR_RANGE, "it must be above 1 and below 10");
     *count += rc == 0;
     return rc;
 }

@@ -61,7 +61,7 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
     const struct orl_hb_at named = {at, "identifier", 0};
     const char *identifier = NULL;
     if (!json_is_object(json))
-        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier is wanted here");
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier is expected here");
     int rc = orl_hb_identifier(hb, json_object_get(json, "identifier"), &named, &identifier);
     if (rc)
         return rc;
@@ -71,13 +71,13 @@ static int add_own(struct orl_hb *hb, const json_t *json, const struct orl_hb_at
     *ret_index = (size_t)json_integer_value(known);
     if (!hb->modifiers[*ret_index].json)
         orl_hb_warn(hb,
-                    "modifier '%.100s': an object defines one with the identifier of Honeybee's "
-                    "generic one, which is taken",
+                    "modifier '%.100s': an object defines it with the identifier of Honeybee's "
+                    "generic modifier; the generic one is used",
                     identifier);
     else if (!json_equal(hb->modifiers[*ret_index].json, json))
         orl_hb_warn(hb,
-                    "modifier '%.100s': several different ones have this identifier: %s is taken "
-                    "for all",
+                    "modifier '%.100s': several different modifiers have this identifier; %s is "
+                    "used for all",
                     identifier, in_list ? "the last in the list" : "the first");
     return 0;
 }
@@ -118,13 +118,13 @@ int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct or
     if (json_is_object(value))
         return add_own(hb, value, at, false, ret_index);
     if (!identifier)
-        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier's identifier is wanted here");
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier's identifier is expected here");
     if (index) {
         *ret_index = (size_t)json_integer_value(index);
         return 0;
     }
     orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "the model has no modifier '%.100s'", identifier);
-    orl_error_hint(hb->err, "It is to be in properties.radiance.modifiers");
+    orl_error_hint(hb->err, "Add it to properties.radiance.modifiers");
     return ORL_ERR_INVALID;
 }
 
@@ -195,7 +195,7 @@ int orl_hb_sets_read(struct orl_hb *hb)
         const struct orl_hb_at named = {&sets.here, "identifier", 0};
         const char *identifier = json_string_value(json_object_get(set, "identifier"));
         if (!identifier)
-            rc = orl_hb_fail(&named, hb->err, ORL_ERR_INVALID, "an identifier is wanted here");
+            rc = orl_hb_fail(&named, hb->err, ORL_ERR_INVALID, "an identifier is expected here");
         else if (json_object_set(hb->modifier_sets, identifier, set))
             rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     }

@@ -41,7 +41,7 @@ static int add_loop(struct orl_hb *hb, const json_t *corners, const struct orl_h
     const size_t n = json_array_size(corners);
     int rc = 0;
     if (n < 3)
-        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three points or more are wanted here");
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three points or more are expected here");
     if (!make_room(polygon, n))
         return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < n && rc == 0; i++) {

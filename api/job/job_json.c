@@ -38,7 +38,7 @@ static int decode_local_scene(const json_t *scene, const char *path, struct orl_
                                         .empty = "no file is named"};
     const struct orl_json_member members[] = {{"files", .list = &files, .required = true}, {0}};
     if (json_is_string(scene)) {
-        orl_json_fail(err, ORL_ERR_INVALID, path, "an id means nothing without a daemon");
+        orl_json_fail(err, ORL_ERR_INVALID, path, "a scene id needs a daemon");
         orl_error_hint(err, "Name the files: \"scene\": {\"files\": [\"room.rad\"]}");
         return ORL_ERR_INVALID;
     }
@@ -113,22 +113,23 @@ static int decode_goal(const json_t *value, const char *path, void *into, struct
 {
     struct orl_goal *goal = into;
     char deadline[64];
-    snprintf(deadline, sizeof deadline, "it is from above 0 to %lu seconds", ORL_LIMIT_DEADLINE_S);
+    snprintf(deadline, sizeof deadline, "it must be above 0 and at most %lu seconds",
+             ORL_LIMIT_DEADLINE_S);
     const struct orl_json_member members[] = {
         {"relative_error", .real = &goal->relative_error, .least = 0, .most = 10, .above = true,
-         .bounds = "it is a fraction, from above 0 to 10: 0.05 is 5 %"},
+         .bounds = "it must be a fraction above 0 and at most 10: 0.05 is 5 %"},
         {"dgp_error", .real = &goal->dgp_error, .least = 1e-5, .most = 1,
-         .bounds = "it is half the interval of DGP, from 0.00001 to 1"},
+         .bounds = "half the width of the DGP interval must be from 0.00001 to 1"},
         {"deadline_s", .real = &goal->deadline_s, .least = 0, .most = (double)ORL_LIMIT_DEADLINE_S,
          .above = true, .bounds = deadline},
         {"at", .real = &goal->at, .least = 0, .most = 1, .above = true,
-         .bounds = "it is the share of sensors or pixels, from above 0 to 1"},
+         .bounds = "the share of sensors or pixels must be above 0 and at most 1"},
         {0}};
     const int rc = orl_json_members(value, path, members, err);
     if (rc || (goal->relative_error > 0) + (goal->dgp_error > 0) + (goal->deadline_s > 0) == 1)
         return rc;
     orl_json_fail(err, ORL_ERR_INVALID, path,
-                  "one of \"relative_error\", \"dgp_error\" and \"deadline_s\" is wanted here");
+                  "one of \"relative_error\", \"dgp_error\" and \"deadline_s\" is expected here");
     orl_error_hint(err, "Write \"accuracy\": {\"relative_error\": 0.05} or {\"deadline_s\": 30}");
     return ORL_ERR_INVALID;
 }
@@ -140,7 +141,7 @@ static int refuse_settings(const json_t *doc, struct orl_error *err)
     for (size_t i = 0; i < sizeof chosen / sizeof *chosen; i++)
         if (json_object_get(doc, chosen[i])) {
             orl_json_fail(err, ORL_ERR_INVALID, chosen[i],
-                          "a job with \"accuracy\" chooses its photons and samples itself");
+                          "a job with \"accuracy\" chooses its photons and samples automatically");
             orl_error_hint(err, "Leave out one of the two");
             return ORL_ERR_INVALID;
         }
@@ -196,14 +197,14 @@ static int decode_document(const json_t *doc, struct draft *draft, struct orl_er
         return orl_json_wrong_type(kind, "kind", "a string", err);
     if (kind && strcmp(json_string_value(kind), "render") != 0)
         return orl_json_fail(err, ORL_ERR_INVALID, "kind",
-                             "a job of kind \"render\" is wanted here, not \"%.64s\"",
+                             "a job of kind \"render\" is expected here, not \"%.64s\"",
                              json_string_value(kind));
     int rc = decode_members(doc, draft, err);
     if (rc == 0 && json_object_get(doc, "accuracy"))
         rc = refuse_settings(doc, err);
     if (rc == 0 && draft->job.n_views == 0 && draft->job.n_sensors == 0 &&
         draft->job.n_grids == 0 && !draft->job.sensors_file) {
-        rc = orl_json_fail(err, ORL_ERR_INVALID, "document", "the job asks for nothing");
+        rc = orl_json_fail(err, ORL_ERR_INVALID, "document", "the job requests no results");
         orl_error_hint(err, "Add sensors, views or both");
     }
     return rc;
@@ -277,7 +278,7 @@ static int read_name(const json_t *value, char **ret_name, struct orl_error *err
     /* strdup would cut the name at a NUL inside. */
     if (strlen(name) != json_string_length(value) || !is_label(name, "", ORL_LABEL_NAME))
         return orl_json_fail(err, ORL_ERR_INVALID, "name",
-                             "a name has 1 to %d characters, none of them control characters",
+                             "a name must have 1 to %d characters, without control characters",
                              ORL_LABEL_NAME);
     *ret_name = strdup(name);
     return *ret_name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
@@ -293,12 +294,12 @@ static int check_tag(const json_t *tags, size_t at, struct orl_error *err)
         return orl_json_wrong_type(value, path, "a string", err);
     if (strlen(tag) != json_string_length(value) || !orl_label_is_tag(tag))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "a tag has 1 to %d characters, none of them a control character, "
-                             "quotation mark, backslash or comma",
+                             "a tag must have 1 to %d characters, without control characters, "
+                             "quotation marks, backslashes and commas",
                              ORL_LABEL_TAG);
     for (size_t i = 0; i < at; i++)
         if (strcmp(json_string_value(json_array_get(tags, i)), tag) == 0)
-            return orl_json_fail(err, ORL_ERR_INVALID, path, "the tag is there already");
+            return orl_json_fail(err, ORL_ERR_INVALID, path, "the tag is listed twice");
     return 0;
 }
 

@@ -19,7 +19,7 @@ static int decode_sensor(const json_t *row, const char *path, void *into, struct
     int rc = orl_json_array(row, path, 6, err);
     if (rc == 0 && json_array_size(row) != 6)
         rc = orl_json_fail(err, ORL_ERR_INVALID, path,
-                           "six numbers are wanted: x, y, z and the direction dx, dy, dz");
+                           "six numbers are expected: x, y, z and the direction dx, dy, dz");
     for (size_t k = 0; k < 6 && rc == 0; k++) {
         char at[ORL_JSON_PATH_MAX];
         snprintf(at, sizeof at, "%.120s[%zu]", path, k);
@@ -122,7 +122,7 @@ int orl_grids_from_json(const json_t *value, const char *path, void *into, struc
     int rc = orl_json_list(value, path, &list, err);
     if (rc == 0 && (job->n_sensors > 0 || job->sensors_file))
         rc = orl_json_fail(err, ORL_ERR_INVALID, path,
-                           "a job has \"sensors\" or \"grids\" of them, not both");
+                           "a job can have \"sensors\" or \"grids\", not both");
     if (rc == 0)
         rc = move_drafts_to_job(drafts, n, job, err);
     for (size_t i = 0; drafts && i < n; i++) {
@@ -176,7 +176,7 @@ static int decode_unit(const json_t *value, const char *path, void *ret_unit, st
     if (rc)
         return rc;
     if (strlen(label) >= ORL_LENGTH_UNIT_MAX)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "it has at most %d letters",
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "it can have at most %d letters",
                              ORL_LENGTH_UNIT_MAX - 1);
     memcpy(ret_unit, label, strlen(label) + 1);
     return 0;

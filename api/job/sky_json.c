@@ -75,14 +75,14 @@ static int decode_input_pair(const json_t *value, const char *path,
     }
     if (!chosen)
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "how bright it is is missing: \"%s\"%s%s%s, for one", pairs[0].first,
-                             pairs[0].second ? " and \"" : "",
+                             "the brightness is missing: give \"%s\"%s%s%s, for example",
+                             pairs[0].first, pairs[0].second ? " and \"" : "",
                              pairs[0].second ? pairs[0].second : "", pairs[0].second ? "\"" : "");
     for (size_t i = 0; i < count; i++) {
         const char *second = pairs[i].second;
         const bool is_required = second && chosen->second && strcmp(second, chosen->second) == 0;
         if (second && json_object_get(value, second) && !is_required)
-            return orl_json_fail(err, ORL_ERR_INVALID, path, "\"%s\" and \"%s\" do not go together",
+            return orl_json_fail(err, ORL_ERR_INVALID, path, "\"%s\" and \"%s\" cannot be combined",
                                  chosen->first, second);
     }
     request->input = chosen->input;
@@ -146,7 +146,7 @@ static int decode_cie(const json_t *value, const char *path, void *into, struct 
         {.name = "zenith_cd_m2"},
         {.name = "diffuse_horizontal_lx"},
         {"direct_normal_lx", .real = &request->direct_normal_lx, .least = 0, .most = INFINITY,
-         .bounds = "it is negative"},
+         .bounds = "it must not be negative"},
         {"turbidity", .real = &request->turbidity},
         {0}};
     const int rc = orl_json_members(value, path, members, err);
@@ -189,7 +189,8 @@ static int decode_sky(const json_t *value, const char *path, struct orl_sky_requ
         given += json_object_get(value, members[i].name) != NULL;
     const int rc = given > 1 ? 0 : orl_json_members(value, path, members, err);
     if (rc == 0 && given != 1)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "a sky is one of perez, cie, weather");
+        return orl_json_fail(err, ORL_ERR_INVALID, path,
+                             "a sky has exactly one of perez, cie, weather");
     return rc;
 }
 
@@ -235,7 +236,7 @@ static int decode_list(const json_t *skies, const char *path, struct orl_job *jo
                                        .size = sizeof *job->skies,
                                        .most = ORL_LIMIT_SKIES,
                                        .each = decode_named_sky,
-                                       .empty = "there is none"};
+                                       .empty = "the list is empty"};
     int rc = orl_json_list(skies, path, &list, err);
     for (size_t i = 0; i < job->n_skies && rc == 0; i++)
         if (!job->skies[i].name)
@@ -255,7 +256,7 @@ static int decode_moment(const json_t *value, const char *path, void *ret_h, str
         {"month", .whole = &month, .from = 1, .to = 12, .required = true},
         {.name = "day"}, /* decoded below: its bounds depend on the month */
         {"hour", .real = &hour, .least = 0, .most = day_h, .below = true, .required = true,
-         .bounds = "it lies between 0 and 24"},
+         .bounds = "it must be at least 0 and below 24"},
         {0}};
     int rc = orl_json_members(value, path, members, err);
     const int before = days_before[month - 1], days = days_before[month] - before;
@@ -277,17 +278,19 @@ static int find_model(const json_t *doc, const char *path, const char **ret_mode
         if (!json_object_get(doc, models[i]))
             continue;
         if (model)
-            return orl_json_fail(err, ORL_ERR_INVALID, path, "a sky is one of perez, cie, weather");
+            return orl_json_fail(err, ORL_ERR_INVALID, path,
+                                 "a sky has exactly one of perez, cie, weather");
         model = models[i];
     }
     const json_t *sky = model ? json_object_get(doc, model) : NULL;
     if (!json_is_object(sky))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "perez, cie or weather is wanted here, as an object");
+                             "perez, cie or weather is expected here, as an object");
     for (size_t i = 0; i < sizeof times / sizeof *times; i++)
         if (json_object_get(sky, times[i]))
-            return orl_json_fail(err, ORL_ERR_INVALID, path,
-                                 "\"%s\" follows from \"from\", \"to\" and \"step_h\"", times[i]);
+            return orl_json_fail(
+                err, ORL_ERR_INVALID, path,
+                "\"%s\" is computed from \"from\", \"to\" and \"step_h\": leave it out", times[i]);
     *ret_model = model;
     return 0;
 }
@@ -310,14 +313,14 @@ static int decode_sequence(const json_t *doc, const char *path, struct sequence 
         {"from", .decode = decode_moment, .into = &seq->from_h, .required = true},
         {"to", .decode = decode_moment, .into = &seq->to_h, .required = true},
         {"step_h", .real = &seq->step_h, .least = 1.0 / 60, .most = 365 * day_h,
-         .bounds = "it is in hours, from a minute to a year"},
+         .bounds = "it is in hours and must be from a minute to a year"},
         {0}};
     const int rc = orl_json_members(doc, path, members, err);
     if (rc)
         return rc;
     if (seq->to_h < seq->from_h)
         return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, "to", at),
-                             "it comes before \"from\"");
+                             "it is before \"from\"");
     seq->count = 1 + (size_t)floor((seq->to_h - seq->from_h + slack_h) / seq->step_h);
     if (seq->count > ORL_LIMIT_SKIES)
         return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu steps; at most %u are allowed",
@@ -389,5 +392,5 @@ int orl_skies_from_json(const json_t *skies, const char *path, void *job, struct
     if (json_is_object(skies))
         return decode_hours(skies, path, job, err);
     return orl_json_fail(err, ORL_ERR_INVALID, path,
-                         "a list of skies is wanted, or a sequence of hours as an object");
+                         "a list of skies is expected, or a sequence of hours as an object");
 }

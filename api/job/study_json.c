@@ -70,7 +70,7 @@ static int decode_paths(const json_t *value, const char *path, void *paths, stru
 
 static int decode_given(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char above_zero[] = "a number above zero is wanted";
+    static const char above_zero[] = "a number above zero is expected";
     struct orl_study_external *external = into;
     const struct orl_json_member members[] = {
         {"name", .text = &external->name, .longest = NAME_MAX_BYTES, .required = true},
@@ -135,7 +135,7 @@ static int refuse_samples(const json_t *doc, bool views, struct orl_error *err)
     const char *other = views ? "gather_samples" : "pixel_samples";
     if (!json_object_get(doc, other))
         return 0;
-    return orl_json_fail(err, ORL_ERR_INVALID, other, "%s are measured: \"%s\" is wanted",
+    return orl_json_fail(err, ORL_ERR_INVALID, other, "the study measures %s: use \"%s\" instead",
                          views ? "views" : "sensors", name);
 }
 
@@ -146,7 +146,7 @@ static int decode_document(const json_t *doc, enum orl_job_origin origin,
     const bool views = json_array_size(json_object_get(doc, "views")) > 0;
     const char *kind = json_string_value(json_object_get(doc, "kind"));
     if (json_is_object(doc) && (!kind || strcmp(kind, "study") != 0))
-        return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a study says \"kind\": \"study\"");
+        return orl_json_fail(err, ORL_ERR_INVALID, "kind", "a study needs \"kind\": \"study\"");
     int rc = decode_members(doc, views, request, err);
     if (rc == 0)
         rc = decode_job(doc, origin, &request->job, ret_scene_id, err);

@@ -81,7 +81,7 @@ static const char *type_name(const json_t *value)
 int orl_json_wrong_type(const json_t *value, const char *path, const char *wanted,
                         struct orl_error *err)
 {
-    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here, not %s", wanted,
+    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is expected here, not %s", wanted,
                          type_name(value));
 }
 
@@ -113,7 +113,7 @@ int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t
         return orl_json_wrong_type(value, path, "a whole number", err);
     }
     if (!ok || whole < min || whole > max)
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "a whole number from %llu to %llu is wanted",
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "a whole number from %llu to %llu is expected",
                              (unsigned long long)min, (unsigned long long)max);
     *ret_value = whole;
     return 0;
@@ -173,7 +173,7 @@ int orl_json_word(const json_t *value, const char *path, const char *const *word
                           : 0;
         used += n > 0 ? (size_t)n : 0;
     }
-    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is wanted here", list);
+    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is expected here", list);
 }
 
 const char *orl_json_path(const char *path, const char *member, char ret_path[ORL_JSON_PATH_MAX])
@@ -218,7 +218,8 @@ static int decode_real(const json_t *value, const char *path, const struct orl_j
                     (m->below && real >= m->most))) {
         if (m->bounds)
             return orl_json_fail(err, ORL_ERR_RANGE, path, "%s", m->bounds);
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "it is from %g to %g", m->least, m->most);
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "it must be from %g to %g", m->least,
+                             m->most);
     }
     *m->real = real;
     return 0;

@@ -47,7 +47,7 @@ int orl_json_string(const json_t *value, const char *path, size_t max, char **re
 int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_index,
                   struct orl_error *err);
 
-/* Fails with "<wanted> is wanted here, not <what value is>". */
+/* Fails with "<wanted> is expected here, not <what value is>". */
 int orl_json_wrong_type(const json_t *value, const char *path, const char *wanted,
                         struct orl_error *err);
 /* Fails with code at path; the message is "<path>: <what>". */

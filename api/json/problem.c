@@ -17,7 +17,7 @@ static const struct {
     {ORL_ERR_SYNTAX, 400, "The text does not parse"},
     {ORL_ERR_UNSUPPORTED, 422, "Oriel does not simulate this"},
     {ORL_ERR_RANGE, 422, "A value is out of range"},
-    {ORL_ERR_NOT_FOUND, 422, "Something that is referred to is missing"},
+    {ORL_ERR_NOT_FOUND, 422, "A file or name that the request refers to is missing"},
     {ORL_ERR_LIMIT, 413, "A limit is exceeded"},
     {ORL_ERR_CORRUPT, 500, "A stored file is damaged"},
     {ORL_ERR_VERSION, 500, "A stored file has another format version"},

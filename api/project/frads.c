@@ -41,7 +41,7 @@ static int store_value(struct frads_reader *r, const char *section, const char *
     json_t *const values = json_object_get(r->sections, section);
     json_t *const value = json_pack("{s:s, s:i}", "text", text, "line", line);
     if (!value)
-        return fail(r, ORL_ERR_SYNTAX, line, "a value is no UTF-8", key, "Write it in UTF-8");
+        return fail(r, ORL_ERR_SYNTAX, line, "a value is not UTF-8", key, "Write it in UTF-8");
     return json_object_set_new(values, key, value) ? no_memory(r) : 0;
 }
 
@@ -80,7 +80,7 @@ static int begin_section(struct frads_reader *r, struct entry *at, char *line, i
 {
     char *const close = strchr(line, ']');
     if (!close || close - line - 1 >= NAME_SIZE || close == line + 1)
-        return fail(r, ORL_ERR_SYNTAX, number, "this names no section", line,
+        return fail(r, ORL_ERR_SYNTAX, number, "this is not a section name", line,
                     "Sections are [Model], [RaySender] and the like");
     *close = '\0';
     snprintf(at->section, sizeof at->section, "%s", line + 1);
@@ -89,7 +89,7 @@ static int begin_section(struct frads_reader *r, struct entry *at, char *line, i
         return 0;
     json_t *const values = json_object();
     return json_object_set_new(r->sections, at->section, values)
-               ? fail(r, ORL_ERR_SYNTAX, number, "a name is no UTF-8", line + 1, "Rename it")
+               ? fail(r, ORL_ERR_SYNTAX, number, "a name is not UTF-8", line + 1, "Rename it")
                : 0;
 }
 
@@ -113,7 +113,7 @@ static int read_entry(struct frads_reader *r, struct entry *at, char *line, int 
         return begin_section(r, at, line, number);
     char *const sign = line + strcspn(line, "=:");
     if (!at->section[0] || !*sign || sign == line || sign - line >= NAME_SIZE)
-        return fail(r, ORL_ERR_SYNTAX, number, "this assigns nothing", line,
+        return fail(r, ORL_ERR_SYNTAX, number, "the line assigns nothing", line,
                     "Lines are [Section], or key = value");
     *sign = '\0';
     snprintf(at->key, sizeof at->key, "%s", line);
@@ -158,8 +158,9 @@ static int expand_value(struct frads_reader *r, const char *section, const json_
     const char *text = json_string_value(json_object_get(value, "text"));
     const int line = line_of(value);
     if (depth > DEEPEST)
-        return fail(r, ORL_ERR_LIMIT, line, "values name each other more than eight deep", text,
-                    "Write one of them out");
+        return fail(r, ORL_ERR_LIMIT, line,
+                    "references between values are nested more than eight deep", text,
+                    "Replace one reference by its value");
     for (size_t used = strlen(ret); *text; used = strlen(ret)) {
         if (strncmp(text, "${", 2) != 0) {
             if (used + 2 > VALUE_SIZE)
@@ -172,7 +173,7 @@ static int expand_value(struct frads_reader *r, const char *section, const json_
         char names[2 * NAME_SIZE];
         const size_t length = strcspn(text + 2, "}");
         if (length >= sizeof names || !text[2 + length])
-            return fail(r, ORL_ERR_SYNTAX, line, "a name in ${ } has no end", text,
+            return fail(r, ORL_ERR_SYNTAX, line, "a '${' has no closing '}'", text,
                         "Write ${key} or ${Section:key}");
         snprintf(names, sizeof names, "%.*s", (int)length, text + 2);
         char *const colon = strchr(names, ':'), *const key = colon ? colon + 1 : names;
@@ -182,7 +183,7 @@ static int expand_value(struct frads_reader *r, const char *section, const json_
         const char *const in = colon ? names : section;
         const json_t *const other = value_of(r, in, key);
         if (!other)
-            return fail(r, ORL_ERR_SYNTAX, line, "a value names one that there is not", key,
+            return fail(r, ORL_ERR_SYNTAX, line, "a value refers to a key that does not exist", key,
                         "Write ${key} or ${Section:key}");
         const int rc = expand_value(r, in, other, depth + 1, ret);
         if (rc)
@@ -266,8 +267,8 @@ static int add_windows(struct frads_reader *r)
     const size_t n = json_array_size(windows), panels = json_array_size(xmls);
     if (rc == 0 && panels > 1 && panels != n)
         rc = fail(r, ORL_ERR_SYNTAX, line_of(value_of(r, "Model", "window_xmls")),
-                  "there are neither as many BSDFs as windows, nor one", "window_xmls",
-                  "Name a file for each of windows, or one for all");
+                  "the number of BSDFs is neither one nor the number of windows", "window_xmls",
+                  "Give one file for each window, or one for all");
     for (size_t i = 0; i < n && rc == 0; i++) {
         const char *const window = json_string_value(json_array_get(windows, i));
         const char *const xml = json_string_value(json_array_get(xmls, panels > 1 ? i : 0));
@@ -347,11 +348,12 @@ static int leave_the_rest(struct frads_reader *r)
 {
     static const char *const weather[] = {"epw_file", "epw_path", "wea_path"};
     int rc = leave_out(r, "RaySender", "grid_surface",
-                       "a grid that frads lays over it: write its points to a .pts file");
+                       "frads generates this grid itself: write its points to a .pts file");
     if (rc == 0)
-        rc = leave_out(r, "Model", "window_cfs", "geometry of the matrices' own");
+        rc = leave_out(r, "Model", "window_cfs", "geometry for matrices only");
     for (size_t i = 0; i < sizeof weather / sizeof *weather && rc == 0; i++)
-        rc = leave_out(r, "Site", weather[i], "weather: name it to \"oriel annual\"");
+        rc =
+            leave_out(r, "Site", weather[i], "weather: give it to \"oriel annual\" with --weather");
     return rc;
 }
 
@@ -361,7 +363,7 @@ static int read_project(struct frads_reader *r, const char *text, size_t size)
     int rc = read_sections(r, text, size);
     if (rc == 0 && !value_of(r, "Model", "scene"))
         rc = fail(r, ORL_ERR_SYNTAX, 0, "no scene files are named", r->name,
-                  "A configuration of frads has a section [Model] with scene = FILE ...");
+                  "Add a section [Model] with scene = FILE ... to the configuration");
     if (rc == 0)
         rc = add_files(r, "material");
     if (rc == 0)

@@ -184,7 +184,8 @@ static int check_choice(const struct orl_project_search *f)
     json_object_foreach((json_t *)(uintptr_t)f->choice->states, group, chosen_state)
     {
         if (!json_is_string(chosen_state))
-            return orl_json_fail(f->err, ORL_ERR_INVALID, "states", "a state is named by a string");
+            return orl_json_fail(f->err, ORL_ERR_INVALID, "states",
+                                 "the name of a state must be a string");
         if (!json_object_get(f->states, group))
             return orl_json_fail(f->err, ORL_ERR_INVALID, "states",
                                  "the project has no group '%.100s'", group);
@@ -202,16 +203,16 @@ static const char *why_left_out(const struct orl_project_search *f, const char *
     if (!orl_project_below(f, name, ""))
         return sensors || surfaces ? "it lies outside the model's folder" : NULL;
     if (orl_project_below(f, name, "ies/__"))
-        return surfaces ? "another file puts it in its places" : NULL;
+        return surfaces ? "another file places it" : NULL;
     if (orl_project_ends_with(name, ".blk"))
-        return "materials in black, for direct light alone";
+        return "black materials for the direct-sun calculation";
     if (strstr(name, "..direct..") || strstr(name, "..black.") || strstr(name, "..mtx"))
-        return "a state's copy for matrices or direct light";
+        return "copy of a state for matrices or direct light";
     if (orl_project_below(f, name, "grid/") && sensors)
         return "grid/_info.json does not name it";
     if (orl_project_below(f, name, "receiver/"))
-        return "receivers of matrices";
-    return sensors || surfaces ? "nothing names it" : NULL;
+        return "receiver for matrices";
+    return sensors || surfaces ? "no file or list refers to it" : NULL;
 }
 
 /* Lists the unused files. BSDFs are found by the files that name them; lists and settings are

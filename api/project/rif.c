@@ -48,7 +48,7 @@ static int leave_out(struct rif_reader *r, struct orl_slice what, const char *wh
 {
     return json_array_append_new(r->left_out,
                                  json_pack("{s:o, s:s}", "file", text_of(what), "why", why))
-               ? fail(r, ORL_ERR_SYNTAX, "a name is no UTF-8", what, "Rename it")
+               ? fail(r, ORL_ERR_SYNTAX, "a name is not UTF-8", what, "Rename it")
                : 0;
 }
 
@@ -59,7 +59,7 @@ static int add_command(struct rif_reader *r, json_t *list, struct orl_slice comm
     snprintf(name, sizeof name, "+command-%zu.rad", json_array_size(r->commands) + 1);
     json_t *text = json_sprintf("%.*s\n", (int)command.length, command.text);
     if (!text)
-        return fail(r, ORL_ERR_SYNTAX, "a command is no UTF-8", command, "Write it in ASCII");
+        return fail(r, ORL_ERR_SYNTAX, "a command is not UTF-8", command, "Write it in ASCII");
     return json_array_append_new(r->commands,
                                  json_pack("{s:s, s:o}", "name", name, "text", text)) ||
                    json_array_append_new(list, json_string(name))
@@ -76,9 +76,9 @@ static int add_file(struct rif_reader *r, json_t *list, struct orl_slice file)
         return add_command(r, list, file);
     if (file.length > 4 && memcmp(file.text + file.length - 4, ".oct", 4) == 0)
         return fail(r, ORL_ERR_UNSUPPORTED, "the scene is an octree", file,
-                    "Name the scene files that it was made of");
+                    "Name the scene files from which the octree was made");
     return json_array_append_new(list, text_of(file))
-               ? fail(r, ORL_ERR_SYNTAX, "a name is no UTF-8", file, "Rename it")
+               ? fail(r, ORL_ERR_SYNTAX, "a name is not UTF-8", file, "Rename it")
                : 0;
 }
 
@@ -89,7 +89,8 @@ static int add_files(struct rif_reader *r, json_t *list, struct orl_slice value)
     int rc = 0, found = 1;
     while (rc == 0 && (found = orl_slice_take_quoted(&value, &word)) == 1)
         rc = add_file(r, list, word);
-    return found < 0 ? fail(r, ORL_ERR_SYNTAX, "a quote is open", word, "Close it on its line")
+    return found < 0 ? fail(r, ORL_ERR_SYNTAX, "a quotation mark is not closed", word,
+                            "Close it on the same line")
                      : rc;
 }
 
@@ -98,7 +99,7 @@ static int list_objects_left_out(struct rif_reader *r, struct orl_slice value)
     struct orl_slice word;
     int rc = 0;
     while (rc == 0 && (word = orl_slice_take_word(&value)).length > 0)
-        rc = leave_out(r, word, "an object: the scene's files name it where it is wanted");
+        rc = leave_out(r, word, "an object: it is read only where a scene file refers to it");
     return rc;
 }
 
@@ -132,7 +133,7 @@ static int add_view(struct rif_reader *r, struct orl_slice value)
     clean_name(word, json_array_size(r->lists[VIEWS]) + 1, name);
     const struct orl_slice called = {name, strlen(name)};
     if (!begins_option(value))
-        return leave_out(r, called, "a view that rad works out from its ZONE");
+        return leave_out(r, called, "rad computes this view from its ZONE");
     json_t *view = json_pack("{s:s}", "name", name);
     int rc = view ? 0 : -1;
     rest = value;
@@ -147,13 +148,13 @@ static int add_view(struct rif_reader *r, struct orl_slice value)
     if (rc == 0)
         return json_array_append_new(r->lists[VIEWS], view) ? no_memory(r) : 0;
     json_decref(view);
-    return fail(r, ORL_ERR_SYNTAX, "a view is no UTF-8", called, "Rename its file");
+    return fail(r, ORL_ERR_SYNTAX, "a view is not UTF-8", called, "Rename its file");
 }
 
 static int fail_size(const struct rif_reader *r, struct orl_slice value)
 {
-    return fail(r, ORL_ERR_SYNTAX, "this is no resolution", value,
-                "One or two numbers from 1 to 16384 are wanted, or a third: pixels' aspect");
+    return fail(r, ORL_ERR_SYNTAX, "this is not a resolution", value,
+                "Give one or two numbers from 1 to 16384, and optionally the pixel aspect");
 }
 
 /* Sets the size from "WIDTH [HEIGHT [ASPECT]]". */
@@ -239,7 +240,7 @@ static int read_logical_line(struct rif_reader *r, char *buffer, struct orl_slic
             remark ? (struct orl_slice){"", 0} : orl_slice_before(line, '#');
         remark = remark || plain.length < line.length;
         if (length + plain.length + 1 >= LINE_SIZE)
-            return fail(r, ORL_ERR_SYNTAX, "a line is longer than bytes may be",
+            return fail(r, ORL_ERR_SYNTAX, "a line is longer than the limit in bytes",
                         (struct orl_slice){"8191", 4},
                         "Assign materials, illum, scene or view several times");
         for (size_t i = 0; i < plain.length; i++)
@@ -292,7 +293,7 @@ int orl_rif_read(const char *name, const char *text, size_t size, json_t **ret_p
     if (rc == 0 && json_array_size(r.lists[SCENE]) == 0)
         rc = fail(&r, ORL_ERR_SYNTAX, "no scene files are named",
                   (struct orl_slice){name, strlen(name)},
-                  "rad then takes an octree that is there: name the files that it was made of");
+                  "Add scene= FILE ... to it; Oriel does not use the octree");
     if (rc == 0 && !(*ret_project = make_project(&r)))
         rc = no_memory(&r);
     for (size_t i = 0; i < 4; i++)

@@ -19,11 +19,11 @@ static int decode_metric(const json_t *value, const char *path, void *into, stru
             *metrics |= 1U << m;
             return 0;
         }
-    orl_json_fail(err, ORL_ERR_INVALID, path, "there is no such metric");
-    orl_error_hint(err,
-                   "\"all\", or some of \"dgp\", \"dgps\", \"dgi\", \"ugr\", \"vcp\", \"cgi\", "
-                   "\"ugp\", \"vertical_illuminance_lx\", \"average_luminance_cd_m2\", "
-                   "\"background_luminance_cd_m2\"");
+    orl_json_fail(err, ORL_ERR_INVALID, path, "this metric does not exist");
+    orl_error_hint(
+        err,
+        "Use \"all\", or some of \"dgp\", \"dgps\", \"dgi\", \"ugr\", \"vcp\", \"cgi\", \"ugp\", "
+        "\"vertical_illuminance_lx\", \"average_luminance_cd_m2\", \"background_luminance_cd_m2\"");
     return ORL_ERR_INVALID;
 }
 
@@ -42,7 +42,7 @@ static int decode_task(const json_t *value, const char *path, void *into, struct
                                               {0}};
     const int rc = orl_json_members(value, path, members, err);
     if (rc == 0 && !(task->angle_rad > 0))
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "a task has an \"angle_rad\" above 0");
+        return orl_json_fail(err, ORL_ERR_RANGE, path, "a task needs an \"angle_rad\" above 0");
     return rc;
 }
 

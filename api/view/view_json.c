@@ -23,7 +23,7 @@ static int decode_formats(const json_t *value, const char *path, void *ret_forma
     {
         enum orl_picture picture;
         if (!json_is_string(name) || !orl_picture_format(json_string_value(name), &picture)) {
-            orl_json_fail(err, ORL_ERR_INVALID, path, "element %zu is no format that is known", i);
+            orl_json_fail(err, ORL_ERR_INVALID, path, "element %zu is not a known format", i);
             orl_error_hint(err, "Formats are \"hdr\", \"png\", \"png16\", \"exr\" and "
                                 "\"exr_float\"");
             return ORL_ERR_INVALID;
@@ -31,7 +31,7 @@ static int decode_formats(const json_t *value, const char *path, void *ret_forma
         formats |= ORL_PICTURE_BIT(picture);
     }
     if (formats == 0)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "no format is named");
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "the list of formats is empty");
     *(uint32_t *)ret_formats = formats;
     return 0;
 }
@@ -49,7 +49,7 @@ static int check_human(const char *path, const struct orl_display *display, stru
     if (!given || display->tone == ORL_TONE_HUMAN)
         return 0;
     return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, given, at),
-                         "it belongs to the tone \"human\"");
+                         "it requires the tone \"human\"");
 }
 
 /* Decodes into a struct orl_display of zeros. */
@@ -72,7 +72,7 @@ static int decode_display(const json_t *value, const char *path, void *into, str
     const bool exposure = json_object_get(value, "exposure"), ev = json_object_get(value, "ev");
     if (!!json_object_get(value, "tone") + exposure + ev > 1)
         return orl_json_fail(err, ORL_ERR_INVALID, path,
-                             "one of \"tone\", \"exposure\" and \"ev\" is wanted here");
+                             "one of \"tone\", \"exposure\" and \"ev\" is expected here");
     if (exposure || ev)
         display->tone = ORL_TONE_EXPOSURE;
     if (ev)
@@ -90,7 +90,7 @@ int orl_label_from_json(const json_t *value, const char *path, void *ret_label,
     for (const char *c = text; rc == 0 && *c; c++)
         if (*c < ' ' || *c > '~')
             rc = orl_json_fail(err, ORL_ERR_INVALID, path,
-                               "it is of letters, digits and signs of ASCII");
+                               "it can only have printable ASCII characters");
     if (rc == 0)
         memcpy(ret_label, text, strlen(text) + 1);
     free(text);
@@ -261,7 +261,7 @@ static int check_source(const char *path, const struct orl_view_request *view,
     char at[ORL_JSON_PATH_MAX];
     if (view->entry && !view->file)
         return orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, "entry", at),
-                             "it goes with a \"file\"");
+                             "it requires a \"file\"");
     return 0;
 }
 

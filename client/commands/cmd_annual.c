@@ -190,7 +190,7 @@ static int open_document(const char *path, const struct orl_project_line *projec
         return orl_job_file_open(path, project, ret_file, err);
     *ret_file = (struct orl_job_file){.path = path};
     orl_error_set(err, ORL_ERR_INVALID, "a year of a project needs its weather");
-    orl_error_hint(err, "say --weather FILE.epw");
+    orl_error_hint(err, "give --weather FILE.epw");
     return ORL_ERR_INVALID;
 }
 
@@ -269,6 +269,6 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
     output.distributed =
         orl_distributed_is_requested(self, &distributed, &code) ? &distributed : NULL;
     if (output.distributed && output.cache)
-        code = orl_usage_error(self, "--cache is for years in one piece");
+        code = orl_usage_error(self, "--cache cannot be combined with --parts or --slurm");
     return code ? code : run_document(line.operand, &project, &output);
 }

@@ -93,7 +93,8 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
         return rc;
     if (strcmp(operands.items[0], "check") != 0)
-        return orl_usage_error(self, "\"%s\" is none of check, fit, make, convert, compare, plot",
+        return orl_usage_error(self,
+                               "\"%s\" is not one of check, fit, make, convert, compare, plot",
                                operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);

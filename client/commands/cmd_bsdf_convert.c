@@ -30,9 +30,10 @@ static void print_colors(const struct orl_bsdf_comparison *c)
         cone = fabs(d->cone_worst) > fabs(cone) ? d->cone_worst : cone;
     }
     if (c->colored[0] != c->colored[1])
-        printf("in colour: the %s alone\n", c->colored[0] ? "first" : "second");
+        printf("only the %s file has colour\n", c->colored[0] ? "first" : "second");
     if (c->colored[0] || c->colored[1])
-        printf("of red, green or blue by itself at worst %+.3f in all, %+.3f in a cone\n",
+        printf("worst difference of a single channel (red, green or blue): %+.3f in all, %+.3f in "
+               "a cone\n",
                100 * albedo, 100 * cone);
 }
 
@@ -126,7 +127,7 @@ static int request_of(const struct line *line, struct orl_bsdf_make_request *ret
     json_t *doc = json_pack("{s:s, s:{s:[s]}, s:b}", "kind", "bsdf_make", "scene", "files",
                             line->local.operand, "color", (int)line->color);
     const int failed = !doc || orl_member_options_apply(&line->member_options, doc);
-    const int rc = failed ? orl_error_set(err, ORL_ERR_INVALID, "options take text in UTF-8")
+    const int rc = failed ? orl_error_set(err, ORL_ERR_INVALID, "options must be UTF-8 text")
                           : orl_bsdf_make_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err);
     json_decref(doc);
     return rc;
@@ -146,8 +147,7 @@ static int convert_and_compare(const struct line *line, const struct orl_bsdf *b
         rc = orl_local_cull_bsdf(before, source, to, line->within, line->local.threads,
                                  &cull_fraction, ret_made, ret_lost, err);
         if (rc == 0)
-            printf("cells are one where they send less than %.2g of the light elsewhere\n",
-                   cull_fraction);
+            printf("cells are merged if that moves less than %.2g of the light\n", cull_fraction);
         return rc;
     }
     if (rc == 0)
@@ -227,6 +227,6 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
     if (!line.local.output)
         return orl_usage_error(self, "-o FILE is missing");
     if (line.within_text && !read_share(line.within_text, &line.within))
-        return orl_usage_error(self, "--within takes a share, above 0 and below 1: 0.01 is 1 %%");
+        return orl_usage_error(self, "--within takes a fraction above 0 and below 1: 0.01 is 1 %%");
     return run_convert(&line);
 }

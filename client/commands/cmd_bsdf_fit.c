@@ -126,7 +126,7 @@ static void print_outliers(const struct orl_bsdf_fit_request *request,
     enum { TOLD = 8 };
     if (f->n_outliers == 0)
         return;
-    printf("\n%zu rows stand alone and are left out:\n", f->n_outliers);
+    printf("\n%zu isolated rows are left out:\n", f->n_outliers);
     for (size_t i = 0; i < f->n_outliers && i < TOLD; i++)
         printf("  %s:%u: %.4g among %.4g\n", request->files[f->outliers[i].file],
                f->outliers[i].line, f->outliers[i].value, f->outliers[i].around);
@@ -225,7 +225,8 @@ int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
     if (!line.local.output)
         return orl_usage_error(self, "-o FILE is missing");
     if (orl_is_document_name(line.local.operand) && has_other_options(&line))
-        return orl_usage_error(self, "\"%s\" says itself what is fitted, alone on its line",
+        return orl_usage_error(self,
+                               "the document \"%s\" takes no further files and options of the fit",
                                line.local.operand);
     return run_fit(&line);
 }

@@ -126,9 +126,10 @@ static void print_made(const struct orl_bsdf_make_result *made)
     }
     printf("largest standard error %.2g of a value (from 1 %% of the peak on)\n", made->worst);
     if (made->merge_error > 0)
-        printf("cells that are one are off by at most %.2g of it (rms)\n", made->merge_error);
+        printf("error of merged cells: at most %.2g of the cell's value (rms)\n",
+               made->merge_error);
     if (made->lost > 0)
-        printf("given up inside the panel: %.2g of the light\n", made->lost);
+        printf("cut off inside the panel: %.2g of the light\n", made->lost);
 }
 
 static void print_warnings(const struct orl_bsdf_make_result *made,
@@ -240,8 +241,9 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
     if (!line.local.output)
         return orl_usage_error(self, "-o FILE is missing");
     if (orl_is_document_name(line.local.operand) && has_other_options(&line))
-        return orl_usage_error(self, "\"%s\" says itself what is made, alone on its line",
-                               line.local.operand);
+        return orl_usage_error(
+            self, "the document \"%s\" takes no further files and options of the panel",
+            line.local.operand);
     line.shared = orl_distributed_is_requested(self, &line.distributed, &code);
     return code ? code : run_make(&line);
 }

@@ -60,7 +60,7 @@ static int read_settings(const struct orl_subcommand *self,
                                    options[i].text, options[i].count,
                                    options[i].count == 1 ? " is" : "s, with commas between, are");
     if (!(directions[0] >= 0 && directions[0] <= 360 && directions[0] == floor(directions[0])))
-        return orl_usage_error(self, "--directions: from 1 to 360 of them");
+        return orl_usage_error(self, "--directions takes 1 to 360 directions");
     s.task = (struct orl_glare_area){task[0], task[1], task[2]};
     s.directions = (uint32_t)directions[0];
     s.directions_deg = directions[1];
@@ -110,8 +110,8 @@ static void print_warnings(const char *name, const struct orl_glare *glare, bool
     static const double hemisphere = 2 * 3.14159265358979323846, almost = 0.98;
     if (glare->field_sr < almost * hemisphere && !measured)
         fprintf(stderr,
-                "oriel glare: %s holds %.0f %% of the hemisphere: light from beside it is missing "
-                "(--illuminance supplies it)\n",
+                "oriel glare: %s shows only %.0f %% of the hemisphere; the rest of the light is "
+                "missing (give the total with --illuminance)\n",
                 name, 100 * glare->field_sr / hemisphere);
 }
 

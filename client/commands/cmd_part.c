@@ -63,9 +63,9 @@ static int read_part(struct part *part, const char *path, struct orl_error *err)
     if (rc == 0 && strcmp(job, part->job) != 0)
         rc = orl_error_set(
             err, ORL_ERR_CORRUPT,
-            "the part is of another job than its folder, or of another version of oriel");
+            "the part belongs to another job than its folder, or to another version of oriel");
     if (rc == 0 && json_array_size(part->tasks) == 0)
-        rc = orl_error_set(err, ORL_ERR_INVALID, "the part names no pieces");
+        rc = orl_error_set(err, ORL_ERR_INVALID, "the part lists no pieces");
     if (rc && err->file[0] == '\0')
         orl_error_at(err, path, 0, NULL);
     return rc;
@@ -153,7 +153,7 @@ static int choose_pieces(void *ctx, const struct orl_job_task *tasks, size_t n, 
     const bool ends = mine == 0 && (is_asked_for_more(part, last > 0) || last > 0);
     part->begun += mine;
     if (ends)
-        return orl_error_set(err, ORL_ERR_CANCELLED, "the job asks for other pieces now");
+        return orl_error_set(err, ORL_ERR_CANCELLED, "the job now needs other pieces");
     part->over = false;
     for (size_t i = 0; i < n; i++)
         ret_here[i] = ret_here[i] || !is_last(&tasks[i]);
@@ -233,7 +233,7 @@ static int make_pieces(struct part *part, struct orl_error *err)
         return 0;
     if (rc == 0 && part->begun < json_array_size(part->tasks))
         rc = orl_error_set(err, ORL_ERR_INVALID,
-                           "the job has no such pieces: was it handed out by another version?");
+                           "the job has no such pieces: was the part written by another version?");
     return rc;
 }
 
@@ -279,6 +279,6 @@ int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv)
         return code;
     if (strlen(line.operand) <= ending ||
         strcmp(line.operand + strlen(line.operand) - ending, ".json") != 0)
-        return orl_usage_error(self, "a part's file ends in .json");
+        return orl_usage_error(self, "the file of a part must end in .json");
     return run_part(line.operand);
 }

@@ -69,7 +69,7 @@ static int refuse_years(const struct orl_job_file *file, struct orl_error *err)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID, "kind: a year (\"annual\") has no plan");
     orl_error_at(err, file->path, 0, NULL);
-    orl_error_hint(err, "a plan is of a job of kind \"render\"; `oriel annual` runs a year");
+    orl_error_hint(err, "only jobs of kind \"render\" have plans; `oriel annual` runs a year");
     return ORL_ERR_INVALID;
 }
 

@@ -53,7 +53,7 @@ static void print_sums(const struct orl_cross_check *check)
     if (error <= most)
         fprintf(stderr, ", their sum within %.2g %%", 100 * (fabs(check->ratio - 1) + error));
     else if (isfinite(check->ratio))
-        fprintf(stderr, "; too few paths to compare the sum of all");
+        fprintf(stderr, "; too few paths to compare their sum");
 }
 
 static void print_cross_check(const struct orl_cross_check *check)
@@ -125,8 +125,8 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
                           ret_json, err);
     if (job->goal.deadline_s > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "a job for a deadline is not done in parts: what it finds depends on "
-                             "the machine; ask for an accuracy instead");
+                             "a job with a deadline cannot run in parts, because its result "
+                             "depends on the machine; request an accuracy instead");
     rc = orl_local_distributed_open(&shared, distributed_options, file->doc, file->folder,
                                     line->output, line->threads, orl_local_interrupted(), err);
     if (rc == 0)

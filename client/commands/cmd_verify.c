@@ -53,8 +53,8 @@ static bool is_unchanged(const struct verification *v, const json_t *input)
     }
     if (strcmp(digest, wanted) == 0)
         return true;
-    fprintf(stderr, "%s: another file: its SHA-256 is %s, the result was made from %s\n", path,
-            digest, wanted);
+    fprintf(stderr, "%s: the file has changed: its SHA-256 is %s, the result was made from %s\n",
+            path, digest, wanted);
     return false;
 }
 
@@ -66,8 +66,8 @@ static int check_inputs(const struct verification *v, const json_t *provenance)
     json_array_foreach(inputs, i, input) wrong += !is_unchanged(v, input);
     if (wrong == 0)
         return 0;
-    fprintf(stderr, "%zu of %zu inputs %s of the result\n", wrong, json_array_size(inputs),
-            wrong == 1 ? "is not that" : "are not those");
+    fprintf(stderr, "%zu of %zu inputs %s from those of the result\n", wrong,
+            json_array_size(inputs), wrong == 1 ? "differs" : "differ");
     return EXIT_CANNOT;
 }
 
@@ -162,7 +162,7 @@ static void compare_documents(struct verification *v)
     {
         if (json_object_get(both[0], key))
             continue;
-        printf("differs: result.json: \"%s\" was not there\n", key);
+        printf("differs: result.json: \"%s\" is new\n", key);
         v->differing++;
     }
     v->same += v->differing == before;
@@ -218,8 +218,8 @@ static const json_t *provenance_of(const struct verification *v)
         return provenance;
     fprintf(stderr, "%s: %s\n", v->result.path,
             strcmp(kind, "annual") == 0
-                ? "this year did not succeed, or its result does not say what it was made from"
-                : "only results of years say what they were made from");
+                ? "the year did not succeed, or its result has no provenance"
+                : "only results of years (\"annual\") can be verified");
     return NULL;
 }
 

@@ -33,7 +33,7 @@ static atomic_bool has_parts;
 
 static void on_stop_limit(int number)
 {
-    static const char text[] = "\noriel: ended, for it did not stop in 5 s\n";
+    static const char text[] = "\noriel: terminated, because it did not stop within 5 s\n";
 
     (void)number;
     if (write(STDERR_FILENO, text, sizeof text - 1) < 0)

@@ -42,9 +42,7 @@ static int fetch_file(struct orl_http *http, const char *id, const char *name, c
 
     if (!is_plain_name(name))
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "the daemon names a file \"%.100s\", which "
-                             "would leave the output folder",
-                             name);
+                             "the daemon lists a file \"%.100s\" outside the output folder", name);
     rc = orl_http_escape(name, escaped, sizeof escaped, err);
     if (rc)
         return rc;
@@ -205,7 +203,7 @@ int orl_cmd_link(const struct orl_subcommand *self, int argc, char **argv)
                                MOST_SECONDS, seconds_text);
     json_t *body = make_document(&operands, seconds);
     rc = body ? orl_http_open(&http, server, &err)
-              : orl_error_set(&err, ORL_ERR_INVALID, "names of files are text in UTF-8");
+              : orl_error_set(&err, ORL_ERR_INVALID, "file names must be UTF-8");
     if (rc == 0)
         rc = orl_job_path(operands.items[0], "/links", path, sizeof path, &err);
     if (rc == 0)

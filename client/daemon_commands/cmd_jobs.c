@@ -80,7 +80,7 @@ static int set_labels(struct orl_job_file *file, const char *name, const char *t
     if (list && rc == 0)
         rc = json_object_set(file->doc, "tags", list);
     json_decref(list);
-    return rc ? orl_error_set(err, ORL_ERR_INVALID, "--name and --tags take text in UTF-8") : 0;
+    return rc ? orl_error_set(err, ORL_ERR_INVALID, "--name and --tags must be UTF-8 text") : 0;
 }
 
 /* Submits the job. *ret_reply: the job's first document, from the daemon's 202. */

@@ -62,7 +62,7 @@ static void print_maps(const json_t *maps)
     }
     orl_format_duration(saved_s, span, sizeof span);
     orl_format_amount(bytes, "B", total, sizeof total);
-    printf("%zu map%s, %s; found ready, %s saved %s\n", json_array_size(maps),
+    printf("%zu map%s, %s; reusing %s saved %s\n", json_array_size(maps),
            json_array_size(maps) == 1 ? "" : "s", total, json_array_size(maps) == 1 ? "it" : "they",
            span);
 }

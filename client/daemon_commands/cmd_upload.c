@@ -51,7 +51,7 @@ static int upload_folder(struct orl_http *http, const char *folder, char **names
         return upload_files(http, folder, names, (size_t)count, list_only, err);
     rc = orl_bundle_main_files(folder, &found, &n_found, err);
     if (rc == 0 && n_found == 0) {
-        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "holds no .rad file");
+        rc = orl_error_set(err, ORL_ERR_NOT_FOUND, "contains no .rad file");
         orl_error_at(err, folder, 0, NULL);
     }
     if (rc == 0)
@@ -87,7 +87,7 @@ static int upload_zip(struct orl_http *http, const char *file, char **names, int
             length +=
                 (size_t)snprintf(path + length, ROOM - length, "%smain=%s", i ? "&" : "?", name);
         if (rc == 0 && length >= ROOM)
-            rc = orl_error_set(err, ORL_ERR_LIMIT, "too many main files are named");
+            rc = orl_error_set(err, ORL_ERR_LIMIT, "too many main files are given");
     }
     return rc ? rc : post_and_print(http, path, file, "application/zip", err);
 }
@@ -108,9 +108,11 @@ static int upload_scene(struct orl_http *http, char **names, int count, bool lis
     if (!model && !ends_with(names[0], ".zip"))
         return upload_files(http, ".", names, (size_t)count, list_only, err);
     if (list_only)
-        return orl_error_set(err, ORL_ERR_INVALID, "what travels as it is is not listed");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "--list does not work for a zip or a Honeybee model, which are sent unchanged");
     if (model && count > 1)
-        return orl_error_set(err, ORL_ERR_INVALID, "a Honeybee model has no further files");
+        return orl_error_set(err, ORL_ERR_INVALID, "a Honeybee model takes no further files");
     if (model)
         return post_and_print(http, "/v1/scenes", names[0], "application/json", err);
     return upload_zip(http, names[0], names + 1, count - 1, err);
@@ -250,7 +252,7 @@ int orl_cmd_list(const struct orl_subcommand *self, int argc, char **argv)
     while (kind < 2 && strcmp(kinds[kind].name, operands.items[0]) != 0)
         kind++;
     if (kind == 2)
-        return orl_usage_error(self, "lists are of scenes or bsdfs, not of \"%s\"",
+        return orl_usage_error(self, "only scenes or bsdfs can be listed, not \"%s\"",
                                operands.items[0]);
     rc = orl_http_open(&http, server, &err);
     if (rc == 0)

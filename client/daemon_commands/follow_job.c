@@ -37,8 +37,9 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
 
     if (strcmp(orl_get_text(map, "kind"), "made") == 0) {
         orl_format_amount(orl_get_number(map, "emitted", 0), "", stored, sizeof stored);
-        snprintf(ret_text, size, "BSDF: %s %.1f s (of %s paths, or rows measured)",
-                 orl_get_true(map, "cached") ? "made before, in" : "made in", seconds, stored);
+        snprintf(ret_text, size, "BSDF: %s %.1f s (from %s paths or measured rows)",
+                 orl_get_true(map, "cached") ? "found in the cache, made in" : "made in", seconds,
+                 stored);
         return;
     }
     orl_format_amount(orl_get_number(map, "stored", 0), "", stored, sizeof stored);
@@ -105,7 +106,8 @@ static void report_runner(struct orl_progress_line *progress, const json_t *job,
     const bool slurm = strcmp(orl_get_text(runner, "name"), "slurm") == 0;
 
     if (runner && !*reported)
-        orl_progress_note(progress, "%s: %s", slurm ? "in parts, by Slurm" : "with the daemon",
+        orl_progress_note(progress, "%s: %s",
+                          slurm ? "runs in parts with Slurm" : "runs in the daemon",
                           orl_get_text(runner, "why"));
     *reported = *reported || runner;
 }
@@ -159,7 +161,7 @@ static void report_round(struct orl_progress_line *progress, const json_t *job, 
     if (error < 0)
         orl_progress_note(progress, "round %.0f: error not known yet", rounds);
     else if (json_object_get(json_object_get(accuracy, "asked"), "dgp_error"))
-        orl_progress_note(progress, "round %.0f: error of DGP %.2g", rounds, error);
+        orl_progress_note(progress, "round %.0f: DGP error %.2g", rounds, error);
     else
         orl_progress_note(progress, "round %.0f: error %.3g %%", rounds, 100 * error);
 }
@@ -212,7 +214,7 @@ static int report_end(json_t *job, const char *id)
     report_timings(job);
     orl_print_verdicts(stderr, json_object_get(json_object_get(job, "annual"), "verdicts"));
     if (json_object_get(job, "bsdf"))
-        fprintf(stderr, "BSDF %s, for scenes to name\n",
+        fprintf(stderr, "BSDF %s, which scenes can use by name\n",
                 orl_get_text(json_object_get(job, "bsdf"), "id"));
     fprintf(stderr, "job %s: %s\n", id, state);
     return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;

@@ -1,4 +1,4 @@
-// Requests to the daemon. What it refuses is a Problem (RFC 9457).
+// Requests to the daemon. A refusal is thrown as a Problem (RFC 9457).
 
 export class Problem extends Error {
   constructor(status, document) {
@@ -7,7 +7,7 @@ export class Problem extends Error {
     this.document = document;
     this.kind = String(document.type || '').replace('urn:oriel:error:', '');
   }
-  // All of it, in sentences: where it is, and what would mend it.
+  // The whole problem in sentences: the reason, the place and the hint.
   get sentence() {
     const { title, detail, file, line, primitive, hint } = this.document;
     const place = file ? ` (${file}${line ? `, line ${line}` : ''})` : primitive ? ` (${primitive})` : '';
@@ -18,7 +18,7 @@ export class Problem extends Error {
 
 export const signals = new EventTarget(); // 'signed-out'
 
-// Asks, and gives the answer back; throws a Problem, or TypeError where nobody answers.
+// Sends a request and returns the response. Throws a Problem, or a TypeError if the daemon does not answer.
 export async function ask(path, options = {}) {
   const { json, headers, ...rest } = options;
   const request = { credentials: 'same-origin', cache: 'no-cache', ...rest, headers: { Accept: 'application/json', ...headers } };

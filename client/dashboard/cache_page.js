@@ -1,4 +1,4 @@
-// What the daemon keeps: photon maps and loaded BSDFs, scenes, BSDF files; what they save, and who needs them.
+// Photon maps, loaded BSDFs, scenes and BSDF files that the daemon stores, the time that they saved, and their use.
 
 import { ask, explain, get, nextOf } from './api.js';
 import { fill, h } from './dom.js';
@@ -9,7 +9,7 @@ import { MAPS } from './words.js';
 const when = (text) => h('span', { title: fullMoment(text) }, moment(text));
 const short = (id) => h('span', { class: 'mono' }, shortId(id));
 
-// heads: [label, is a number]; rows: {cells, what, path, held: why it has to stay}
+// heads: [label, is a number]; rows: {cells, what, path, held: why it cannot be removed}
 function table(caption, heads, rows, remove) {
   return h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': caption }, h('table', { class: 'kept' },
     h('thead', {}, h('tr', {}, heads.map(([label, numeric]) => h('th', { scope: 'col', class: numeric ? 'n' : '' }, label)), remove && h('th', { scope: 'col' }, h('span', { class: 'unseen' }, 'Removal')))),
@@ -17,7 +17,7 @@ function table(caption, heads, rows, remove) {
       remove && h('td', { class: 'n' }, held ? h('span', { class: 'quiet' }, held) : h('button', { type: 'button', class: 'plain', 'aria-label': `Remove ${what}`, onclick: () => remove(what, path) }, 'Remove')))))));
 }
 
-// All pages of a list, up to a thousand.
+// Fetches all pages of a list, up to a thousand items.
 async function all(path, name) {
   const found = [];
   for (let next = `${path}?limit=200`; next && found.length < 1000;) {
@@ -58,8 +58,8 @@ export class CachePage {
     const sum = (list, key) => list.reduce((total, one) => total + one[key], 0);
     fill(this.totals, [maps, limits.storage_bytes], () => facts([
       ['Maps', bytes(sum(maps, 'bytes'))], ['Time saved', duration(sum(maps, 'seconds_saved'))], ['Hits', count(sum(maps, 'hits'))],
-      ['Scenes', bytes(sum(scenes, 'bytes'))], ['Budget of all', bytes(limits.storage_bytes)]]));
-    fill(this.maps, maps, () => section('kept-maps', 'Maps', maps.length === 0 ? h('p', { class: 'quiet' }, 'None yet. Jobs by photon maps leave theirs here, and later ones take them up.')
+      ['Scenes', bytes(sum(scenes, 'bytes'))], ['Storage limit', bytes(limits.storage_bytes)]]));
+    fill(this.maps, maps, () => section('kept-maps', 'Maps', maps.length === 0 ? h('p', { class: 'quiet' }, 'None yet. Jobs with photon maps store them here, and later jobs reuse them.')
       : table('Maps', [['Kind'], ['Key'], ['Stored', true], ['Size', true], ['Hits', true], ['Time saved', true], ['Last used', true]], maps.map((map) => ({
         what: `${MAPS[map.kind]} ${shortId(map.key)}`, path: `/v1/maps/${map.kind}/${map.key}`, held: map.in_use ? 'in use' : '',
         cells: [MAPS[map.kind], short(map.key), count(map.stored), bytes(map.bytes), count(map.hits), map.hits ? duration(map.seconds_saved) : NONE, when(map.last_used)] })), remove)));
@@ -67,14 +67,14 @@ export class CachePage {
       : table('Scenes', [['Scene'], ['Uploaded', true], ['Size', true], ['Jobs', true], ['Last used', true]], scenes.map((scene) => ({
         what: `scene ${shortId(scene.id)}`, path: `/v1/scenes/${scene.id}`, held: scene.jobs_under_way ? 'in use' : '',
         cells: [h('a', { class: 'mono', href: `#/new?scene=${scene.id}` }, shortId(scene.id)), when(scene.created_at), bytes(scene.bytes), h('a', { href: `#/jobs?scene=${scene.id}` }, count(scene.jobs)), when(scene.last_used)] })), remove)));
-    fill(this.bsdfs, bsdfs, () => (bsdfs.length === 0 ? [] : section('kept-bsdfs', 'BSDFs uploaded by themselves',
+    fill(this.bsdfs, bsdfs, () => (bsdfs.length === 0 ? [] : section('kept-bsdfs', 'BSDFs uploaded alone',
       table('BSDFs', [['Name'], ['Id'], ['Uploaded', true], ['Size', true], ['Scenes', true], ['Last used', true]], bsdfs.map((one) => ({
         what: one.name, path: `/v1/bsdfs/${one.id}`, held: one.scene_count ? 'in use' : '',
         cells: [h('a', { href: `#/bsdfs/${one.id}` }, one.name), short(one.id), when(one.created_at), bytes(one.bytes), count(one.scene_count), when(one.last_used)] })), remove))));
   }
 
   async #remove(what, path) {
-    if (!confirm(`Remove ${what}? Jobs that need it make it anew, or have to be sent it again.`)) return;
+    if (!confirm(`Remove ${what}? Jobs that need it must build or upload it again.`)) return;
     this.notice.replaceChildren();
     try {
       await ask(path, { method: 'DELETE' });

@@ -1,4 +1,4 @@
-// What all charts share: Chart.js, loaded when it is needed, and how they look, light and dark.
+// Shared by all charts: loading Chart.js on demand, and the light and dark styles.
 
 import { h } from './dom.js';
 import { duration, percent } from './format.js';
@@ -16,15 +16,15 @@ function library() {
 
 export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// 1, 2 and 5 times powers of ten; where an axis is short, all of their multiples, where there is little
-// room, none.
+// Leading digits of labelled values: 1, 2 and 5, all digits for a small range, only 1 for a large range on
+// a narrow chart.
 function digitsOf({ max, min, axis, chart }) {
   if (axis === 'x' && chart.width < 480 && max / min > 20) return [1];
   return max / min < 8 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : [1, 2, 5];
 }
 const isRound = (value, axis) => digitsOf(axis).includes(Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(3)));
 
-// Seconds across, relative errors up, these on logarithmic scales; x may be on either.
+// Options for a chart of relative error (logarithmic) against seconds (xType: linear or logarithmic).
 export function settings(xType) {
   const tick = { color: color('--quiet'), font: { family: getComputedStyle(document.body).fontFamily, size: 12 }, padding: 8 };
   const grid = { color: color('--rule'), drawTicks: false, borderColor: color('--line') };
@@ -41,12 +41,12 @@ export function settings(xType) {
   };
 }
 
-// One chart on a canvas, drawn anew when what it shows or the scheme of colours changes.
+// One chart on a canvas, redrawn when its data or the colour scheme change.
 export class ChartView {
   #chart = null;
   #shown = null;
 
-  // describe: what is shown to {type, datasets, options, label}.
+  // describe: converts the data to {type, datasets, options, label}.
   constructor(label, describe) {
     this.describe = describe;
     this.canvas = h('canvas', { role: 'img', 'aria-label': label });

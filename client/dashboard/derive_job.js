@@ -1,10 +1,10 @@
-// Documents made of a job's document: the same, one with half the error, one from another viewpoint.
+// Job documents derived from another one: a copy, half the error, another viewpoint.
 
 const named = (document, addition) => (document.name ? { name: `${document.name}${addition}`.slice(0, 100) } : {});
 
 export const copyDocument = (document) => ({ ...document });
 
-// Asks for half the error of the result; numbers of photons and samples give way to the accuracy.
+// Requests half the error of the result. The accuracy replaces numbers of photons and samples.
 export function withHalfError(document, result) {
   const { photons, gather_samples: samples, pixel_samples: paths, accuracy, ...rest } = document;
   const found = result.cost.next.error;
@@ -18,7 +18,7 @@ export function withHalfError(document, result) {
   return { ...rest, ...named({ name: title }, `, to ${Number((100 * relative_error).toPrecision(3))} %`), accuracy: { relative_error, ...(at ? { at } : {}) } };
 }
 
-// The first view, turned; sensors stay where they are, and are not asked for again.
+// The first view from another viewpoint, without the sensors.
 export function withViewpoint(document, name, view) {
   const { sensors, heat_map: map, views: [{ file, entry, ...first }], ...rest } = document;
   return { ...rest, ...named(document, `, ${name}`), views: [{ ...first, name, view }] };

@@ -1,4 +1,4 @@
-// Elements made and changed without markup in strings.
+// Creates and changes elements without markup in strings.
 
 function setProp(node, name, value) {
   if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
@@ -24,7 +24,7 @@ export function svg(tag, props, ...children) {
   return node;
 }
 
-// Nothing is touched that does not change: selections, focus and what is read aloud stay.
+// Nodes are written only if they change, to keep selections, focus and screen readers undisturbed.
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
@@ -34,7 +34,7 @@ export function setAttr(node, name, value) {
   else if (node.getAttribute(name) !== String(value)) node.setAttribute(name, value);
 }
 
-// Fills node anew by build() when what it depends on is another than the last time.
+// Rebuilds the contents of node with build() if `depends` has changed since the last call.
 const keys = new WeakMap();
 export function fill(node, depends, build) {
   const key = JSON.stringify(depends);
@@ -44,7 +44,7 @@ export function fill(node, depends, build) {
   node.replaceChildren(...[made].flat(Infinity).filter((one) => one !== null && one !== undefined && one !== false));
 }
 
-// What a screen reader says of a change.
+// Announces a change to screen readers.
 export function say(text) {
   document.getElementById('said').textContent = text;
 }

@@ -1,4 +1,4 @@
-// The error of a job against time, with its goal.
+// Chart of a job's error against time, with its goal.
 
 import { ChartView, color, settings } from './charts.js';
 import { duration, percent } from './format.js';

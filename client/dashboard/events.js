@@ -1,12 +1,12 @@
-// The stream of all jobs' events, read by fetch, so that it can say where it broke off and why.
-// Nothing is open while the page is hidden: browsers allow six connections to a daemon, tabs included.
+// The stream of all jobs' events. It is read with fetch(), so that the position and reason of a break are known.
+// The connection is closed while the page is hidden: browsers allow six connections per daemon for all tabs.
 
 import { Problem } from './api.js';
 
-const SILENCE_MS = 45000; // the daemon says something every 15 s
+const SILENCE_MS = 45000; // the daemon sends something every 15 s
 const WAITS_MS = [250, 500, 1000, 2000, 4000];
 
-// One block of lines to {id, event, data}.
+// Parses one block of lines to {id, event, data}.
 function parse(block) {
   const found = { id: null, event: 'message', data: '' };
   for (const line of block.split('\n')) {
@@ -73,7 +73,7 @@ export class Stream extends EventTarget {
     try {
       await this.#read(abort);
     } catch (error) {
-      if (this.#abort !== abort) return; // another has taken its place
+      if (this.#abort !== abort) return; // replaced by another connection
       if (error instanceof Problem && (error.status === 401 || error.status === 403)) {
         this.#abort = null;
         this.#become('refused');

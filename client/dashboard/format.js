@@ -1,11 +1,11 @@
-// Numbers, times and states in words.
+// Formats numbers, times and states.
 
 const whole = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 const NONE = '\u2013';
 
 export const count = (value) => (Number.isFinite(value) ? whole.format(value).replace(/,/g, '\u202f') : NONE);
 
-// So many significant digits, and no exponent for what people measure.
+// Formats with that many significant digits, without exponents for ordinary quantities.
 export function number(value, digits = 3) {
   if (!Number.isFinite(value)) return NONE;
   if (value === 0) return '0';
@@ -45,7 +45,7 @@ const clock = new Intl.DateTimeFormat('en-GB', { hour: '2-digit', minute: '2-dig
 const day = new Intl.DateTimeFormat('en-GB', { day: 'numeric', month: 'short' });
 const long = new Intl.DateTimeFormat('en-GB', { dateStyle: 'medium', timeStyle: 'medium' });
 
-// "17:02" of today, "3 Nov, 17:02" of other days.
+// "17:02" for today, "3 Nov, 17:02" for other days.
 export function moment(text) {
   if (!text) return NONE;
   const when = new Date(text);
@@ -65,7 +65,7 @@ export const stateName = (state) => STATES[state] || state;
 export const isOver = (state) => state === 'succeeded' || state === 'failed' || state === 'cancelled';
 
 const STAGES = {
-  load: 'Reading', bvh: 'Ordering', plan: 'Planning', photons: 'Photons', maps: 'Maps', render: 'Rendering',
+  load: 'Reading', bvh: 'Building BVH', plan: 'Planning', photons: 'Photons', maps: 'Maps', render: 'Rendering',
   skies: 'Skies', paths: 'Paths', sun: 'Sun', hours: 'Hours', reference: 'Reference',
 };
 export const stageName = (stage) => STAGES[stage] || (stage ? stage[0].toUpperCase() + stage.slice(1) : '');

@@ -1,4 +1,4 @@
-// What jobs of several skies and years have beside the parts of all jobs: their tables.
+// Additional tables of jobs with several skies, and of years.
 
 import { h } from './dom.js';
 import { NONE, count, duration, number, percent } from './format.js';
@@ -17,7 +17,7 @@ function skies(result) {
     result.skies.map((sky) => [sky.name, sky.technique, sky.dark ? 'dark' : mean(sky.illuminance_lx), percent(sky.accuracy?.achieved ?? NaN), duration(sky.seconds)])));
 }
 
-const VERDICTS = { pass: 'Pass', fail: 'Fail', undecided: 'Cannot be told yet', unknown: 'Unknown' };
+const VERDICTS = { pass: 'Pass', fail: 'Fail', undecided: 'Not decided', unknown: 'Unknown' };
 
 const verdict = ({ verdict: word, note }) => (note ? `${VERDICTS[word]}: ${note}` : VERDICTS[word]);
 

@@ -1,4 +1,4 @@
-// Rows of jobs in their order, the newest first: pages as they come, and what events tell meanwhile.
+// Rows of jobs, newest first, from pages of the list and from events.
 
 import { h, setAttr, setText, fill } from './dom.js';
 import { NONE, count, duration, fullMoment, isOver, jobName, moment, percent, shortId, stageName, stateName } from './format.js';
@@ -19,7 +19,7 @@ function timeWords(job) {
   return job.started && job.finished ? duration((new Date(job.finished) - new Date(job.started)) / 1000) : NONE;
 }
 
-// One line of the table, changed where the job has.
+// One row of the table. Only changed cells are updated.
 class Row {
   constructor(job, filters) {
     this.cells = Object.fromEntries(COLUMNS.map(([key, label]) => [key, h('td', { class: `c-${key}`, role: 'cell', 'data-label': label })]));
@@ -71,7 +71,7 @@ export class JobList {
   body = h('tbody', { role: 'rowgroup' });
   next = null;      // address of the next page
   #rows = new Map();
-  #settled = false; // a page has come
+  #settled = false; // a page has arrived
 
   constructor(store, filters) {
     this.store = store;
@@ -91,8 +91,8 @@ export class JobList {
     return [...this.#rows.keys()].filter((id) => this.store.jobs.get(id)?.state === state).length;
   }
 
-  // The newest page, and what events told while it was asked for. Pages beyond stay where this one joins
-  // them; else there may be jobs between, and those beyond have to come anew: true, then.
+  // Merges the newest page and the jobs of events since its request. If the page overlaps the known rows,
+  // later pages stay. Otherwise jobs between them may be missing: returns true, and later pages are reloaded.
   settle({ jobs, next, came }) {
     const listed = new Set(jobs.map((job) => job.id)), told = new Set(came.map((job) => job.id));
     const joins = this.#settled && jobs.some((job) => this.#rows.has(job.id) && !told.has(job.id));
@@ -109,7 +109,7 @@ export class JobList {
     return !joins;
   }
 
-  // A page further down, unless the list has been begun anew since it was asked for.
+  // Adds a later page, unless the list was restarted since the request.
   append({ jobs, next }, asked) {
     if (asked !== this.next) return false;
     for (const job of jobs) if (this.filters.takes(job) && !this.#rows.has(job.id)) this.body.append(this.#make(job).node);
@@ -117,7 +117,7 @@ export class JobList {
     return true;
   }
 
-  // An event's job. True where the summary of the list may have changed.
+  // Takes a job from an event. Returns true if the summary of the list may have changed.
   take(job, before) {
     const row = this.#rows.get(job.id);
     if (!this.filters.takes(job)) return this.remove(job.id);
@@ -142,7 +142,7 @@ export class JobList {
     return row;
   }
 
-  // The job's row, made behind the one before where there is none.
+  // Returns the job's row. A new row is inserted after `before`.
   #follow(before, job) {
     const known = this.#rows.get(job.id);
     if (known) {
@@ -155,7 +155,7 @@ export class JobList {
     return row;
   }
 
-  // In its place. What is older than all that are shown is on a later page.
+  // Inserts the row at its place. Jobs older than all rows are on a later page.
   #insert(job) {
     if (this.#rows.has(job.id)) return;
     if (this.next && !(this.body.lastElementChild?.dataset.created <= job.created)) return;

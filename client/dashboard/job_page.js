@@ -1,4 +1,4 @@
-// One job: how far it is, how its error falls, what it shows, what was simulated and why.
+// The page of one job: progress, error, results, simulated effects and reasons.
 
 import { Problem, ask, explain, get, jobPath, post } from './api.js';
 import { fill, h, say, setAttr, setText } from './dom.js';
@@ -10,9 +10,9 @@ import * as parts from './job_parts.js';
 import { Pictures } from './pictures.js';
 import { GOALS } from './words.js';
 
-const REST_MS = 700;            // between two looks at a job that runs,
-const SPREAD_MS = 300;          // and up to so much more: many pages hear of it at the same moment
-const LARGE_RESULT = 24 << 20;  // bytes: more is not read for a few figures
+const REST_MS = 700;            // between two requests for a running job,
+const SPREAD_MS = 300;          // random addition, because many pages get the event at the same moment
+const LARGE_RESULT = 24 << 20;  // bytes: larger results are not read
 
 export class JobPage {
   title = 'Job';
@@ -81,11 +81,11 @@ export class JobPage {
   #gone() {
     if (!this.job) setText(this.state, '');
     if (this.job) fill(this.notice, 'gone', () => h('p', { class: 'notice' }, 'This job has been removed.'));
-    else fill(this.notice, 'none', () => h('div', { class: 'empty' }, h('h2', {}, 'There is no such job'), h('p', {}, 'It may have been removed, or was one of the oldest. ', h('a', { href: '#/jobs' }, 'All jobs'))));
+    else fill(this.notice, 'none', () => h('div', { class: 'empty' }, h('h2', {}, 'There is no such job'), h('p', {}, 'It may have been removed, or deleted as one of the oldest. ', h('a', { href: '#/jobs' }, 'All jobs'))));
     this.actions.replaceChildren();
   }
 
-  // What it is by now says whether there is a newer result.
+  // A key that changes whenever there may be a newer result.
   get version() {
     const { job } = this;
     return isOver(job.state) ? '' : `${job.accuracy?.rounds ?? 0}-${job.skies?.done ?? 0}-${job.links.files?.length ?? 0}`;
@@ -100,7 +100,7 @@ export class JobPage {
     if (!key || size > LARGE_RESULT) return;
     try {
       this.result = await get(job.links.result);
-    } catch { /* there will be another, or it has gone */ }
+    } catch { /* a later result follows, or the job was removed */ }
   }
 
   #show() {
@@ -147,7 +147,7 @@ export class JobPage {
     const { job } = this;
     const problem = job.error && new Problem(job.error.status, job.error);
     const text = problem ? problem.sentence
-      : job.evicted ? `The results were removed on ${fullMoment(job.evicted)} to make room for others. The same job, run again, gives them anew.`
+      : job.evicted ? `The results were removed on ${fullMoment(job.evicted)} to make room for others. Run the job again to get them back.`
         : job.state === 'cancelled' ? 'It was cancelled before its end.' : '';
     fill(this.notice, text, () => text && h('p', { class: problem ? 'notice' : 'notice calm' }, text));
   }

@@ -1,4 +1,4 @@
-// The parts of a job's page that say what it did: stages, plan, maps, health, files.
+// Parts of a job's page: stages, plan, maps, health, files.
 
 import { filePath } from './api.js';
 import { h } from './dom.js';
@@ -18,14 +18,14 @@ export function facts(pairs) {
 }
 
 function runner({ name, parts }) {
-  if (name !== 'slurm') return 'With the daemon';
-  return `By Slurm: ${parts.done} parts done, ${parts.running} running, ${parts.waiting} waiting${parts.again ? `, ${parts.again} started once more` : ''}${parts.held ? '; the shared disk is full' : ''}`;
+  if (name !== 'slurm') return 'In the daemon';
+  return `With Slurm: ${parts.done} parts done, ${parts.running} running, ${parts.waiting} waiting${parts.again ? `, ${parts.again} restarted` : ''}${parts.held ? '; the shared disk is full' : ''}`;
 }
 
 export function jobFacts(job) {
   const took = job.started && job.finished ? (new Date(job.finished) - new Date(job.started)) / 1000 : null;
   return facts([
-    ['Kind', { annual: 'Year of daylight', study: 'Study', bsdf_make: 'BSDF of a panel', bsdf_fit: 'BSDF of measurements' }[job.kind] ?? 'Render'],
+    ['Kind', { annual: 'Year of daylight', study: 'Study', bsdf_make: 'BSDF of a panel', bsdf_fit: 'BSDF from measurements' }[job.kind] ?? 'Render'],
     ['Technique', job.technique && TECHNIQUES[job.technique]],
     ['Scene', h('a', { class: 'mono', href: `#/jobs?scene=${job.scene}` }, shortId(job.scene))],
     ['Tags', job.tags.length ? job.tags.map((tag, i) => [i ? ', ' : '', h('a', { href: `#/jobs?${new URLSearchParams({ tag })}` }, tag)]) : null],
@@ -39,7 +39,7 @@ export function jobFacts(job) {
   ]);
 }
 
-// A line in proportion to seconds once it has ended; while it runs, how far it has come.
+// A bar for each stage: its share of the time after the end, its progress during the run.
 export function stages(job) {
   const times = job.timings_s;
   const order = (job.kind === 'annual' && times && 'skies' in times) ? YEAR_ORDER : ORDER;
@@ -76,7 +76,7 @@ const techniqueSentence = ({ technique, why }, before = '') => {
   return `${words[0].toUpperCase()}${words.slice(1)}: ${why}.`;
 };
 
-// The classes of paths that the scene has, and what finds them.
+// The classes of light paths in the scene, and the sampling strategies that find them.
 const STRATEGIES = {
   rays: 'rays', 'port-rays': 'rays to windows', 'shadow-rays': 'shadow rays', images: 'images in mirrors', beams: 'rays along beams',
   'caustic-photons': 'caustic photons', photons: 'global photons', chance: 'chance only',
@@ -90,7 +90,7 @@ export function plan(plan) {
     plan.sensors && h('p', {}, techniqueSentence(plan.sensors, 'sensors by ')),
     h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-labelledby': 'plan' },
       h('table', { class: 'plan', role: 'table' },
-        h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, ['Effect of light', 'Simulated', 'Why'].map((word) => h('th', { scope: 'col', role: 'columnheader' }, word)), h('th', { scope: 'col', role: 'columnheader', class: 'n' }, 'Cost, or what is lost'))),
+        h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, ['Effect of light', 'Simulated', 'Why'].map((word) => h('th', { scope: 'col', role: 'columnheader' }, word)), h('th', { scope: 'col', role: 'columnheader', class: 'n' }, 'Cost, or loss'))),
         h('tbody', { role: 'rowgroup' }, effects.map(planRow)))),
     h('ul', { class: 'quiet', 'aria-label': 'How light is found' }, (plan.paths || []).map(lightItem)));
 }
@@ -102,8 +102,8 @@ export function maps(list) {
     h('ul', { class: 'lines' }, list.map((map) => h('li', {},
       h('strong', {}, MAPS[map.kind] || map.kind),
       h('span', {}, `${count(map.stored)} stored, ${bytes(map.bytes)}`),
-      h('span', { class: 'quiet' }, map.cached ? `found ready${map.seconds > 0 ? `, ${duration(map.seconds)} saved` : ''}`
-        : map.reused > 0 ? `${count(map.reused)} taken over, the rest in ${duration(map.seconds)}` : `built in ${duration(map.seconds)}`)))));
+      h('span', { class: 'quiet' }, map.cached ? `found in the cache${map.seconds > 0 ? `, ${duration(map.seconds)} saved` : ''}`
+        : map.reused > 0 ? `${count(map.reused)} reused, the rest built in ${duration(map.seconds)}` : `built in ${duration(map.seconds)}`)))));
 }
 
 export function warnings(list) {
@@ -123,7 +123,7 @@ export function files(job) {
       h('a', { href: filePath(job.id, file.name), target: '_blank', rel: 'noopener' }, file.name), file.bytes !== undefined && h('span', { class: 'quiet n' }, bytes(file.bytes))))));
 }
 
-// Many sensors in a few numbers.
+// Summary of many sensors.
 export function sensorFigures(sensors) {
   const values = sensors.map((one) => one.illuminance_lx).filter(Number.isFinite).sort((a, b) => a - b);
   if (!values.length) return [];
@@ -132,7 +132,7 @@ export function sensorFigures(sensors) {
   const unreliable = sensors.filter((one) => one.unreliable).length;
   return facts([
     ['Sensors', count(values.length)], ['Mean', `${number(mean)}\u202flx`], ['Median', `${number(values[values.length >> 1])}\u202flx`],
-    ['Least', `${number(values[0])}\u202flx`], ['Most', `${number(values.at(-1))}\u202flx`], ['At 300\u202flx or more', percent(lit, 3)], ...(unreliable ? [['Unreliable: see the warnings', count(unreliable)]] : []),
+    ['Minimum', `${number(values[0])}\u202flx`], ['Maximum', `${number(values.at(-1))}\u202flx`], ['At 300\u202flx or more', percent(lit, 3)], ...(unreliable ? [['Unreliable: see the warnings', count(unreliable)]] : []),
   ]);
 }
 
@@ -142,7 +142,7 @@ export function crossCheck(check) {
   if (!check?.sensors) return [];
   const { sensors, sensors_off: off, differs_in: kind, ratio, ratio_error: error } = check;
   const apart = !Number.isFinite(ratio) ? '' : 1.96 * error <= 0.3
-    ? `, their sum within ${percent(Math.abs(ratio - 1) + 1.96 * error)}` : '; too few paths to compare the sum of all';
+    ? `, their sum within ${percent(Math.abs(ratio - 1) + 1.96 * error)}` : '; too few paths to compare their sum';
   return h('p', { class: 'after' }, off
     ? `Cross-check by path tracing: ${off} of ${count(sensors)} sensors differ by more than the errors, most likely in the ${kind}. See the warnings.`
     : `Cross-check by path tracing: agrees at ${count(sensors)} sensor${sensors === 1 ? '' : 's'}${apart}.`);

@@ -1,4 +1,4 @@
-// The table of jobs: pages as one scrolls, rows that change as the stream of events has it.
+// The table of jobs: later pages on request, rows updated by events.
 
 import { explain } from './api.js';
 import { h, say, setText } from './dom.js';
@@ -6,10 +6,10 @@ import { count, isOver, jobName, shortId, stateName } from './format.js';
 import { COLUMNS, JobList } from './job_list.js';
 
 const PAGE = 100;
-const AGAIN_MS = 2000; // a list that could not be had is asked for again
+const AGAIN_MS = 2000; // delay before a failed list is requested again
 const STATES = ['running', 'queued', 'succeeded', 'failed', 'cancelled'];
 
-// What of the address narrows the list: "#/jobs?state=failed&tag=x".
+// Filters in the address: "#/jobs?state=failed&tag=x".
 class Filters {
   constructor(params) {
     this.params = params;
@@ -32,10 +32,10 @@ class Filters {
 
 function empty(filters) {
   if (filters.params.size)
-    return h('div', { class: 'empty' }, h('p', {}, 'No job is like that.'), h('p', {}, h('a', { href: '#/jobs' }, 'All jobs')));
+    return h('div', { class: 'empty' }, h('p', {}, 'No job matches these filters.'), h('p', {}, h('a', { href: '#/jobs' }, 'All jobs')));
   return h('div', { class: 'empty' },
     h('h2', {}, 'No jobs yet'),
-    h('p', {}, 'Those that are submitted appear here by themselves, from this page, the command or a program:'),
+    h('p', {}, 'Jobs appear here when they are submitted from this page, the command line or a program:'),
     h('pre', {}, 'oriel submit job.json --wait'));
 }
 
@@ -78,7 +78,7 @@ export class JobsPage {
       STATES.map((state) => h('option', { value: state, selected: params.get('state') === state }, stateName(state))));
     const chips = [...params].filter(([name]) => name !== 'state').map(([name, value]) => {
       const words = name === 'scene' ? `scene ${shortId(value)}` : value;
-      return h('a', { class: 'chip', href: this.filters.address({ [name]: '' }), 'aria-label': `No longer only ${words}` }, words, h('span', { 'aria-hidden': 'true' }, ' \u00d7'));
+      return h('a', { class: 'chip', href: this.filters.address({ [name]: '' }), 'aria-label': `Remove the filter ${words}` }, words, h('span', { 'aria-hidden': 'true' }, ' \u00d7'));
     });
     return h('div', { class: 'controls' }, chips, h('label', { class: 'unseen', for: 'state' }, 'State'), choose);
   }
@@ -105,7 +105,7 @@ export class JobsPage {
       h('button', { type: 'button', onclick: () => this.#load() }, 'Try again'));
   }
 
-  // The button stays the same, and with it the focus of who pressed it, as long as there is more.
+  // The button is kept while there are more jobs, so that it keeps the focus.
   #next(next) {
     this.older ||= h('button', { type: 'button', onclick: () => this.#loadMore() }, 'Older jobs');
     if (next && !this.older.isConnected) this.more.append(this.older);

@@ -1,4 +1,4 @@
-// The page's frame: which page is shown, whether the daemon answers, who is signed in.
+// The frame of the dashboard: the current page, the connection to the daemon, the session.
 
 import { explain, signals } from './api.js';
 import { fill, h, setAttr, setText } from './dom.js';
@@ -10,7 +10,7 @@ import { Store } from './store.js';
 const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit'], ['#/bsdfs', 'BSDFs', 'read'], ['#/cache', 'Cache', 'read'], ['#/operations', 'Operations', 'read']];
 const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '', old: 'Another version' };
 
-// What is only at times of use comes when it is used.
+// Pages that are used rarely are loaded on demand.
 const ROUTES = [
   [/^\/jobs$/, (app, params) => new JobsPage(app, params)],
   [/^\/jobs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./job_page.js')).JobPage(app, id)],
@@ -94,18 +94,18 @@ class App {
     clearTimeout(this.lateWord);
     if (state === 'lost') {
       const since = new Intl.DateTimeFormat('en-GB', { timeStyle: 'medium' }).format(new Date());
-      this.lateWord = setTimeout(() => this.#notice(`The daemon does not answer. What is here is as of ${since}; it goes on by itself.`), 1500);
+      this.lateWord = setTimeout(() => this.#notice(`The daemon does not answer. This page shows the state of ${since}; it reconnects automatically.`), 1500);
     }
     if (state === 'live') this.#notice('');
-    if (state === 'old') this.#notice('The daemon is of an older version than this page, and tells of no changes.', h('button', { type: 'button', onclick: () => location.reload() }, 'Load its own page'));
+    if (state === 'old') this.#notice('The daemon is older than this page and sends no updates.', h('button', { type: 'button', onclick: () => location.reload() }, 'Load the matching page'));
     if (state === 'refused') this.session.look().then(() => this.enter(), () => {});
   }
 
-  // A daemon started anew may bring another page.
+  // A restarted daemon may have another version of the page.
   async #checkVersion() {
     const answer = await fetch(new URL('icon.svg', import.meta.url), { cache: 'no-store' }).catch(() => null);
     if (answer && answer.status === 404)
-      this.#notice('The daemon has been renewed, and this page with it.', h('button', { type: 'button', onclick: () => location.reload() }, 'Load it'));
+      this.#notice('The daemon was updated, and there is a new version of this page.', h('button', { type: 'button', onclick: () => location.reload() }, 'Load it'));
   }
 
   #notice(text, ...more) {

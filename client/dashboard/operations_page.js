@@ -1,4 +1,4 @@
-// How the daemon fares: queue, memory, disk, connections, rates, by /metrics and /readyz.
+// State of the daemon from /metrics and /readyz: queue, memory, disk, connections, rates.
 
 import { Problem, ask, explain, get } from './api.js';
 import { fill, h, setText } from './dom.js';
@@ -7,7 +7,7 @@ import { facts, section } from './job_parts.js';
 
 const EVERY_MS = 2000;
 
-// Prometheus's text: name{labels} value, to a map by all that is before the value.
+// Parses Prometheus text to a map from "name{labels}" to the value.
 export function parse(text) {
   const found = new Map();
   for (const line of text.split('\n')) {
@@ -62,7 +62,7 @@ export class OperationsPage {
     }
   }
 
-  // A second, since the last look.
+  // Rate per second since the last update.
   #rate(now, name) {
     const { before } = this;
     if (!before) return NaN;
@@ -73,22 +73,22 @@ export class OperationsPage {
     const { metrics } = now;
     const value = (name) => metrics.get(name) ?? NaN;
     const rate = (name) => { const found = this.#rate(now, name); return Number.isFinite(found) ? number(found, 3) : NONE; };
-    const words = { ready: 'Takes jobs', busy: 'Busy: its threads for files are taken', 'queue full': 'Its queue is full', stopping: 'Stopping' };
+    const words = { ready: 'Accepts jobs', busy: 'Busy: all threads for files are in use', 'queue full': 'The queue is full', stopping: 'Stopping' };
     setText(this.word, `${words[ready.status] || ready.status || 'Not ready'} \u00b7 version ${health.version} \u00b7 up ${duration(health.uptime_s)}`);
     const states = ['running', 'queued', 'succeeded', 'failed', 'cancelled'];
     const labels = ['Running', 'Waiting', 'Succeeded', 'Failed', 'Cancelled'];
     const jobs = states.map((state, i) => [labels[i], count(value(`oriel_jobs{state="${state}"}`))]);
     fill(this.jobs, jobs, () => section('ops-jobs', 'Jobs', facts(jobs)));
     const cores = this.#rate(now, 'process_cpu_seconds_total');
-    const work = [['Rays of ended jobs', number(value('oriel_rays_total'), 3)], ['Photons of ended jobs', number(value('oriel_photons_total'), 3)], ['Cores busy', Number.isFinite(cores) ? cores.toFixed(2) : NONE],
-      ['Maps found ready', count(value('oriel_cache_hits_total'))], ['Maps made', count(value('oriel_cache_misses_total'))]];
+    const work = [['Rays of finished jobs', number(value('oriel_rays_total'), 3)], ['Photons of finished jobs', number(value('oriel_photons_total'), 3)], ['Cores busy', Number.isFinite(cores) ? cores.toFixed(2) : NONE],
+      ['Maps found in the cache', count(value('oriel_cache_hits_total'))], ['Maps built', count(value('oriel_cache_misses_total'))]];
     fill(this.work, work, () => section('ops-work', 'Work', facts(work)));
     this.#showRoom(value);
     const service = [['Requests a second', rate('oriel_http_request_seconds_count')], ['Connections', count(value('oriel_http_connections'))], ['Event streams', count(value('oriel_event_streams'))],
-      ['Longest turn', duration(value('oriel_loop_longest_turn_seconds'))], ['Wait for a thread', duration(value('oriel_pool_wait_seconds'))]];
+      ['Longest loop iteration', duration(value('oriel_loop_longest_turn_seconds'))], ['Wait for a thread', duration(value('oriel_pool_wait_seconds'))]];
     fill(this.service, service, () => section('ops-service', 'Service', facts(service)));
-    const trouble = [['Jobs failed', sumOf(metrics, 'oriel_job_runs_total{state="failed"}')], ['Evictions', sumOf(metrics, 'oriel_evictions_total')], ['Slow clients cut off', value('oriel_http_slow_clients_total')],
-      ['Damaged files', value('oriel_scrub_damaged_total')], ['Values that were no number', value('oriel_health_total{what="non_finite"}')]].map(([name, found]) => [name, count(found)]);
+    const trouble = [['Jobs failed', sumOf(metrics, 'oriel_job_runs_total{state="failed"}')], ['Evictions', sumOf(metrics, 'oriel_evictions_total')], ['Slow clients disconnected', value('oriel_http_slow_clients_total')],
+      ['Damaged files', value('oriel_scrub_damaged_total')], ['Values that were not finite', value('oriel_health_total{what="non_finite"}')]].map(([name, found]) => [name, count(found)]);
     fill(this.trouble, trouble, () => section('ops-trouble', 'Since it started', facts(trouble)));
   }
 

@@ -1,4 +1,4 @@
-// Result pictures: views by their names, and whatever else a job has drawn.
+// Result pictures: views by name, and other images of the job.
 
 import { filePath } from './api.js';
 import { fill, h } from './dom.js';
@@ -6,8 +6,8 @@ import { fill, h } from './dom.js';
 const FORMS = [[/\.false\.png$/, 'False colours'], [/\.lines\.png$/, 'Isolines'], [/\.bands\.png$/, 'Bands'], [/\.error\.png$/, 'Standard error']];
 const ASIDE = /^(sensors\.map.*|study|sequence\..*)\.png$/;
 
-// [{view, forms: [{name, words}]}, ...] and the pictures that are of no view.
-// drawn: they are charts, none of them a view.
+// Returns [{view, forms: [{name, words}]}, ...] and the pictures that belong to no view.
+// drawn: all of them are charts, not views.
 export function sort(names, drawn) {
   const views = new Map(), others = [];
   for (const name of names.filter((one) => one.endsWith('.png') && !one.endsWith('16.png'))) {
@@ -48,7 +48,7 @@ class View {
   }
 }
 
-// version: of a job whose pictures still change; '' once they stay.
+// version: changes with the pictures of a running job; '' when they are final.
 export class Pictures {
   #views = new Map();
 

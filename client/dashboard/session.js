@@ -1,4 +1,4 @@
-// Signing in with a token for a cookie, and out; what one may do then.
+// Signs in (exchanges a token for a cookie) and out; the scope of the session.
 
 import { Problem, ask, explain, get } from './api.js';
 import { h } from './dom.js';
@@ -37,7 +37,7 @@ export class Session {
   }
 }
 
-const REFUSALS = { 401: 'This daemon knows no such token. It may have been removed, or mistyped.' };
+const REFUSALS = { 401: 'The daemon does not know this token. It may be mistyped or revoked.' };
 
 export class SignInPage {
   title = 'Sign in';
@@ -51,7 +51,7 @@ export class SignInPage {
       h('h1', { tabindex: -1 }, 'Sign in'),
       h('form', { onsubmit: (event) => this.#submit(event) },
         h('label', { for: 'token' }, 'Access token'), this.field,
-        h('p', { id: 'token-help', class: 'quiet' }, 'Whoever runs the daemon makes one:'),
+        h('p', { id: 'token-help', class: 'quiet' }, 'The administrator of the daemon creates one:'),
         h('pre', {}, 'orield token add studio --scope submit'),
         this.fault, this.button));
   }

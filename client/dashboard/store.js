@@ -1,10 +1,10 @@
-// What the page knows of jobs: summaries, as the stream of events and lists bring them.
+// Summaries of all known jobs, from events and lists.
 
 import { ask, nextOf } from './api.js';
 
 export class Store extends EventTarget {
   jobs = new Map();   // id -> JobSummary
-  #asked = new Set(); // of each list that is on its way, what events told meanwhile: id -> JobSummary, or null
+  #asked = new Set(); // for each list request under way, jobs of events since: id -> JobSummary, or null
 
   constructor(stream) {
     super();
@@ -26,8 +26,8 @@ export class Store extends EventTarget {
     this.dispatchEvent(Object.assign(new Event('removed'), { id }));
   }
 
-  // A page of them, newest first, for use({jobs, next, came}). Events may be faster than a list, and know
-  // better: jobs are as they tell them, and came has all that they told of since the list was asked for.
+  // Fetches a page of jobs, newest first, and calls use({jobs, next, came}). Events since the request are
+  // newer than the list: they replace its summaries, and came has the jobs of all of them.
   async page(address, use) {
     const since = new Map();
     this.#asked.add(since);

@@ -71,7 +71,7 @@ int orl_http_escape(const char *segment, char *ret_text, size_t size, struct orl
         rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     else if (!*escaped || strlen(escaped) >= size || strcmp(escaped, ".") == 0 ||
              strcmp(escaped, "..") == 0)
-        rc = orl_error_set(err, ORL_ERR_INVALID, "\"%.100s\" cannot be an id", segment);
+        rc = orl_error_set(err, ORL_ERR_INVALID, "\"%.100s\" is not a valid id", segment);
     else
         memcpy(ret_text, escaped, strlen(escaped) + 1);
     curl_free(escaped);
@@ -195,7 +195,7 @@ static int perform_request(struct orl_http *http, struct sink *sink, struct orl_
     const CURLcode code = curl_easy_perform(http->curl);
 
     if (sink->overflow)
-        return orl_error_set(err, ORL_ERR_LIMIT, "the daemon's reply is too large to be true");
+        return orl_error_set(err, ORL_ERR_LIMIT, "the daemon's reply is implausibly large");
     if (code != CURLE_OK) {
         const bool unreached = code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST;
 

@@ -121,7 +121,7 @@ static int add_part(struct orl_upload *bundle, const char *folder, const char *n
             return 0;
     if (!name_can_travel(name)) {
         orl_error_set(err, ORL_ERR_INVALID, "\"%.200s\" lies outside the scene's folder", name);
-        orl_error_hint(err, "an upload carries only files below the folder: move it there");
+        orl_error_hint(err, "only files below the folder are uploaded: move it there");
         return ORL_ERR_INVALID;
     }
     rc = find_path(folder, name, path, sizeof path, err);

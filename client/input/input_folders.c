@@ -38,7 +38,7 @@ static int raypath_open(void *ctx, const char *name, struct orl_file *ret_file,
 
     (void)ctx;
     if (!orl_raypath_find(name, path, sizeof path))
-        return orl_error_set(err, ORL_ERR_NOT_FOUND, "no folder of RAYPATH has '%.200s'", name);
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "'%.200s' is in no folder of RAYPATH", name);
     return here.open(here.ctx, path, ret_file, err);
 }
 

@@ -58,7 +58,7 @@ static int read_document(struct orl_job_file *file, struct orl_error *err)
     else
         rc = orl_json_parse(file->path, text.data, text.size, &file->doc, err);
     if (rc == ORL_ERR_SYNTAX && !begins_as_object(text.data, text.size))
-        orl_error_hint(err, "a document in JSON is wanted here");
+        orl_error_hint(err, "the file must be a JSON document");
     here.close(here.ctx, &text);
     return rc;
 }
@@ -155,7 +155,7 @@ static int read_states(const char *text, json_t *scene, struct orl_error *err)
         const size_t length = strcspn(text, ","), group = strcspn(text, "=,");
 
         if (group == length)
-            rc = orl_error_set(err, ORL_ERR_INVALID, "--states takes GROUP=STATE, with commas");
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--states takes GROUP=STATE,...");
         else
             rc = json_object_setn_new(states, text, group,
                                       json_stringn(text + group + 1, length - group - 1));
@@ -187,7 +187,7 @@ static int check_line(const struct orl_project_line *line, struct orl_error *err
     if (line->weather || (!line->rules && !line->year))
         return 0;
     orl_error_set(err, ORL_ERR_INVALID, "--rules and --year are for a year of a project");
-    orl_error_hint(err, "say --weather FILE.epw");
+    orl_error_hint(err, "give --weather FILE.epw, too");
     return ORL_ERR_INVALID;
 }
 
@@ -197,10 +197,9 @@ static int check_year(const struct orl_job_file *file, const struct orl_project_
 {
     if (!line->weather || json_object_get(file->doc, "grids"))
         return 0;
-    orl_error_set(err, ORL_ERR_INVALID, "%s has no grids of sensors, which a year is told of",
-                  file->path);
-    orl_error_hint(err, "add sensor grids to the model, or name it as \"scene\": {\"project\": "
-                        "...} in a document that has \"grids\"");
+    orl_error_set(err, ORL_ERR_INVALID, "%s has no sensor grids, which a year needs", file->path);
+    orl_error_hint(err, "add sensor grids to the model, or use it as \"scene\": {\"project\": ...} "
+                        "in a document with \"grids\"");
     return ORL_ERR_INVALID;
 }
 
@@ -299,8 +298,8 @@ static int read_job(const char *path, struct orl_job_file *ret_file, struct orl_
     const int rc = orl_job_file_read(path, ret_file, err);
 
     if (rc == ORL_ERR_SYNTAX && !ret_file->doc && err->hint[0])
-        orl_error_hint(err, "a job document in JSON, which names the scene's files, or a project "
-                            "is wanted here: a Honeybee model or folder, or a .rif file");
+        orl_error_hint(err, "the file must be a JSON job document that lists the scene's files, or "
+                            "a project: a Honeybee model or folder, or a .rif file");
     return rc;
 }
 
@@ -313,10 +312,10 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
         if (!line->sky && !line->states && !line->weather && !line->rules && !line->year)
             return read_job(path, ret_file, err);
         *ret_file = (struct orl_job_file){.path = path};
-        return orl_error_set(err, ORL_ERR_INVALID, "%s for projects: a document says so itself",
-                             line->weather || line->rules || line->year
-                                 ? "--weather, --year and --rules are"
-                                 : "--sky and --states are");
+        return orl_error_set(
+            err, ORL_ERR_INVALID, "%s only for projects: write these settings into the document",
+            line->weather || line->rules || line->year ? "--weather, --year and --rules are"
+                                                       : "--sky and --states are");
     }
     *ret_file = (struct orl_job_file){.path = path, .folder = "."};
     rc = check_line(line, err);
@@ -352,7 +351,7 @@ static void hint_command(const struct orl_job_file *file, struct orl_error *err)
 
     for (size_t i = 0; kind && i < sizeof commands / sizeof *commands; i++)
         if (strcmp(kind, commands[i].kind) == 0)
-            orl_error_hint(err, "`oriel %s` takes such a document", commands[i].command);
+            orl_error_hint(err, "use `oriel %s` for such a document", commands[i].command);
 }
 
 int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job,

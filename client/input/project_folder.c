@@ -178,8 +178,7 @@ static int find_project(const char *path, const json_t *scene, const struct orl_
 
     if (rc == 0 && !project_folder->project) {
         rc = orl_error_set(err, ORL_ERR_NOT_FOUND,
-                           "is no project: it has no .rad file in a folder "
-                           "\"scene\"");
+                           "is not a project: it has no .rad file in a folder \"scene\"");
         orl_error_hint(err, "Name the scene's files instead, or the folder that Honeybee exported");
     }
     if (rc)
@@ -221,7 +220,8 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
 
     snprintf(project_folder.folder, sizeof project_folder.folder, "%s", into);
     if (orl_is_folder(path) || is_list(path)) {
-        rc = orl_error_set(err, ORL_ERR_INVALID, "is no model to be written: its files are there");
+        rc =
+            orl_error_set(err, ORL_ERR_INVALID, "is not a model: its Radiance files exist already");
         orl_error_at(err, path, 0, NULL);
     }
     if (rc == 0)

@@ -107,8 +107,8 @@ static void print_shade(const char *name, const json_t *group, const json_t *sha
                 json_string_value(json_array_get(of, 1)));
     else
         fprintf(stderr,
-                "group %s: in %s all year; a shade of that name in \"shades\" may have a "
-                "\"schedule\", \"rules\" or a \"control\"\n",
+                "group %s: in %s all year; to change that, add a shade of that name with a "
+                "\"schedule\", \"rules\" or a \"control\" to \"shades\"\n",
                 name, json_string_value(json_array_get(of, 0)));
 }
 
@@ -136,7 +136,7 @@ static int find_shades(json_t *doc, json_t **ret_shades, struct orl_error *err)
     json_t *shades = json_object_get(doc, "shades");
 
     if (shades && !json_is_array(shades))
-        return orl_error_set(err, ORL_ERR_INVALID, "shades: a list is wanted");
+        return orl_error_set(err, ORL_ERR_INVALID, "shades: a list is expected");
     *ret_shades = shades ? shades : json_array();
     if (!shades && json_object_set_new(doc, "shades", *ret_shades))
         return no_memory(err);

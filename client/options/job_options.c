@@ -65,7 +65,7 @@ bool orl_distributed_is_requested(const struct orl_subcommand *self,
         *ret_rc = orl_usage_error(self, "--parts takes a number from 1 to %d, not \"%s\"",
                                   ORL_PARTS_MOST, line->parts_text);
     if (line->sbatch && !line->slurm)
-        *ret_rc = orl_usage_error(self, "--sbatch goes with --slurm");
+        *ret_rc = orl_usage_error(self, "--sbatch requires --slurm");
     return line->parts_text || line->slurm;
 }
 
@@ -82,8 +82,8 @@ static int split_options(struct orl_local_distributed *job, const char *options,
             continue;
         if (word[0] != '-' || job->n_words == ORL_SBATCH_OPTIONS_MAX)
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "--sbatch takes up to %d options of sbatch, as --partition=long, "
-                                 "with spaces between them; '%.100s' is none",
+                                 "--sbatch takes up to %d options of sbatch separated by spaces, "
+                                 "such as --partition=long; '%.100s' is not one",
                                  ORL_SBATCH_OPTIONS_MAX, word);
         job->words[job->n_words++] = word;
     }
@@ -163,7 +163,7 @@ static void print_parts(const struct orl_distributed_job *distributed)
 {
     if (distributed->count.rounds == 0 && distributed->n_reused == 0)
         return;
-    fprintf(stderr, "parts: %llu in %u waves, %llu of them once more\n",
+    fprintf(stderr, "parts: %llu in %u waves, %llu of them repeated\n",
             (unsigned long long)distributed->parts, distributed->count.rounds,
             (unsigned long long)distributed->count.again);
 }

@@ -24,7 +24,7 @@ void orl_format_plan(const struct orl_plan *plan, char *ret_text, size_t size)
 {
     const bool apart = plan->sensor_technique != plan->technique;
     snprintf(ret_text, size, "%s%s%s; %d of %d effects left out",
-             orl_technique_name(plan->technique), apart ? ", of sensors " : "",
+             orl_technique_name(plan->technique), apart ? ", for sensors " : "",
              apart ? orl_technique_name(plan->sensor_technique) : "", left_out(plan),
              ORL_EFFECT_COUNT);
 }
@@ -98,7 +98,7 @@ static void print_photons(FILE *to, const struct orl_plan *plan)
         before = ", ";
     }
     if (plan->technique == ORL_TECHNIQUE_BACKWARD && *before)
-        fputs(" (virtual lamps for the paths; no map)\n", to);
+        fputs(" (used as virtual lights; no map)\n", to);
     else
         fputs(*before ? "\n" : "none\n", to);
 }
@@ -141,14 +141,14 @@ static void print_head(FILE *to, const struct orl_plan *plan)
 {
     print_technique(to, "technique", plan->technique, plan->technique_why);
     if (plan->sensor_technique != plan->technique)
-        print_technique(to, "of sensors", plan->sensor_technique, plan->sensor_why);
+        print_technique(to, "for sensors", plan->sensor_technique, plan->sensor_why);
     print_photons(to, plan);
     print_forecast(to, plan);
     fprintf(to, "%-*s%s\n", HEAD_WIDTH, "channels", plan->channels == 1 ? "1 (grey)" : "3");
     if (plan->most_reflections == ORL_ALL_REFLECTIONS)
-        fprintf(to, "%-*sall diffuse ones\n", HEAD_WIDTH, "reflections");
+        fprintf(to, "%-*sall diffuse reflections\n", HEAD_WIDTH, "reflections");
     else
-        fprintf(to, "%-*s%u diffuse ones at most\n", HEAD_WIDTH, "reflections",
+        fprintf(to, "%-*sat most %u diffuse reflections\n", HEAD_WIDTH, "reflections",
                 plan->most_reflections);
 }
 
@@ -209,9 +209,9 @@ void orl_plan_print(FILE *to, const struct orl_plan *plan)
 
 void orl_curve_print(FILE *to, const struct orl_accuracy_curve *curve)
 {
-    fprintf(to, "\n%-*s", HEAD_WIDTH, "an accuracy");
+    fprintf(to, "\n%-*s", HEAD_WIDTH, "accuracy");
     if (curve->n_points > 0)
-        fprintf(to, "takes, by %s on %u thread%s\n", orl_technique_name(curve->technique),
+        fprintf(to, "time, by %s on %u thread%s\n", orl_technique_name(curve->technique),
                 curve->threads, curve->threads == 1 ? "" : "s");
     else
         orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, curve->model);

@@ -190,7 +190,9 @@ static void print_unsteady(FILE *to, const struct orl_study *study)
     for (size_t i = 0; i < study->n_points; i++)
         n += study->points[i].total_error_s > steady * study->points[i].total_s ? 1 : 0;
     if (n > 0)
-        fprintf(to, "times of %zu of %zu points are not known to %.0f %%: was the machine busy?\n",
+        fprintf(to,
+                "times of %zu of %zu points are uncertain by more than %.0f %%: was the machine "
+                "busy?\n",
                 n, study->n_points, 100 * steady);
 }
 
@@ -203,7 +205,7 @@ void orl_study_print(FILE *to, const struct orl_study *study)
             r->samples, r->runs, r->seconds, 100 * r->standard_error, 100 * r->worst);
     fprintf(to, " of %zu %s", r->values, study->of_views ? "pixels" : "sensors");
     if (r->left_out)
-        fprintf(to, "; %zu left out, not known to 1 %%", r->left_out);
+        fprintf(to, "; %zu left out, with standard errors above 1 %%", r->left_out);
     fprintf(to, "\n\n  %-12s %8s %8s %8s %8s %8s %8s %7s %6s %7s %7s %7s", "technique", "photons",
             "samples", "photon s", "map s", "render s", "total s", "rms %", "+-", "bias %",
             "noise %", "p95 %");
@@ -212,10 +214,11 @@ void orl_study_print(FILE *to, const struct orl_study *study)
     fprintf(to, " %9s\n", "maps");
     for (size_t i = 0; i < study->n_points; i++)
         print_point(to, &study->points[i], study->of_views);
-    fprintf(to,
-            "\n* nothing is both faster and more accurate; ~ the reference's own error shows\n");
+    fprintf(to, "\n* no other setting is both faster and more accurate; ~ affected by the "
+                "reference's own error\n");
     if (isfinite(study->rays_per_s))
-        fprintf(to, "a second is worth %.2f M ray-times: single rays by Embree alone, one thread\n",
+        fprintf(to,
+                "speed of this machine: %.2f M rays per second (single rays, Embree, one thread)\n",
                 1e-6 * study->rays_per_s);
     print_unsteady(to, study);
     if (study->n_fits > 0)

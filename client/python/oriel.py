@@ -1,8 +1,7 @@
 """Oriel from Python: daylight renderings by a daemon, for design tools.
 
-One file, Python 3.8 or later, nothing but the standard library: copy it beside your script, in
-Rhino, Blender, QGIS or elsewhere. It stays one file, long as it is, for several could not be copied
-so. A whole job in ten lines:
+One file for Python 3.8 or later, without dependencies: copy it beside your script, in Rhino, Blender,
+QGIS or elsewhere. It stays one file, so that it is easy to copy. A whole job in ten lines:
 
     import oriel
 
@@ -15,15 +14,15 @@ so. A whole job in ten lines:
     print([sensor["illuminance_lx"] for sensor in result["sensors"]])
     job.fetch("out")                                           # images and result.json
 
-Client.render does all of that with a job document as the oriel command takes it. What a job may
-ask for is in the daemon's /openapi.yaml.
+Client.render does all of this with a job document, as the oriel command takes it. The daemon's
+/openapi.yaml describes job documents.
 
-Whatever goes wrong is an OrielError: a Problem when the daemon refuses (with its title, detail,
-hint, file and line), Unreachable when it does not answer, JobFailed and JobCancelled when a job
-ends so. Files that the daemon has already are not sent again, and a submission that is repeated
-after a broken connection makes no second job.
+All errors are OrielErrors: Problem if the daemon refuses a request (with title, detail, hint, file
+and line), Unreachable if it does not answer, JobFailed and JobCancelled if a job ends that way. Files
+that the daemon already has are not sent again. A submission that is repeated after a broken
+connection creates no second job.
 
-A Client may be used by several threads at a time: it keeps no connection.
+Several threads may share a Client: it keeps no connection.
 """
 
 import contextlib
@@ -47,7 +46,7 @@ _ENDED = ("succeeded", "failed", "cancelled")
 # ---- Errors -------------------------------------------------------------------------------------
 
 class OrielError(Exception):
-    """Anything that goes wrong here."""
+    """Base class of all errors of this module."""
 
 
 class Unreachable(OrielError):
@@ -55,9 +54,9 @@ class Unreachable(OrielError):
 
 
 class Problem(OrielError):
-    """The daemon refuses, or a job failed: a problem document (RFC 9457).
+    """The daemon refused a request, or a job failed: a problem document (RFC 9457).
 
-    status, type, title, detail, hint, file, line, primitive: as in it; None where it says nothing.
+    status, type, title, detail, hint, file, line, primitive: members of the document, or None.
     """
 
     def __init__(self, document, status=None):
@@ -70,14 +69,14 @@ class Problem(OrielError):
     def _sentence(self):
         place = ":".join(str(part) for part in (self.file, self.line) if part)
         what = self.detail or self.title
-        # Mistakes in a document have their place in the sentence as well: once is enough.
+        # The detail of an error in a document already begins with the place: do not repeat it.
         where = None if what and what.startswith("%s:" % self.primitive) else self.primitive
         text = ": ".join(part for part in (place, where, what) if part)
         return "%s (%s)" % (text, self.hint) if self.hint else text
 
 
 class Unauthorized(Problem):
-    """401: the daemon asks for an access token, or does not know the one sent."""
+    """401: the daemon requires an access token, or does not know the given one."""
 
 
 class Forbidden(Problem):
@@ -85,29 +84,29 @@ class Forbidden(Problem):
 
 
 class NotFound(Problem):
-    """404: there is no such scene, job or file."""
+    """404: the scene, job or file does not exist."""
 
 
 class InUse(Problem):
-    """409: not in this state; a thing that jobs use cannot be removed."""
+    """409: not possible in this state; for example, the item is used by jobs and cannot be removed."""
 
 
 class Gone(Problem):
-    """410: the results have been removed to make room. Submitting the document gives them anew."""
+    """410: the results were removed to make room. Submit the document again to get them back."""
 
 
 class Full(Problem):
-    """507: the daemon has no room left, and nothing that may go."""
+    """507: the daemon has no space left, and nothing that it may remove."""
 
 
 class Busy(Problem):
-    """429 or 503: not now. retry_after is in seconds, or None."""
+    """429 or 503: the daemon is busy; retry later. retry_after is in seconds, or None."""
 
     retry_after = None
 
 
 class JobFailed(Problem):
-    """The job has failed, and says why."""
+    """The job failed; the problem has the reason."""
 
 
 class JobCancelled(OrielError):
@@ -149,7 +148,7 @@ def _make_folder(path):
 
 
 class _File:
-    """A file to send: its name in the scene, where it is, its length and SHA-256."""
+    """A file to send: its name in the scene, path, size and SHA-256."""
 
     def __init__(self, folder, name):
         self.name = name.replace(os.sep, "/")
@@ -170,7 +169,7 @@ class _File:
 
 
 class _Known:
-    """A BSDF that the daemon has, by the name that a scene knows it by."""
+    """A BSDF that the daemon stores, with its file name in the scene."""
 
     def __init__(self, name, sha):
         self.name, self.sha = name, sha
@@ -181,7 +180,7 @@ def _is_xml(name):
 
 
 def _mentioned(folder, names):
-    """Files below folder that scene files name, by the words in them; theirs likewise."""
+    """Returns files below folder that scene files mention as words, and files that these mention."""
     found, left = [], list(names)
     while left:
         name = left.pop()
@@ -198,7 +197,7 @@ def _mentioned(folder, names):
 
 
 def _weather_files(document):
-    """Those that the skies of a job document name."""
+    """Returns the weather files of a job document's skies."""
     skies = document.get("skies") or []
     skies = [document.get("sky") or {}] + (skies if isinstance(skies, list) else [skies])
     files = ((sky.get("weather") or {}).get("file") for sky in skies)
@@ -206,7 +205,7 @@ def _weather_files(document):
 
 
 def _year_files(document):
-    """Those that a year's document names beside its scene."""
+    """Returns the files that a year's document names in addition to its scene."""
     grids = document.get("grids") or [{"sensors": document.get("sensors")}]
     sensors = (grid.get("sensors") for grid in grids)
     files = [document.get("weather"), (document.get("occupancy") or {}).get("file")]
@@ -215,14 +214,14 @@ def _year_files(document):
 
 
 def _view_files(document):
-    """Those that views of a job document are lines of, and masks of their glare."""
+    """Returns the view files and glare masks of a job document."""
     views = document.get("views") or []
     files = [view.get("file") for view in views] + [(view.get("glare") or {}).get("mask") for view in views]
     return list(dict.fromkeys(name for name in files if name))
 
 
 def _scene_id(mains, resources):
-    """The id that the daemon gives such a scene (POST /v1/scenes)."""
+    """Computes the scene's id as the daemon does (POST /v1/scenes)."""
     text = "oriel-scene 1\n"
     for file in mains:
         text += "main %s %s\n" % (file.sha, file.name)
@@ -233,7 +232,7 @@ def _scene_id(mains, resources):
 
 @contextlib.contextmanager
 def _writing(path):
-    """A function that writes to the file, whose errors are not taken for the network's."""
+    """Gives a function that writes to the file. Its errors are distinct from network errors."""
     def write(chunk):
         try:
             stream.write(chunk)
@@ -292,26 +291,26 @@ def _is_loopback(host):
 # ---- The daemon ---------------------------------------------------------------------------------
 
 class Client:
-    """A daemon, by its URL.
+    """A daemon at a URL.
 
-    url: else $ORIEL_URL, else http://127.0.0.1:8423. token: else $ORIEL_TOKEN; never sent over
-    plain HTTP but to this machine. ca_file: PEM, else $ORIEL_CA: whom to trust beside the system's
-    authorities. name: what the daemon calls you, and takes turns by, where it asks for no token;
-    else $ORIEL_CLIENT.
-    timeout: seconds of silence after which a request is given up.
+    url: default $ORIEL_URL, or http://127.0.0.1:8423.
+    token: default $ORIEL_TOKEN; sent over plain HTTP only to this machine.
+    ca_file: certificates in PEM to trust in addition to the system's; default $ORIEL_CA.
+    name: identifies the client in the daemon's queue if it requires no token; default $ORIEL_CLIENT.
+    timeout: seconds without data after which a request fails.
     """
 
     def __init__(self, url=None, token=None, ca_file=None, name=None, timeout=60.0):
         self.url = (url or os.environ.get("ORIEL_URL") or "http://127.0.0.1:8423").rstrip("/")
         parts = urllib.parse.urlsplit(self.url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise OrielError("%r is no http:// or https:// URL" % self.url)
+            raise OrielError("%r is not an http:// or https:// URL" % self.url)
         self._https, self._host, self._port = parts.scheme == "https", parts.hostname, parts.port
         self._base, self._timeout = parts.path, timeout
         self._headers = {"User-Agent": "oriel-python"}
         token = token or os.environ.get("ORIEL_TOKEN")
         if token and not self._https and not _is_loopback(self._host):
-            raise OrielError("a token over plain HTTP could be read on its way: use https://")
+            raise OrielError("a token sent over plain HTTP could be intercepted: use https://")
         if token:
             self._headers["Authorization"] = "Bearer " + token
         name = name or os.environ.get("ORIEL_CLIENT")
@@ -331,19 +330,19 @@ class Client:
         return http.client.HTTPConnection(self._host, self._port, timeout=self._timeout)
 
     def _send(self, method, path, body=None, headers=None, sink=None):
-        """One request: (status, headers, body). sink(reply) reads a good answer's body instead."""
+        """Sends a request. Returns (status, headers, body). sink(reply), if given, reads the body of a 200."""
         connection = self._connect()
         try:
             try:
                 connection.request(method, self._base + path, body=body,
                                    headers=dict(self._headers, **(headers or {})))
             except (BrokenPipeError, ConnectionResetError):
-                pass  # refused before all was sent: the answer, if any, says why
+                pass  # refused before the whole body was sent: the response, if any, has the reason
             reply = connection.getresponse()
             content = sink(reply) if sink and reply.status == 200 else reply.read()
             return reply.status, reply.headers, content
         except ssl.SSLCertVerificationError as error:
-            raise Unreachable("%s is not to be trusted: %s" % (self.url, error)) from error
+            raise Unreachable("the certificate of %s is not trusted: %s" % (self.url, error)) from error
         except (OSError, http.client.HTTPException) as error:
             raise Unreachable("no answer from %s: %s" % (self.url, error)) from error
         finally:
@@ -356,7 +355,7 @@ class Client:
         return json.loads(content.decode("utf-8"))
 
     def _pages(self, path, member, limit):
-        """The first items of a list, which may come in pages."""
+        """Returns the first items of a list, which may have several pages."""
         found = []
         while path and len(found) < limit:
             status, headers, content = self._send("GET", path)
@@ -377,14 +376,14 @@ class Client:
         status, headers, body = self._send("HEAD", path)
         if status in (200, 404):
             return status == 200
-        if not body:  # the answer to a HEAD has none: ask for the reason
+        if not body:  # the response to a HEAD has no body: request the reason
             status, headers, body = self._send("GET", path)
         raise _problem(status, headers, body)
 
     # -- Uploads ----------------------------------------------------------------------------------
 
     def upload_bsdf(self, path, name=None):
-        """Sends a BSDF (WINDOW XML) unless the daemon has it. Returns its id."""
+        """Uploads a BSDF (WINDOW XML) unless the daemon has it. Returns its id."""
         file = _File("", path)
         if not self._has("/v1/bsdfs/" + file.sha):
             query = urllib.parse.urlencode({"name": name or os.path.basename(path)})
@@ -393,13 +392,14 @@ class Client:
         return file.sha
 
     def upload_scene(self, files, resources=None, folder=None, bsdfs=None):
-        """Sends a scene unless the daemon has it. Returns its id.
+        """Uploads a scene unless the daemon has it. Returns its id.
 
-        files: Radiance files, in order; resources: what these name (BSDFs, files of !xform and
-        functions, weather), or None: every file below folder that a word in them names. Names are
-        relative to folder (else the current one), and are what the scene knows them by.
-        bsdfs: {name: id} of BSDFs that the daemon has, as jobs "bsdf_make" and "bsdf_fit" leave one.
-        What a goniophotometer wrote travels the same way.
+        files: Radiance files, in order.
+        resources: files that these refer to (BSDFs, files of !xform, function files, weather), or
+        None: every file below folder that they mention. Names are relative to folder (default: the
+        current folder), and are the names in the scene.
+        bsdfs: {name: id} of BSDFs that the daemon has, such as results of "bsdf_make" and "bsdf_fit".
+        Files of goniophotometer measurements are uploaded in the same way.
         """
         folder = folder or ""
         if resources is None:
@@ -414,10 +414,10 @@ class Client:
         return scene
 
     def upload_zip(self, path, files=None):
-        """Sends a zip of a scene's folder, which the daemon unpacks. Returns the scene's id.
+        """Uploads a zip of a scene's folder, which the daemon unpacks. Returns the scene's id.
 
-        files: the Radiance files that are the scene, in order, as they are named in the folder; or
-        None: those at its top that no command of another names, in the order of their names.
+        files: the main Radiance files, in order, with their names in the folder; or None: the
+        top-level files that no command of another file names, sorted by name.
         """
         query = urllib.parse.urlencode([("main", name) for name in files or ()])
         file = _File("", path)
@@ -442,11 +442,11 @@ class Client:
     # -- Jobs -------------------------------------------------------------------------------------
 
     def submit(self, document, name=None, tags=None):
-        """Queues a job, study, year or panel whose scene is an id. Returns a Job.
+        """Submits a job of any kind; its scene is given by id. Returns a Job.
 
-        name, tags: what to call it, and a list of what to find it by again (see jobs); they go before
-        those of the document.
-        A connection that breaks is tried again: the daemon knows the submission by its key.
+        name, tags: name of the job, and list of tags to find it by (see jobs); they replace those of
+        the document.
+        After a broken connection it tries again. The daemon recognises the submission by its key.
         """
         labels = {"name": name, "tags": list(tags) if tags else None}
         document = dict(document, **{key: one for key, one in labels.items() if one})
@@ -461,22 +461,23 @@ class Client:
                 time.sleep(0.5)
 
     def plan(self, document):
-        """What a render job whose scene is an id would simulate, and why, without rendering it.
+        """Returns which effects a render job would simulate, and why, without rendering it.
 
-        A list of {"sky", "plan", "warnings"}: one, or of a job of several skies one for each of the first.
+        The scene is given by id. Returns a list of {"sky", "plan", "warnings"}: one item, or for a
+        job with several skies one for each of the first skies.
         """
         return self._json("POST", "/v1/plans", json.dumps(document).encode(),
                           {"Content-Type": "application/json"})["plans"]
 
     def job(self, id):
-        """A job submitted before, by its id or as many of its first digits as tell it from others."""
+        """Returns an earlier job by its id, or by enough first digits to be unique."""
         return Job(self, id)
 
     def jobs(self, state=None, limit=100, scene=None, tags=(), since=None, summary=False):
-        """The latest jobs' documents, newest first, however many pages they come in.
+        """Returns the latest jobs' documents, newest first, from as many pages as needed.
 
-        tags: only jobs that have all of them; since: only those that came then or later, a time in UTC
-        such as "2024-03-22T11:30:00Z". summary: each in a line, without files, maps and links.
+        tags: only jobs that have all of them. since: only jobs submitted at that time or later, in UTC
+        such as "2024-03-22T11:30:00Z". summary: short documents without files, maps and links.
         """
         query = [("limit", min(limit, 1000))] + [("tag", tag) for tag in tags]
         query += [(key, one) for key, one in (("state", state), ("scene", scene), ("since", since),
@@ -484,11 +485,11 @@ class Client:
         return self._pages("/v1/jobs?" + urllib.parse.urlencode(query), "jobs", limit)
 
     def events(self, jobs=(), tags=(), last_id=None):
-        """What happens to jobs from now on, for as long as it is iterated: (kind, data, id) each.
+        """Iterates over events of jobs from now on, as tuples (kind, data, id).
 
-        kind "job": data is the job in a line, as jobs(summary=True) has it; "removed": its id alone;
-        "reset": ask for lists anew, since what was before is not known. jobs, tags: only those. last_id: of
-        the event seen last, behind which it goes on. Unreachable when the connection ends.
+        kind "job": data is the job's summary, as from jobs(summary=True). "removed": data has the id.
+        "reset": earlier events are lost, so request lists again. jobs, tags: only these jobs. last_id:
+        continue after this event. Raises Unreachable when the connection ends.
         """
         query = urllib.parse.urlencode([("job", one) for one in jobs] + [("tag", one) for one in tags])
         headers = dict(self._headers, **({"Last-Event-ID": last_id} if last_id else {}))
@@ -511,49 +512,51 @@ class Client:
             raise Unreachable("no answer from %s: %s" % (self.url, error)) from error
         finally:
             connection.close()
-        raise Unreachable("the daemon has ended the stream of events")
+        raise Unreachable("the daemon ended the stream of events")
 
     def scenes(self, limit=100):
-        """The scenes that are here, the latest first: bytes, last_used, jobs and jobs_under_way."""
+        """Returns the stored scenes, latest first, with bytes, last_used, jobs and jobs_under_way."""
         return self._pages("/v1/scenes?limit=%d" % min(limit, 1000), "scenes", limit)
 
     def bsdfs(self, limit=100):
-        """The BSDFs uploaded by themselves, likewise, and the scenes that have them."""
+        """Returns the BSDFs that were uploaded alone, latest first, with the number of scenes that use them."""
         return self._pages("/v1/bsdfs?limit=%d" % min(limit, 1000), "bsdfs", limit)
 
     def maps(self):
-        """What the daemon keeps for later jobs: photon maps, BSDFs as loaded."""
+        """Returns the photon maps and loaded BSDFs that the daemon stores for later jobs."""
         return self._json("GET", "/v1/maps")["maps"]
 
     def remove_scene(self, id):
-        """Forgets a scene; InUse while a job that waits or runs needs it. Jobs that ended stay."""
+        """Removes a scene. Raises InUse while a waiting or running job needs it. Finished jobs stay."""
         self._remove("scenes", id)
 
     def remove_bsdf(self, id):
-        """Forgets a BSDF; InUse while a scene has it as a file."""
+        """Removes a BSDF. Raises InUse while a scene contains it."""
         self._remove("bsdfs", id)
 
     def remove_map(self, kind, key):
-        """Forgets one of maps(); InUse while a job uses it. Whoever needs it makes it anew."""
+        """Removes an item of maps(). Raises InUse while a job uses it. Later jobs build it again."""
         self._remove("maps", kind, key)
 
     def limits(self):
-        """Names and numbers of what the daemon accepts at most."""
+        """Returns the daemon's limits by name."""
         return self._json("GET", "/v1/limits")
 
     def health(self):
-        """The daemon's version and uptime_s; raises Unreachable when it is not there."""
+        """Returns the daemon's version and uptime_s. Raises Unreachable if it does not answer."""
         return self._json("GET", "/healthz")
 
     def render(self, document, output=None, folder=None, progress=None):
-        """A document of any kind from start to end, as `oriel submit --wait` and `oriel fetch` take
-        it: a job, a study, with `"kind": "annual"` a year of daylight, with `"bsdf_make"` a panel's
-        BSDF, or with `"bsdf_fit"` that of measurements; its id is the result's ["bsdf"]["id"].
+        """Runs a document of any kind, like `oriel submit --wait` followed by `oriel fetch`.
 
-        document: a dict, or the path of a JSON file, in which "scene" (or "measurements") has "files"
-        and sensors may be a file; names are relative to folder, else to the JSON file, else to the current folder.
-        Uploads, submits, waits (see Job.wait), and fetches everything into the folder output unless
-        that is None. Returns the result.
+        The kinds are render (the default), "study", "annual" (a year of daylight), "bsdf_make" (the
+        BSDF of a panel) and "bsdf_fit" (a BSDF from measurements). The id of a BSDF is
+        ["bsdf"]["id"] of the result.
+        document: a dict, or the path of a JSON file. Its "scene" (or "measurements") has "files", and
+        its sensors can be a file. Names are relative to folder; by default to the JSON file's folder,
+        or to the current folder.
+        Uploads, submits, waits (see Job.wait), and downloads all files into the folder output unless
+        it is None. Returns the result.
         """
         if not isinstance(document, dict):
             folder = folder or os.path.dirname(document)
@@ -566,7 +569,7 @@ class Client:
         return job.result()
 
     def _prepared(self, document, folder):
-        """The document with its scene uploaded, and its sensors read but for those of a year."""
+        """Uploads the document's scene and reads its sensors (except for years). Returns the new document."""
         document, year = dict(document), document.get("kind") == "annual"
         scene, sensors = document.get("scene"), document.get("sensors")
         measured = document.get("measurements")
@@ -586,30 +589,30 @@ class Client:
 
 
 class Job:
-    """A job of a daemon, by its id."""
+    """A job of a daemon, identified by its id."""
 
     def __init__(self, client, id):
         self.client, self.id = client, id
         self._path = "/v1/jobs/" + urllib.parse.quote(id, safe="")
 
     def status(self):
-        """The job's document: state, stage, percent, eta_s, and what /openapi.yaml says."""
+        """Returns the job's document: state, stage, percent, eta_s and other members (/openapi.yaml)."""
         return self.client._json("GET", self._path)
 
     def cancel(self):
-        """Stops the job, soon. One that has ended already stays as it is (a Problem, 409)."""
+        """Starts to cancel the job. Raises a Problem (409) if it has ended."""
         return self.client._json("POST", self._path + "/cancel", b"")
 
     def remove(self):
-        """Forgets the job and its results, once it has ended (before, InUse)."""
+        """Removes the job and its results. Raises InUse if it has not ended."""
         self.client._remove("jobs", self.id)
 
     def wait(self, progress=None, timeout=None, poll=0.5, patience=60.0):
-        """Until the job has succeeded; returns its last document.
+        """Waits until the job has succeeded. Returns its last document.
 
-        progress(status) is called whenever the document changes; when it returns False the job is
-        cancelled. timeout: seconds until TimeoutError, while the job goes on. A daemon that is away
-        (started anew, say) is waited for for patience seconds: its jobs outlive it.
+        progress(status) is called whenever the document changes; if it returns False, the job is
+        cancelled. timeout: seconds until TimeoutError; the job continues. patience: seconds to wait
+        for a daemon that does not answer, for example during a restart; jobs survive a restart.
         Raises JobFailed or JobCancelled.
         """
         until = None if timeout is None else time.monotonic() + timeout
@@ -629,7 +632,7 @@ class Job:
             if status and status["state"] in _ENDED:
                 return self._ended(status)
             if until is not None and time.monotonic() > until:
-                raise TimeoutError("job %s has not ended in %g s" % (self.id, timeout))
+                raise TimeoutError("job %s did not end within %g s" % (self.id, timeout))
             time.sleep(poll)
 
     def _ended(self, status):
@@ -640,13 +643,13 @@ class Job:
         return status
 
     def result(self):
-        """result.json, as a dict; of a running job with a goal, as it stands."""
+        """Returns result.json as a dict; for a running job with a goal, the intermediate result."""
         return self.client._json("GET", self._path + "/result")
 
     def links(self, files, seconds=300):
-        """URLs of files of the results that need no token, for so many seconds: for a page's <img>, say.
+        """Returns URLs of result files that need no token, for example for the <img> of a page.
 
-        {name: url}. Whoever has one may read that file.
+        Returns {name: url}. Anyone who has a URL can read that file until it expires.
         """
         body = json.dumps({"files": list(files), "seconds": seconds}).encode()
         links = self.client._json("POST", self._path + "/links", body,
@@ -654,14 +657,14 @@ class Job:
         return {link["file"]: self.client.url + link["url"] for link in links}
 
     def fetch(self, folder):
-        """Downloads all files of the results into folder, each whole or not at all. Their paths."""
+        """Downloads all result files into folder; no partial files remain. Returns their paths."""
         _make_folder(folder)
         return [self._fetch_file(folder, file["name"]) for file in self.status().get("files", [])]
 
     def _fetch_file(self, folder, name):
         parts = name.split("/")
         if any(os.path.basename(part) != part or part.startswith(".") or not part for part in parts):
-            raise OrielError("the daemon names a file outside its folder: %r" % name)
+            raise OrielError("the daemon lists a file outside the output folder: %r" % name)
         path = os.path.join(folder, *parts)
         _make_folder(os.path.dirname(path))
         part = path + ".part"

@@ -102,7 +102,7 @@ int orl_bsdf_transmission(const struct orl_bsdf *bsdf, size_t *ret_rows, size_t 
     const struct orl_component_view *view = &bsdf->views[0][1];
     if (bsdf->document.structure != ORL_STRUCTURE_MATRIX || !view->component)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "the three-phase method takes BSDFs with a matrix of transmission");
+                             "the three-phase method needs a BSDF with a transmission matrix");
     const struct orl_basis *in = &view->component->matrix.basis[orl_view_axis(view, ORL_ROLE_IN)];
     const struct orl_basis *out = &view->component->matrix.basis[orl_view_axis(view, ORL_ROLE_OUT)];
     const size_t rows = (size_t)out->n_cells, columns = (size_t)in->n_cells;

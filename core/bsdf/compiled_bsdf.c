@@ -196,7 +196,7 @@ int orl_bsdf_open(const char *path, const unsigned char content[ORL_COMPILED_DIG
     free(arrays);
     if (code < 0) {
         if (file.data)
-            orl_error_set(err, code, "the kept BSDF '%s' is damaged", path);
+            orl_error_set(err, code, "the cached BSDF '%s' is damaged", path);
         orl_checked_file_close(&file);
         free(bsdf);
         return code;

@@ -141,7 +141,7 @@ int orl_lights_check_sky(const struct orl_parsed_scene *parsed_scene, struct orl
     if (parsed_scene->n_distant_sources == 0)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID,
-                  "the job gives a sky, but the scene has the distant source '%.100s' already",
+                  "the job has a sky, but the scene already has the distant source '%.100s'",
                   parsed_scene->distant_sources[0].name);
     orl_error_at(err, NULL, 0, "sky");
     orl_error_hint(err, "leave the sky out of the job, or out of the scene");

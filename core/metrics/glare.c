@@ -74,8 +74,8 @@ int orl_glare_settings_check(const struct orl_glare_settings *s, struct orl_erro
     };
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++)
         if (!(bounds[i].value >= bounds[i].least && bounds[i].value <= bounds[i].most))
-            return orl_error_set(err, ORL_ERR_RANGE, "%s is from %g to %g, not %g", bounds[i].name,
-                                 bounds[i].least, bounds[i].most, bounds[i].value);
+            return orl_error_set(err, ORL_ERR_RANGE, "%s must be from %g to %g, not %g",
+                                 bounds[i].name, bounds[i].least, bounds[i].most, bounds[i].value);
     return 0;
 }
 
@@ -88,10 +88,10 @@ int orl_glare_view_check(const struct orl_view *view, const struct orl_glare_set
         return code;
     if (view->type == 'l')
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "a parallel view has no eye that could be dazzled");
+                             "glare needs a perspective or fisheye view, not a parallel one");
     if (settings->eye_lx == 0 && (view->horizontal < least_deg || view->vertical < least_deg)) {
         code = orl_error_set(err, ORL_ERR_RANGE,
-                             "%g by %g degrees hold too little of the light at the eye",
+                             "a view of %g by %g degrees covers too little of the light at the eye",
                              view->horizontal, view->vertical);
         orl_error_hint(err,
                        "Use -vta or -vth with 180 degrees, at least %g, or supply "

@@ -50,7 +50,7 @@ static int check_source(const struct orl_glare_source *s, size_t number, struct 
         isfinite(s->position_index) && s->position_index > 0)
         return 0;
     return orl_error_set(err, ORL_ERR_RANGE,
-                         "glare source %zu: %g cd/m2 over %g sr at position index %g is no source",
+                         "glare source %zu is invalid: %g cd/m2 over %g sr at position index %g",
                          number + 1, s->luminance_cd_m2, s->solid_angle_sr, s->position_index);
 }
 
@@ -78,7 +78,7 @@ int orl_dgp(double eye_lx, const struct orl_glare_source *sources, size_t n_sour
     const struct constants *c = &constants[options->constants];
     double dgp = c->base;
     if (!is_share(eye_lx))
-        return orl_error_set(err, ORL_ERR_RANGE, "%g lx is no illuminance", eye_lx);
+        return orl_error_set(err, ORL_ERR_RANGE, "%g lx is not a valid illuminance", eye_lx);
     for (size_t i = 0; i < n_sources; i++) {
         const int code = check_source(&sources[i], i, err);
         if (code < 0)

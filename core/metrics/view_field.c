@@ -75,7 +75,7 @@ int orl_view_field_init(struct orl_view_field *field, const struct orl_view *vie
         .width = width, .height = height, .view = *view, .eye = eye_of(view, turned_deg)};
     if (view->type == 'l')
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "a parallel view has no eye that could be dazzled");
+                             "glare needs a perspective or fisheye view, not a parallel one");
     struct corner *rows = calloc(2 * ((size_t)width + 1), sizeof *rows);
     field->direction = calloc(count, sizeof *field->direction);
     field->solid_angle = calloc(count, sizeof *field->solid_angle);

@@ -56,7 +56,8 @@ static bool decide_mirrors(const struct orl_plan_survey *survey, const struct or
         .bound = needed ? mirror_bound(survey, lit) : 0,
         .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
-        return orl_decision_fill(decision, &finding, "there are %zu suns and lamps to be mirrored",
+        return orl_decision_fill(decision, &finding,
+                                 "the scene has %zu suns and lamps that could be mirrored",
                                  lit->lights);
     if (flat->facets + curved->facets == 0)
         return orl_decision_fill(decision, &finding, "%zu surfaces mirror or refract",
@@ -64,16 +65,14 @@ static bool decide_mirrors(const struct orl_plan_survey *survey, const struct or
     if (!needed)
         return orl_decision_fill(
             decision, &finding,
-            "none of %zu surface%s that mirror or refract is lit inside by a sun or "
-            "lamp",
+            "no sun or lamp lights any of the %zu surface%s that mirror or refract indoors",
             flat->facets + curved->facets, orl_plural(flat->facets + curved->facets));
-    return orl_decision_fill(
-        decision, &finding,
-        "of %zu flat and %zu curved surfaces that mirror or refract some are lit%s; "
-        "they send on up to %.3g %%",
-        flat->facets, curved->facets,
-        any_lit(lit) ? "" : ", from outside, where shadow rays see to it",
-        100 * fmax(flat->share, curved->share));
+    return orl_decision_fill(decision, &finding,
+                             "some of %zu flat and %zu curved surfaces that mirror or refract are "
+                             "lit%s; they pass on up to %.3g %% of the light",
+                             flat->facets, curved->facets,
+                             any_lit(lit) ? "" : " from outdoors, where shadow rays include them",
+                             100 * fmax(flat->share, curved->share));
 }
 
 static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_lit_specular *lit,
@@ -87,7 +86,8 @@ static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_
         .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
         .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_time_s(survey) : 0};
     if (lit->lights == 0)
-        return orl_decision_fill(decision, &finding, "there are %zu suns and lamps to be scattered",
+        return orl_decision_fill(decision, &finding,
+                                 "the scene has %zu suns and lamps whose light could be scattered",
                                  lit->lights);
     if (lobes->facets == 0)
         return orl_decision_fill(decision, &finding, "%zu surfaces scatter into lobes",
@@ -95,14 +95,12 @@ static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_
     if (!needed)
         return orl_decision_fill(
             decision, &finding,
-            "none of %zu surface%s that scatter into lobes is lit inside by a sun or "
-            "lamp",
+            "no sun or lamp lights any of the %zu surface%s that scatter into lobes indoors",
             lobes->facets, orl_plural(lobes->facets));
-    return orl_decision_fill(
-        decision, &finding,
-        "of %zu surface%s that scatter into lobes some are lit; they send on up to "
-        "%.3g %%",
-        lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
+    return orl_decision_fill(decision, &finding,
+                             "some of %zu surface%s that scatter into lobes are lit; they pass on "
+                             "up to %.3g %% of the light",
+                             lobes->facets, orl_plural(lobes->facets), 100 * lobes->share);
 }
 
 /* Returns true for glass of index 1 that is clear, such as the panes of openings
@@ -131,10 +129,10 @@ static void decide_glass(const struct orl_plan_survey *survey, struct orl_decisi
     decision->simulated = true;
     const struct orl_finding finding = {.needed = panes > 0, .unit = ORL_BOUND_LX, .bound = 0};
     orl_decision_fill(decision, &finding,
-                      panes == 1 ? "%zu pane lets light straight through: shadow rays see to that, "
-                                   "exactly, without photons"
-                                 : "%zu panes let light straight through: shadow rays see to that, "
-                                   "exactly, without photons",
+                      panes == 1 ? "%zu pane transmits light in a straight line: shadow rays "
+                                   "compute this exactly, without photons"
+                                 : "%zu panes transmit light in a straight line: shadow rays "
+                                   "compute this exactly, without photons",
                       panes);
     decision->simulated = panes > 0 || decision->override == ORL_OVERRIDE_FORCE;
 }
@@ -149,7 +147,7 @@ static void override_skip(struct orl_decision *decision)
     if (decision->override != ORL_OVERRIDE_SKIP || !(decision->bound > 0))
         return;
     snprintf(why, sizeof why, "%.*s", (int)sizeof why - 1, decision->why);
-    snprintf(decision->why, sizeof decision->why, "the backward technique finds them anyway; %s",
+    snprintf(decision->why, sizeof decision->why, "the backward technique includes them anyway; %s",
              why);
     decision->simulated = true;
     decision->saved_s = 0;

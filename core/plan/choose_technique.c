@@ -120,10 +120,11 @@ static enum orl_technique choose_for_views(const struct orl_job *job, uint32_t p
     const bool glare = orl_job_asks_for_glare(job);
     if (glare)
         snprintf(ret_why, ORL_WHY_MAX,
-                 "views ask for their glare: paths have no bias, and their batches tell its error");
+                 "views ask for glare metrics: path tracing has no bias, and its batches give the "
+                 "error");
     else
         snprintf(ret_why, ORL_WHY_MAX,
-                 "%zu view%s: an image is smooth soonest by a final gather to a photon map",
+                 "%zu view%s: a final gather to a photon map gives smooth images fastest",
                  job->n_views, orl_plural(job->n_views));
     return choose_complete(glare ? rated : usual, paths, ret_why);
 }
@@ -132,8 +133,8 @@ static enum orl_technique choose_for_sensors(size_t n, uint32_t paths, char ret_
 {
     static const enum orl_technique preferred[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     snprintf(ret_why, ORL_WHY_MAX,
-             "%zu sensor%s: paths are exact on average; photons become virtual lamps for them, and "
-             "no map is kept",
+             "%zu sensor%s: path tracing has no bias; photons serve as virtual lamps, and no map "
+             "is stored",
              n, orl_plural(n));
     return choose_complete(preferred, paths, ret_why);
 }
@@ -145,8 +146,8 @@ static enum orl_technique plan_technique(const struct orl_plan_survey *survey, u
     const uint64_t leaves = count_placed(survey->lit_scene->geometry);
     if (leaves > ORL_DEFAULT_PHOTONS && !orl_paths_missed(ORL_TECHNIQUE_BACKWARD, paths)) {
         snprintf(ret_why, ORL_WHY_MAX,
-                 "%llu surfaces by instances: photons would be fewer than leaves are, paths do not "
-                 "ask for them",
+                 "%llu surfaces in instances are more than the photons of a map; path tracing "
+                 "needs no map",
                  (unsigned long long)leaves);
         return ORL_TECHNIQUE_BACKWARD;
     }
@@ -166,12 +167,12 @@ static enum orl_technique choose_technique(const struct orl_plan_survey *survey,
     else
         technique = plan_technique(survey, paths, views, ret_why);
     if (gather == ORL_OVERRIDE_FORCE && job->technique == ORL_TECHNIQUE_AUTO) {
-        snprintf(ret_why, ORL_WHY_MAX, "the job asks for a final gather");
+        snprintf(ret_why, ORL_WHY_MAX, "the job requests a final gather");
         return ORL_TECHNIQUE_GATHER;
     }
     if (gather == ORL_OVERRIDE_SKIP &&
         (technique == ORL_TECHNIQUE_GATHER || technique == ORL_TECHNIQUE_PRECOMPUTED)) {
-        snprintf(ret_why, ORL_WHY_MAX, "the job leaves out the final gather");
+        snprintf(ret_why, ORL_WHY_MAX, "the job skips the final gather");
         return ORL_TECHNIQUE_DIRECT;
     }
     return technique;
@@ -236,11 +237,10 @@ static void decide_interreflection(struct orl_plan_survey *survey,
                                         .bound = direct * rho / (1 - rho),
                                         .saved_s = 3 * (double)ORL_DEFAULT_PHOTONS * survey->ray_s};
     if (n < ORL_ALL_REFLECTIONS)
-        orl_decision_fill(
-            decision, &finding,
-            "the brightest diffuse surface reflects %.4g %%: after %u reflections there is "
-            "less than %.2g lx to come",
-            100 * survey->rho_diffuse, n, survey->tolerance_lx);
+        orl_decision_fill(decision, &finding,
+                          "the brightest diffuse surface reflects %.4g %%: after %u reflections "
+                          "less than %.2g lx remains",
+                          100 * survey->rho_diffuse, n, survey->tolerance_lx);
     else
         orl_decision_fill(decision, &finding, "the brightest diffuse surface reflects %.4g %%",
                           100 * survey->rho_diffuse);
@@ -355,7 +355,7 @@ void orl_decide_requests(struct orl_plan_survey *survey, struct orl_plan *plan)
     orl_decision_fill(glare, &asked, "%zu of %zu view%s ask%s for a glare metric", views,
                       job->n_views, orl_plural(job->n_views), views == 1 ? "s" : "");
     orl_decision_fill(bins, &nothing,
-                      "the job is for 1 moment, not for a year: light is not told apart");
+                      "the job is for 1 moment, not for a year: light needs no separate bins");
     glare->simulated = rated;
     bins->simulated = false;
 }

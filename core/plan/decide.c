@@ -112,7 +112,7 @@ static void decide_glossy(struct orl_plan_survey *survey, struct orl_plan *plan)
         .bound = bound,
         .saved_s = most * (survey->sensor_rays + 4 * survey->pixels) * survey->ray_s};
     if (orl_decision_fill(&plan->effects[ORL_EFFECT_GLOSSY], &finding,
-                          "surfaces with a rough gloss: %zu; they mirror %.3g %% at most", count,
+                          "glossy surfaces with roughness: %zu; they mirror at most %.3g %%", count,
                           100 * most))
         return;
     for (size_t i = 0; i < lit_scene->n_materials; i++)
@@ -154,11 +154,10 @@ static void decide_media(struct orl_plan_survey *survey, struct orl_plan *plan)
     const double lost = count > 0 ? 1 - pow(least, 2 * lit_scene->geometry->radius) : 0;
     const struct orl_finding finding = {
         .needed = count > 0, .unit = ORL_BOUND_RELATIVE, .bound = lost};
-    if (orl_decision_fill(
-            &plan->effects[ORL_EFFECT_MEDIA], &finding,
-            "surfaces of dielectrics that absorb: %zu; across the scene they would keep "
-            "%.3g %% of the light",
-            count, 100 * lost))
+    if (orl_decision_fill(&plan->effects[ORL_EFFECT_MEDIA], &finding,
+                          "surfaces of absorbing dielectrics: %zu; across the whole scene they "
+                          "would absorb %.3g %% of the light",
+                          count, 100 * lost))
         return;
     for (size_t i = 0; i < lit_scene->n_materials; i++) {
         struct orl_material *m = &lit_scene->materials[i];
@@ -237,8 +236,8 @@ static void decide_sun(struct orl_plan_survey *survey, struct orl_plan *plan)
         .saved_s = shadow_rays_s(survey, lit_scene->n_suns)};
     if (!orl_decision_fill(&plan->effects[ORL_EFFECT_SUN], &finding,
                            lit_scene->n_suns == 0
-                               ? "there are %zu suns"
-                               : "suns: %zu; a plane that faces them gets %s where nothing focuses",
+                               ? "the scene has %zu suns"
+                               : "suns: %zu; a plane that faces them receives %s without focusing",
                            lit_scene->n_suns, format_lux(survey->sun_lx, lux)))
         orl_lit_scene_select_suns(lit_scene, NULL);
 }
@@ -251,11 +250,10 @@ static void decide_sky(struct orl_plan_survey *survey, struct orl_plan *plan)
                                         .unit = ORL_BOUND_LX,
                                         .bound = survey->sky_lx,
                                         .saved_s = survey->sensor_rays * survey->ray_s / 3};
-    if (!orl_decision_fill(
-            &plan->effects[ORL_EFFECT_SKY], &finding,
-            "skies and other wide lights: %zu; the brightest direction of them all round "
-            "would give %s",
-            lit_scene->n_domes, format_lux(survey->sky_lx, lux)))
+    if (!orl_decision_fill(&plan->effects[ORL_EFFECT_SKY], &finding,
+                           "skies and other wide lights: %zu; their highest radiance from all "
+                           "directions would give %s",
+                           lit_scene->n_domes, format_lux(survey->sky_lx, lux)))
         lit_scene->n_domes = 0;
 }
 
@@ -279,7 +277,7 @@ static void decide_lamps(struct orl_plan_survey *survey, struct orl_plan *plan)
                                         .bound = survey->lamp_lx,
                                         .saved_s = shadow_rays_s(survey, lit_scene->n_emitters)};
     if (!orl_decision_fill(&plan->effects[ORL_EFFECT_LAMPS], &finding,
-                           "shining surfaces: %zu; right before the brightest it is %s",
+                           "luminous surfaces: %zu; directly in front of the brightest it is %s",
                            lit_scene->n_emitters, format_lux(survey->lamp_lx, lux)))
         blacken_lamps(lit_scene);
 }
@@ -425,8 +423,7 @@ void orl_decide_color(struct orl_plan_survey *survey, struct orl_plan *plan)
         .unit = ORL_BOUND_RELATIVE,
         /* Two reflections by the most coloured surface; further ones matter less. */
         .bound = materials + lights > 0 ? vivid * vivid - 1 : 0};
-    orl_decision_fill(decision, &finding,
-                      "surfaces that have a colour: %zu; lights that have one: %zu", materials,
+    orl_decision_fill(decision, &finding, "coloured surfaces: %zu; coloured lights: %zu", materials,
                       lights);
     plan->channels = decision->simulated ? 3 : 1;
     if (!decision->simulated &&

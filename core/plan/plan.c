@@ -164,20 +164,20 @@ static void describe_choice(const struct orl_photon_pilot *pilot, const struct o
                             uint64_t requested, struct orl_photon_forecast *f)
 {
     if (plan->photons_caustic == 0)
-        snprintf(f->why, sizeof f->why, "0 caustic photons: there is no way for any");
+        snprintf(f->why, sizeof f->why, "0 caustic photons: no caustic paths are possible");
     else if (!pilot->known)
         snprintf(f->why, sizeof f->why,
-                 "of %llu emissions of a pilot %llu came to a caustic photon: what they will take "
+                 "of %llu pilot emissions, %llu gave a caustic photon: the cost of caustic photons "
                  "is not known",
                  (unsigned long long)pilot->emitted[ORL_MAP_CAUSTIC],
                  (unsigned long long)pilot->stored[ORL_MAP_CAUSTIC]);
     else
         snprintf(f->why, sizeof f->why,
-                 "caustics are %.2g %% of the light and %.2g %% of it where they land: %llu "
-                 "photons %s, one of %.3g emissions",
+                 "caustics are %.2g %% of all light and %.2g %% where they fall: %llu photons %s, "
+                 "one per %.3g emissions",
                  100 * pilot->share, 100 * pilot->contrast,
                  (unsigned long long)plan->photons_caustic,
-                 requested == plan->photons_caustic ? "as asked" : "are worth their time",
+                 requested == plan->photons_caustic ? "as asked" : "are enough",
                  1 / pilot->yield[ORL_MAP_CAUSTIC]);
 }
 

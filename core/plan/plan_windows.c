@@ -273,29 +273,26 @@ static void decide_exterior(struct orl_plan_survey *survey, struct orl_plan *pla
         .bound = rho > 0 ? rho * (direct + orl_plan_survey_reflected_lx(survey, direct)) : 0,
         .saved_s = (double)plan->photons_global * survey->ray_s};
     if (lit_scene->n_ports == 0) {
-        orl_decision_fill(
-            decision, &finding,
-            "there are %zu windows to look out of: what stands outside is lit as all else",
-            lit_scene->n_ports);
+        orl_decision_fill(decision, &finding,
+                          "the scene has %zu windows, so objects outdoors are lit like all others",
+                          lit_scene->n_ports);
         return;
     }
     if (lit_scene->open)
         finding.needed = true;
     if (!looks)
-        orl_decision_fill(decision, &finding, "whatever stands before the %zu window%s is followed",
+        orl_decision_fill(decision, &finding, "all light in front of the %zu window%s is simulated",
                           lit_scene->n_ports, orl_plural(lit_scene->n_ports));
     else if (rho > 0)
-        orl_decision_fill(
-            decision, &finding,
-            "surfaces reach beyond %zu of %zu window%s, and up to %.3g %% is reflected; of the "
-            "light of the sky, %.2g %% comes in by way of them",
-            lit_scene->n_ports - survey->n_clear, lit_scene->n_ports,
-            orl_plural(lit_scene->n_ports), 100 * rho, 100 * share_reflected(survey));
+        orl_decision_fill(decision, &finding,
+                          "surfaces extend outdoors beyond %zu of %zu window%s and reflect up to "
+                          "%.3g %%; they add %.2g %% of the sky's light",
+                          lit_scene->n_ports - survey->n_clear, lit_scene->n_ports,
+                          orl_plural(lit_scene->n_ports), 100 * rho, 100 * share_reflected(survey));
     else
-        orl_decision_fill(
-            decision, &finding,
-            "no surface that reflects reaches beyond the plane of any of the %zu window%s",
-            lit_scene->n_ports, orl_plural(lit_scene->n_ports));
+        orl_decision_fill(decision, &finding,
+                          "no reflecting surface lies beyond the plane of any of the %zu window%s",
+                          lit_scene->n_ports, orl_plural(lit_scene->n_ports));
     if (!decision->simulated)
         lit_scene->omit.exterior = survey->n_clear < lit_scene->n_ports;
 }
@@ -412,15 +409,13 @@ static void decide_suns(struct orl_plan_survey *survey, struct orl_plan *plan)
     free(keep);
     orl_decision_fill(
         decision, &finding,
-        "%zu of %zu sun%s %s in front of a window, or may be seen from where light is asked "
-        "for",
-        kept, all, orl_plural(all), kept == 1 ? "is" : "are");
+        "%zu of %zu sun%s %s in front of a window, or visible from a sensor or viewpoint", kept,
+        all, orl_plural(all), kept == 1 ? "is" : "are");
     if (kept == 0 && all > 0 && sun->override == ORL_OVERRIDE_AUTO)
-        orl_decision_fill(
-            sun, &finding,
-            "none of the %zu sun%s is in front of a window, and nothing stands outside to "
-            "reflect them",
-            all, orl_plural(all));
+        orl_decision_fill(sun, &finding,
+                          "none of the %zu sun%s is in front of a window, and no surface outdoors "
+                          "reflects sunlight",
+                          all, orl_plural(all));
 }
 
 void orl_decide_windows(struct orl_plan_survey *survey, struct orl_plan *plan)

@@ -85,11 +85,13 @@ int orl_report_check_matrices(const struct orl_report_request *report_request,
     for (size_t i = 0; i < report_request->n_rules; i++)
         factors = factors || needs_factors(&report_request->rules[i]);
     if (factors)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "daylight factors are found by paths: a year by matrices has none");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "daylight factors need path tracing: a year computed from matrices has none");
     if (report_request->until)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "matrices do not tell their errors: no accuracy can be asked of them");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "results from matrices have no error estimates, so no accuracy can be requested");
     return 0;
 }
 
@@ -185,7 +187,7 @@ int orl_annual_weather_check(const char *name, const char *text, size_t size, in
     if (rows > ORL_HOURS_MOST)
         code = orl_error_set(
             err, ORL_ERR_LIMIT,
-            "the weather file has %zu rows, and a year at most %d: those of 10-minute steps", rows,
+            "the weather file has %zu rows, but a year has at most %d (10-minute steps)", rows,
             ORL_HOURS_MOST);
     else
         code = steps_of(&weather, ret_steps, err);

@@ -38,8 +38,8 @@ static int mark_names(const struct orl_scene *scene, char *const *names, size_t 
     for (size_t i = 0; i < n; i++)
         if (!mark_name(scene, names[i], marks))
             return orl_error_set(err, ORL_ERR_NOT_FOUND,
-                                 "the view out names '%.100s': no surface and no modifier of the "
-                                 "scene is called so",
+                                 "the view out names '%.100s', but the scene has no surface or "
+                                 "modifier of that name",
                                  names[i]);
     return 0;
 }

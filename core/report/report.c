@@ -139,7 +139,7 @@ static int fill_periods(const struct orl_report_builder *m, unsigned char *marks
         code = add_period(m, marks, ORL_WHEN_ALWAYS);
     if (code == 0 && report->periods[ORL_WHEN_OCCUPIED].hours == 0)
         code = orl_error_set(m->err, ORL_ERR_INVALID,
-                             "no hour that was measured is occupied: there is nothing to tell");
+                             "no measured hour is occupied, so there is nothing to report");
     return code;
 }
 

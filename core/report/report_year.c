@@ -65,8 +65,8 @@ static int enter_row(const struct orl_annual_result *result, size_t i,
     const uint32_t step = orl_annual_step_of(year, row);
     if (step >= year->steps.count || step < *next) {
         orl_error_set(err, ORL_ERR_RANGE,
-                      "the weather file's row %zu (month %d, day %d, %g h) is out of order: a "
-                      "year's figures want rows that follow each other",
+                      "the weather file's row %zu (month %d, day %d, %g h) is out of order: annual "
+                      "metrics need rows in order of time",
                       i + 1, row->month, row->day, row->hour);
         orl_error_hint(err, "sort the file's rows by time, with one row for each step of %g h",
                        1.0 / year->steps.per_hour);

@@ -61,7 +61,8 @@ static bool find_state(const struct orl_window_group *group, struct orl_slice fi
 
 static int fail_no_line(const struct table *t)
 {
-    orl_error_set(t->err, ORL_ERR_SYNTAX, "the table is empty: no state of '%s'", t->group->name);
+    orl_error_set(t->err, ORL_ERR_SYNTAX, "the table is empty: it has no state of '%s'",
+                  t->group->name);
     orl_error_at(t->err, t->scanner.name, 0, "schedule");
     return ORL_ERR_SYNTAX;
 }
@@ -111,7 +112,7 @@ static int refuse_fields(const struct table *t, struct orl_slice line)
     fail_in_table(t, ORL_ERR_SYNTAX, "the line has more fields than the first:", line);
     orl_error_hint(t->err, orl_slice_is_decimal_comma(line)
                                ? "this is a decimal comma, and states are names or whole numbers"
-                               : "put texts that have a comma between double quotes");
+                               : "put double quotes around texts that contain a comma");
     return ORL_ERR_SYNTAX;
 }
 
@@ -147,7 +148,8 @@ static int read_rows(struct table *t, unsigned char *states, size_t *ret_count)
         next_line(t, &line);
     while (code == 0 && next_line(t, &line)) {
         if (*ret_count == MOST_ROWS)
-            return fail_in_table(t, ORL_ERR_LIMIT, "a year has no more than 52704 rows, not", line);
+            return fail_in_table(t, ORL_ERR_LIMIT,
+                                 "a year has at most 52704 rows, and the first extra one is", line);
         code = read_row(t, line, &states[(*ret_count)++]);
     }
     return code;

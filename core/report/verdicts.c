@@ -118,7 +118,7 @@ static void note_uncertain_hours(const struct orl_report_builder *m,
     verdict->verdict = ORL_VERDICT_UNDECIDED;
     verdict->uncertain = true;
     snprintf(verdict->note, sizeof verdict->note,
-             "%.0f %% of the hours have standard errors above %g %%: more \"samples\"", percent,
+             "%.0f %% of the hours have standard errors above %g %%: use more \"samples\"", percent,
              100 * ORL_UNCERTAIN_SHARE);
 }
 

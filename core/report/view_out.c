@@ -384,8 +384,8 @@ int orl_view_out_compute(const struct orl_view_out_request *view_out_request,
         .view_out_request = view_out_request, .sensors = request->sensors, .views = ret_views};
     const size_t n = orl_view_out_count(view_out_request, request);
     if (n > ORL_VIEW_OUT_MOST_POINTS)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu places to see out from are more than %d", n,
-                             ORL_VIEW_OUT_MOST_POINTS);
+        return orl_error_set(err, ORL_ERR_LIMIT, "the view out has %zu points, but the limit is %d",
+                             n, ORL_VIEW_OUT_MOST_POINTS);
     int code = orl_unshaded_scene_load(request, env, &scene, err);
     if (code == 0)
         code =

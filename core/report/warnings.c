@@ -89,7 +89,7 @@ static void find_uncertain_hours(const struct orl_annual_result *result,
 static void describe_remedy(const struct orl_annual_request *request,
                             const struct uncertain_hours *hours, char *ret_text, size_t size)
 {
-    char nodes[64] = ", with \"sun_halvings\" at its most";
+    char nodes[64] = ", with \"sun_halvings\" at its maximum";
     if (request->sun_halvings < ORL_ANNUAL_MOST_HALVINGS)
         snprintf(nodes, sizeof nodes, " that \"sun_halvings\": %u reduces",
                  request->sun_halvings + 1);
@@ -97,8 +97,8 @@ static void describe_remedy(const struct orl_annual_request *request,
         snprintf(ret_text, size, "more \"samples\" reduce it");
     else
         snprintf(ret_text, size,
-                 "more \"samples\" reduce the error of paths; in those with sun (%zu) "
-                 "interpolation between positions of the sun adds an error%s",
+                 "more \"samples\" reduce the error of paths; in hours with sun (%zu), "
+                 "interpolation between sun positions adds an error%s",
                  hours->n_sunlit, nodes);
 }
 
@@ -166,25 +166,24 @@ int orl_annual_report_warn(const struct orl_annual_request *request,
     const struct warning w = {result, warned, ctx, err};
     int code = 0;
     if (report->year.n_missing > 0)
-        code = add_warning(
-            &w,
-            "%zu step%s of the year %s not in the weather file, or not measured; nights "
-            "beside them are known to be dark",
-            report->year.n_missing, report->year.n_missing == 1 ? "" : "s",
-            report->year.n_missing == 1 ? "is" : "are");
+        code = add_warning(&w,
+                           "%zu step%s of the year %s not in the weather file, or not measured; "
+                           "nights next to them count as dark",
+                           report->year.n_missing, report->year.n_missing == 1 ? "" : "s",
+                           report->year.n_missing == 1 ? "is" : "are");
     if (code == 0 && report->year.n_doubtful > 0)
-        code = add_warning(
-            &w,
-            "%zu step%s the sun up by 3 degrees or more and no light in the weather file: "
-            "counted as dark",
-            report->year.n_doubtful, report->year.n_doubtful == 1 ? " has" : "s have");
+        code =
+            add_warning(&w,
+                        "%zu step%s the sun at 3 degrees or higher but no light in the weather "
+                        "file: counted as dark",
+                        report->year.n_doubtful, report->year.n_doubtful == 1 ? " has" : "s have");
     if (code == 0 && report->n_unlit > 0)
-        code = add_warning(&w, "no light ever reaches %zu sensors: are they inside of something?",
-                           report->n_unlit);
-    if (code == 0 && report->views && !sees_out(report))
         code = add_warning(
-            &w, "no place sees out: openings are panes of glass, or those that the view out "
-                "names, of a building that is closed");
+            &w, "no light ever reaches %zu sensors: check that they are not inside an object",
+            report->n_unlit);
+    if (code == 0 && report->views && !sees_out(report))
+        code = add_warning(&w, "no point has a view out: openings must be glass panes, or surfaces "
+                               "that the view out names, of a closed building");
     if (code == 0 && result->se)
         code = warn_of_uncertain_hours(&w, request, report);
     return code;

@@ -43,8 +43,7 @@ static int check_goal_supported(const struct orl_run_state *state, struct orl_er
     if (!lobes)
         return 0;
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "its lobes are narrower than draws are made for: no accuracy can be promised "
-                  "where it is met");
+                  "its lobes are too narrow to sample reliably, so an accuracy goal cannot be met");
     orl_error_at(err, lobes->file, lobes->line, lobes->name);
     orl_error_hint(err, "describe it as a BSDF, or ask for photons and samples instead");
     return ORL_ERR_UNSUPPORTED;
@@ -62,11 +61,10 @@ static int check_volume_supported(const struct orl_run_state *state, struct orl_
         facet++;
     const struct orl_surface_label label = orl_scene_label_of(scene, facet);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "the technique %s does not follow light through mist, which the surface '%.100s' "
-                  "is of",
+                  "the technique %s does not simulate mist (surface '%.100s')",
                   orl_technique_name(plan->technique), label.name);
     orl_error_at(err, label.file, label.line, NULL);
-    orl_error_hint(err, "use the technique backward, which is chosen where the job names none");
+    orl_error_hint(err, "use the technique backward, which is the default for such scenes");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -77,7 +75,8 @@ static int prepare_run(struct orl_run_state *state, struct orl_error *err)
     orl_run_report_progress(state, 0);
     int code = orl_job_validate(job, err);
     if (code == 0 && job->n_skies > 0)
-        code = orl_error_set(err, ORL_ERR_INVALID, "the job has several skies: run each by itself");
+        code = orl_error_set(err, ORL_ERR_INVALID,
+                             "the job has several skies: run each one separately");
     if (code == 0 && (job->n_scene_files == 0 || sodium_init() < 0))
         code = orl_error_set(err, ORL_ERR_INVALID, "the job names no scene files");
     if (code == 0)

@@ -86,9 +86,10 @@ static int assign_to_surface(const struct overriding *s, size_t which, size_t i,
     struct orl_parsed_scene *d = s->parsed_scene;
     const struct orl_material_override *override = &s->material_overrides->at[which];
     if (s->override_of[i] > 0 && s->override_of[i] != which + 1)
-        return orl_error_set(
-            s->err, ORL_ERR_INVALID, "the surface '%.100s' is a window of '%.100s' and of '%.100s'",
-            d->surfaces[i].name, s->material_overrides->at[s->override_of[i] - 1].of, override->of);
+        return orl_error_set(s->err, ORL_ERR_INVALID,
+                             "the surface '%.100s' is a window of both '%.100s' and '%.100s'",
+                             d->surfaces[i].name,
+                             s->material_overrides->at[s->override_of[i] - 1].of, override->of);
     s->override_of[i] = (uint32_t)which + 1;
     if (override->kind == ORL_OVERRIDE_NONE)
         return 0;
@@ -110,10 +111,10 @@ static int assign_material(const struct overriding *s, size_t which, struct want
     }
     for (size_t i = 0; i < n && code == 0; i++)
         if (!names[i].met)
-            code = orl_error_set(s->err, ORL_ERR_NOT_FOUND,
-                                 "'%.100s' has no such window: no surface is named '%.100s', or "
-                                 "has that modifier",
-                                 s->material_overrides->at[which].of, names[i].name);
+            code = orl_error_set(
+                s->err, ORL_ERR_NOT_FOUND,
+                "'%.100s' has no such window: no surface is named '%.100s' or has that modifier",
+                s->material_overrides->at[which].of, names[i].name);
     return code;
 }
 
@@ -125,7 +126,7 @@ static int find_new(const struct overriding *s, const struct orl_material_overri
     if (override->kind == ORL_OVERRIDE_MATERIAL &&
         !find_material(s->parsed_scene, override->material, ret_material))
         return orl_error_set(s->err, ORL_ERR_NOT_FOUND,
-                             "the scene has no material '%.100s', which a state of '%.100s' names",
+                             "the scene has no material '%.100s', which a state of '%.100s' uses",
                              override->material, override->of);
     return 0;
 }

@@ -244,8 +244,8 @@ static int expand_chosen(struct expansion *e, uint64_t more, struct orl_error *e
     const uint64_t n = d->n_surfaces + more;
     if (n > ORL_LIMIT_SURFACES)
         return orl_error_set(err, ORL_ERR_LIMIT,
-                             "%llu surfaces, those of instances counted in each place; at most %lu "
-                             "are allowed where instances are not kept once",
+                             "%llu surfaces, with those of every instance; at most %lu are allowed "
+                             "if instances are expanded",
                              (unsigned long long)n, ORL_LIMIT_SURFACES);
     e->surfaces = malloc((n + 1) * sizeof *e->surfaces);
     if (!e->surfaces || !merge_surfaces(e)) {

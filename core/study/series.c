@@ -36,7 +36,8 @@ static int store_run(struct orl_series *series, size_t index, struct orl_one_run
                      struct orl_error *err)
 {
     if (index > 0 && run->count != series->count)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "runs of one study differ in their values");
+        return orl_error_set(err, ORL_ERR_INTERNAL,
+                             "runs of one study have different numbers of values");
     if (index == 0) {
         series->count = run->count;
         series->map_bytes = run->map_bytes;

@@ -315,7 +315,7 @@ int orl_share_runs(struct orl_runs_env *env, const struct orl_study_setting *set
         run_tasks.n_runs = list_runs(request, settings, n_settings, runs);
     const int code = runs && tasks
                          ? distribute_all(&run_tasks, tasks, err)
-                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a study");
+                         : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a study");
     free(runs);
     free(tasks);
     return code;

@@ -105,7 +105,8 @@ static int run_setting(struct study_run *study_run, const struct orl_study_setti
     int code = orl_series_run(&study_run->runs_env, setting, study_run->request->job.seed,
                               study_run->request->repeats, &series, err);
     if (code == 0 && series.count != study_run->reference.count)
-        code = orl_error_set(err, ORL_ERR_INTERNAL, "a run and its reference differ in size");
+        code = orl_error_set(err, ORL_ERR_INTERNAL,
+                             "a run and its reference have different numbers of values");
     if (code == 0)
         code = orl_study_compute_errors(&study_run->reference, series.values, series.n_runs,
                                         study_run->study->of_views, &point, err);
@@ -158,7 +159,7 @@ static int make_folder(struct study_run *study_run, struct orl_error *err)
     if (mkdtemp(runs->folder))
         return 0;
     runs->folder[0] = '\0';
-    return orl_error_set(err, orl_err_of_errno(errno), "cannot make a folder in '%s': %s",
+    return orl_error_set(err, orl_err_of_errno(errno), "cannot create a folder in '%s': %s",
                          study_run->env->work_folder, strerror(errno));
 }
 

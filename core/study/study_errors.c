@@ -75,8 +75,8 @@ int orl_reference_make(struct orl_reference *ret_reference, double *const *runs,
     if (reference.used == 0) {
         orl_reference_done(&reference);
         orl_error_set(err, ORL_ERR_INVALID,
-                      "the reference knows no value well enough to compare with");
-        orl_error_hint(err, "Give it more samples, or light to the scene");
+                      "no value of the reference is accurate enough for a comparison");
+        orl_error_hint(err, "Give the reference more samples, or add light to the scene");
         return ORL_ERR_INVALID;
     }
     *ret_reference = reference;

@@ -97,7 +97,7 @@ static int check_technique(const struct orl_study_request *request, size_t index
     snprintf(at, sizeof at, "techniques[%zu]", index);
     if (technique == ORL_TECHNIQUE_AUTO)
         return fail_member(err, ORL_ERR_INVALID, at,
-                           "a study names its techniques: \"auto\" is none");
+                           "a study needs named techniques: \"auto\" is not allowed");
     for (size_t i = 0; i < index; i++)
         if (request->techniques[i] == technique)
             return fail_member(err, ORL_ERR_INVALID, at, "technique \"%s\" is named twice", name);
@@ -116,8 +116,8 @@ static int check_job(const struct orl_job *job, struct orl_error *err)
     const bool sensors = job->n_sensors > 0 || job->sensors_file;
     if (sensors == (job->n_views > 0)) {
         fail_member(err, ORL_ERR_INVALID, "views", "a study measures either sensors or views%s",
-                    sensors ? ", not both" : ", but names none");
-        orl_error_hint(err, "Times would otherwise be of both, errors of one");
+                    sensors ? ", not both" : ", but the job has neither");
+        orl_error_hint(err, "Otherwise times would include both, but errors only one of them");
         return ORL_ERR_INVALID;
     }
     return orl_job_validate(job, err);
@@ -126,12 +126,13 @@ static int check_job(const struct orl_job *job, struct orl_error *err)
 static int check_counts(const struct orl_study_request *request, struct orl_error *err)
 {
     if (request->repeats == 0)
-        return fail_member(err, ORL_ERR_INVALID, "repeats", "a study needs repeats");
+        return fail_member(err, ORL_ERR_INVALID, "repeats",
+                           "a study needs \"repeats\" of at least 1");
     if (request->reference_samples == 0 || request->reference_runs == 0)
         return fail_member(err, ORL_ERR_INVALID, "reference", "a study needs a reference");
     if (orl_study_of_views(request) && request->reference_runs < 2)
         return fail_member(err, ORL_ERR_INVALID, "reference.runs",
-                           "a reference of views needs two runs: they tell its error");
+                           "a reference of views needs at least two runs, to estimate its error");
     return orl_study_check_runs(request, ORL_LIMIT_STUDY_RUNS, err);
 }
 
@@ -144,7 +145,7 @@ int orl_study_check_runs(const struct orl_study_request *request, uint32_t most,
     fail_member(err, ORL_ERR_LIMIT, "repeats",
                 "%zu settings with %u seeds each, and %u of the reference, are more than %u runs",
                 settings, request->repeats, request->reference_runs, most);
-    orl_error_hint(err, "List fewer photons or samples, or repeat them less");
+    orl_error_hint(err, "List fewer photons or samples, or use fewer repeats");
     return ORL_ERR_LIMIT;
 }
 
@@ -161,7 +162,7 @@ static int check_given(const struct orl_study_external *external, size_t index,
              : !rms   ? "rms"
                       : "rays_per_s");
     return fail_member(err, ORL_ERR_RANGE, at,
-                       "point \"%s\": seconds, rms and rays_per_s are from 1e-12 to 1e12",
+                       "point \"%s\": seconds, rms and rays_per_s must be from 1e-12 to 1e12",
                        external->name);
 }
 

@@ -191,7 +191,7 @@ static int cache_commit(void *ctx, const struct orl_map_info *info, struct orl_e
         memcpy(building, entry->building, sizeof building);
     pthread_mutex_unlock(&cache->mutex);
     if (!ours)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a map was committed that nobody built");
+        return orl_error_set(err, ORL_ERR_INTERNAL, "a map was committed that no job is building");
     /* Only the builder may touch a building entry, so the slow disk work needs no lock. */
     map_path(cache, info->kind, info->key, path);
     int rc = orl_sync_path(building, err);

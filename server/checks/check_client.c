@@ -117,7 +117,7 @@ int orl_check_client_inputs(struct orl_check_call *call, const struct orl_job_in
         *places[i] = good ? (uint64_t)value : 0;
     }
     if (rc == 0 && !good)
-        rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     if (rc == 0)
         *ret_found = found;
     json_decref(result);
@@ -145,10 +145,10 @@ static int receive_data(void *ctx, const char *data, size_t size, struct orl_err
     struct file_receiver *t = ctx;
     t->bytes += size;
     if (t->incoming.fd < 0)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+        return orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     if (t->bytes > ORL_SERVER_SCENE_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT,
-                             "the upload unpacks to more than a scene may have");
+                             "the unpacked upload is larger than a scene may be");
     return orl_incoming_append(&t->incoming, data, size, err);
 }
 
@@ -190,7 +190,7 @@ static int request_roles(void *ctx, struct orl_bundle *files, unsigned *ret_plac
                               orl_mapped_inputs_to_json(files), "choice", role_request->choice),
                     &result, err);
     if (rc == 0 && json_array_size(result) != files->count)
-        rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     for (size_t i = 0; i < files->count && rc == 0; i++)
         ret_places[i] = (unsigned)json_integer_value(json_array_get(result, i));
     json_decref(result);
@@ -232,7 +232,7 @@ int orl_check_client_document(struct orl_check_call *call, const char *path,
         return rc;
     }
     if (rc == 0 && json_array_size(resources) != files.count)
-        rc = orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+        rc = orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     for (size_t i = 0; i < files.count && rc == 0; i++)
         files.files[i].resource = json_is_true(json_array_get(resources, i));
     if (rc == 0)

@@ -177,7 +177,7 @@ static int wait_for_socket(struct exchange *t, short events)
         if (fds[0].revents)
             return 0;
     }
-    return orl_error_set(t->err, ORL_ERR_CANCELLED, "the check was given up");
+    return orl_error_set(t->err, ORL_ERR_CANCELLED, "the check was cancelled");
 }
 
 /* Sends the request. A fork server that has ended is noticed later, when the reply is read. */
@@ -201,7 +201,7 @@ static int send_request(struct exchange *t, const char *text, size_t size)
 
 static int refuse_packet(struct exchange *t)
 {
-    return orl_error_set(t->err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+    return orl_error_set(t->err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
 }
 
 static int handle_packet(struct exchange *t, char kind, char *data, size_t size)
@@ -244,7 +244,8 @@ static int receive_verdict(struct exchange *t)
         if (n > 0)
             rc = handle_packet(t, packet[0], packet + 1, (size_t)n - 1);
         else if (n == 0 || errno != EINTR)
-            rc = orl_error_set(t->err, ORL_ERR_INTERNAL, "a check's keeper ended");
+            rc = orl_error_set(t->err, ORL_ERR_INTERNAL,
+                               "the fork server of the checks ended unexpectedly");
     }
     free(packet);
     return rc;
@@ -257,15 +258,15 @@ static int report_bound(struct exchange *t, enum orl_child_bound bound)
     struct orl_check_call *call = t->call;
     call->met = bound;
     if (bound == ORL_CHILD_MEMORY) {
-        orl_error_set(t->err, ORL_ERR_LIMIT, "checking it takes more than %llu MiB of memory",
+        orl_error_set(t->err, ORL_ERR_LIMIT, "the check takes more than %llu MiB of memory",
                       (unsigned long long)(call->memory >> 20));
-        orl_error_hint(t->err, "Fewer surfaces, copies or values take less; --check-memory and "
-                               "--memory set the bound");
+        orl_error_hint(t->err, "Reduce the number of surfaces, copies or values; --check-memory "
+                               "and --memory set the limit");
         return ORL_ERR_LIMIT;
     }
     /* The kernel's limit counts ticks; the reported time may be a few ticks less. */
     orl_error_set(t->err, ORL_ERR_LIMIT,
-                  "the check was stopped after %.1f seconds of a processor; the limit is %u "
+                  "the check was stopped after %.1f seconds of processor time; the limit is %u "
                   "(--check-timeout)",
                   fmax((double)t->end.cpu_ms / 1000, call->cpu_s), call->cpu_s);
     orl_error_hint(t->err, "Upload fewer surfaces, copies or values, or start orield with a "
@@ -276,9 +277,11 @@ static int report_bound(struct exchange *t, enum orl_child_bound bound)
 static int report_fault(struct exchange *t, int signum)
 {
     t->call->met = ORL_CHILD_FAULT;
-    orl_error_set(t->err, ORL_ERR_UNSUPPORTED, "checking it ended in a fault of Oriel's (%s)",
+    orl_error_set(t->err, ORL_ERR_UNSUPPORTED, "the check crashed because of a bug in Oriel (%s)",
                   signum > 0 ? strsignal(signum) : "no answer");
-    orl_error_hint(t->err, "It is not kept. Please tell Oriel's authors, with the upload");
+    orl_error_hint(
+        t->err,
+        "The upload is not stored. Please report this to Oriel's authors and attach the upload");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -286,7 +289,7 @@ static int report_death(struct exchange *t)
 {
     const int status = t->end.status;
     if (t->end.pid <= 0)
-        return orl_error_set(t->err, ORL_ERR_NOMEM, "no process for a check");
+        return orl_error_set(t->err, ORL_ERR_NOMEM, "cannot start a process for the check");
     if (WIFEXITED(status) && WEXITSTATUS(status) == ORL_CHILD_NO_MEMORY)
         return report_bound(t, ORL_CHILD_MEMORY);
     if (!WIFSIGNALED(status))
@@ -297,7 +300,8 @@ static int report_death(struct exchange *t)
         return report_fault(t, WTERMSIG(status));
     /* The daemon sends no SIGKILL here, so the kernel did. */
     t->call->met = ORL_CHILD_KILLED;
-    return orl_error_set(t->err, ORL_ERR_NOMEM, "the system ended the check for want of memory");
+    return orl_error_set(t->err, ORL_ERR_NOMEM,
+                         "the system killed the check because memory ran out");
 }
 
 static int read_verdict(struct exchange *t, json_t **ret_result)
@@ -336,7 +340,8 @@ int orl_check_pool_run(struct orl_check_call *call, const json_t *request, json_
     t.fork_server = acquire_fork_server(call->check_pool);
     int rc = t.fork_server
                  ? 0
-                 : orl_error_set(err, ORL_ERR_NOMEM, "no process for a check: %s", strerror(errno));
+                 : orl_error_set(err, ORL_ERR_NOMEM, "cannot start a process for the check: %s",
+                                 strerror(errno));
     if (rc == 0)
         rc = send_request(&t, text, strlen(text));
     if (rc == 0)

@@ -97,8 +97,8 @@ static void reply_cancelled(struct orl_request *request, const struct orl_check 
         orl_reply_stopping(request);
     } else if (check->wait_timed_out) {
         orl_reply_problem(request, 503, "no-memory", "The server is out of memory",
-                          "for %u seconds there were not %llu MiB for the check of the upload; "
-                          "try again when jobs have ended",
+                          "the check of the upload waited %u seconds for %llu MiB of memory; try "
+                          "again when jobs have ended",
                           check->checks->config->check_timeout_s,
                           (unsigned long long)(check->call.memory >> 20));
         orl_reply_header(request, "Retry-After", "60");

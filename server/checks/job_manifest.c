@@ -174,7 +174,7 @@ int orl_job_manifest_from_json(const json_t *json, struct orl_job_manifest *ret_
         manifest.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 ||
         hour_bytes < 0 || !read_needs(&manifest.needs, needs) ||
         !read_labels(&manifest.labels, name, tags))
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a check answered what makes no sense");
+        return orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     manifest.kind = (enum orl_job_request_kind)kind;
     snprintf(manifest.scene, sizeof manifest.scene, "%s", scene);
     snprintf(manifest.identity, sizeof manifest.identity, "%s", identity);

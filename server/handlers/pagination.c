@@ -17,7 +17,7 @@ bool orl_page_limit(struct orl_request *request, unsigned long *ret_limit)
 {
     const char *limit = orl_request_query(request, "limit");
     char wanted[64];
-    snprintf(wanted, sizeof wanted, "limit is a number from 1 to %u", ORL_SERVER_LIST);
+    snprintf(wanted, sizeof wanted, "limit must be a number from 1 to %u", ORL_SERVER_LIST);
     if (limit && !orl_query_count(limit, ORL_SERVER_LIST, ret_limit))
         return orl_page_refuse(request, wanted);
     if (*ret_limit > ORL_SERVER_LIST_AT_ONCE)

@@ -105,7 +105,7 @@ static int listen_on(const struct sockaddr *address, int *ret_fd, struct orl_err
     orl_address_format(address, text, sizeof text);
     orl_error_set(err, ORL_ERR_IO, "cannot listen on %s: %s", text, strerror(errno));
     if (errno == EADDRINUSE)
-        orl_error_hint(err, "Another program listens there; --port 0 takes a free port");
+        orl_error_hint(err, "Another program listens there; use --port 0 for a free port");
     if (fd >= 0)
         close(fd);
     return ORL_ERR_IO;

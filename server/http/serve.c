@@ -58,10 +58,10 @@ static void open_request(struct orl_request *request, const char *url, const cha
         return;
     }
     if (request->too_long) {
-        orl_reply_problem(request, 414, "limit", "The request is too large",
-                          "its target may have %u bytes, of which each argument takes 64 more than "
-                          "it has",
-                          ORL_SERVER_URI_BYTES);
+        orl_reply_problem(
+            request, 414, "limit", "The request is too large",
+            "its target may have at most %u bytes, where each argument counts 64 bytes more",
+            ORL_SERVER_URI_BYTES);
         return;
     }
     if (!orl_access_check_origin(request))
@@ -71,8 +71,8 @@ static void open_request(struct orl_request *request, const char *url, const cha
     if (status == 405 && orl_cors_preflight(request, allow))
         return;
     if (status == 405) {
-        orl_reply_problem(request, 405, "method-not-allowed", "The method does not apply here",
-                          "%s is not possible here; %s would be", request->method, allow);
+        orl_reply_problem(request, 405, "method-not-allowed", "The method is not allowed here",
+                          "%s is not possible here; use %s", request->method, allow);
         orl_reply_header(request, "Allow", allow);
         return;
     }
@@ -96,7 +96,7 @@ static void open_request(struct orl_request *request, const char *url, const cha
         refuse_too_large(request);
     else if (!orl_router_accepts(route, orl_request_header(request, MHD_HTTP_HEADER_CONTENT_TYPE)))
         orl_reply_problem(request, 415, "unsupported-media-type",
-                          "The body has a type that is not understood", "%s takes %s", url,
+                          "The type of the body is not supported", "%s takes %s", url,
                           orl_router_types(route, types));
     else
         reserve_request_body(request, bytes);

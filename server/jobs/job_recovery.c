@@ -61,7 +61,7 @@ static void fail_after_crashes(struct orl_jobs_job *job)
 {
     struct orl_error err;
     orl_error_set(&err, ORL_ERR_INTERNAL,
-                  "the daemon ended abruptly %d times through this job; it is not tried again",
+                  "the daemon ended abruptly %d times while it ran this job; it is not tried again",
                   job->row.crashes);
     orl_error_hint(&err, "Too little memory is the usual cause: ask for fewer photons, "
                          "sensors or pixels");

@@ -39,7 +39,7 @@ static void store_blob(uv_work_t *work)
     orl_folders_temporary(folders, to);
     if (link(from, to) != 0) {
         k->outcome.code = orl_error_set(&k->outcome.err, orl_err_of_errno(errno),
-                                        "cannot keep the BSDF: %s", strerror(errno));
+                                        "cannot store the BSDF: %s", strerror(errno));
         return;
     }
     k->outcome.code = orl_blob_store(folders, to, k->outcome.bsdf->id, &k->outcome.err);
@@ -292,10 +292,10 @@ static struct orl_worker_outcome apply_time_limit(const struct orl_jobs_job *lea
         leader->requeue)
         return own;
     own.code = orl_error_set(&own.err, ORL_ERR_LIMIT,
-                             "the job ran for %u s, which is as long as any may here",
+                             "the job was stopped after %u s, the longest time that a job may run",
                              leader->jobs->env.job_timeout_s);
-    orl_error_hint(&own.err, "Ask for less, or give it a deadline of its own (accuracy); "
-                             "--job-timeout of the daemon sets the bound");
+    orl_error_hint(&own.err, "Ask for less, or give the job its own deadline (accuracy); the "
+                             "daemon's --job-timeout sets the limit");
     return own;
 }
 

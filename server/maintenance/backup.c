@@ -190,7 +190,7 @@ int orl_backup(const char *data, const char *to,
     if (mkdir(to, 0777) != 0) {
         orl_error_set(err, orl_err_of_errno(errno), "cannot make %s: %s", to, strerror(errno));
         if (errno == EEXIST)
-            orl_error_hint(err, "A backup goes to a folder of its own, which is not there yet");
+            orl_error_hint(err, "Name a folder that does not exist yet");
         return err->code;
     }
     snprintf(db_path, sizeof db_path, "%.2000s/oriel.db", to);

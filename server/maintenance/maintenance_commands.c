@@ -15,15 +15,15 @@ enum { STATUS_FAILED = 1, STATUS_USAGE = 2 };
 static const char store_usage[] =
     "Usage: orield scrub [--data DIR]\n"
     "       orield backup TO [--data DIR]\n"
-    "Both may be used while a daemon runs on the data folder.\n\n"
-    "  scrub   reads the database and all files kept, and holds each against its digest or\n"
-    "          checksum; prints those that are damaged or missing, and ends with status 1\n"
-    "          if there are any. An upload, sent again, mends its files; a daemon removes\n"
-    "          damaged maps by itself\n"
-    "  backup  makes the folder TO: the database as it is at one moment, with scenes, BSDFs,\n"
-    "          jobs and results; not photon maps, which are made anew, nor the key of\n"
-    "          signed links. What is damaged is left out and printed, and the status is 1.\n"
-    "          To restore: copy TO to where the data folder is to be, and start the daemon\n\n"
+    "Both can run while a daemon uses the data folder.\n\n"
+    "  scrub   reads the database and all stored files, and compares each file with its digest\n"
+    "          or checksum. Prints damaged and missing files; the exit status is 1 if there\n"
+    "          are any. Uploading a file again repairs it; a daemon removes damaged maps\n"
+    "          by itself\n"
+    "  backup  makes the folder TO: a consistent copy of the database, with scenes, BSDFs,\n"
+    "          jobs and results. Photon maps, which are rebuilt, and the key of signed links\n"
+    "          are left out. Damaged files are left out and printed, and the status is 1.\n"
+    "          To restore: copy TO to the place of the data folder, and start the daemon\n\n"
     "  --data DIR  the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
 /* ---- orield scrub, orield backup ------------------------------------------------------------- */
@@ -123,12 +123,13 @@ static const char token_usage[] =
     "Usage: orield token add NAME [--scope read|submit|admin] [--data DIR]\n"
     "       orield token list [--data DIR]\n"
     "       orield token remove NAME [--data DIR]\n"
-    "Access tokens of a data folder; a daemon that runs on it heeds changes at once.\n\n"
-    "  add     makes a token and prints it: the only time that it is shown\n"
-    "  list    prints name, scope, id and date of each\n"
-    "  remove  ends a token\n\n"
-    "  --scope SCOPE  read: look at everything; submit: also upload, submit, and cancel\n"
-    "                 and remove own jobs (default); admin: also what concerns others\n"
+    "Manages the access tokens of a data folder. A running daemon applies changes at once.\n\n"
+    "  add     makes a token and prints it; it is not shown again\n"
+    "  list    prints name, scope, id and date of each token\n"
+    "  remove  revokes a token\n\n"
+    "  --scope SCOPE  read: read everything; submit (default): also upload, submit, and cancel\n"
+    "                 or remove own jobs; admin: also remove scenes, BSDFs, maps\n"
+    "                 and jobs of other tokens\n"
     "  --data DIR     the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";
 
 /* Data folder and database. Only the process that holds the folder's lock migrates. */

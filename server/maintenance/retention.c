@@ -119,7 +119,8 @@ static bool list_unknown(struct orl_shared_sweep *sweep)
         sweep->unknown = grown;
         memcpy(sweep->unknown[sweep->n_unknown++], id, sizeof id);
         orl_log_event(sweep->log, ORL_LOG_WARN, "parts-unknown", "ss", "folder", entry->d_name,
-                      "hint", "the database does not know its job; remove it if nothing else does");
+                      "hint",
+                      "the database has no job for it; remove it if no other daemon uses it");
     }
     if (entries)
         closedir(entries);

@@ -45,7 +45,7 @@ void orl_missing_files_log(struct orl_db *db, const struct orl_folders *folders,
     sqlite3_finalize(stmt);
     if (count > 0)
         orl_log_event(log, ORL_LOG_ERROR, "files-missing", "is", "count", count, "hint",
-                      "put them back from a backup; an upload that is sent again mends its own");
+                      "restore them from a backup, or upload their scenes or BSDFs again");
 }
 
 /* ---- One pass ------------------------------------------------------------------------------- */

@@ -54,8 +54,8 @@ static int add_word(struct orl_runner_options *options, const char *value, struc
 {
     if (value[0] != '-' || options->n_words == ORL_RUNNER_WORDS)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "--slurm-option takes one option of sbatch, as --time=60, and may be "
-                             "given %d times; '%s' is none",
+                             "--slurm-option takes one option of sbatch, such as --time=60, at "
+                             "most %d times, not '%s'",
                              ORL_RUNNER_WORDS, value);
     options->words[options->n_words++] = value;
     return 0;
@@ -101,13 +101,14 @@ static int runner_options_apply(struct orl_runner_options *options, const char *
 static int runner_options_check(const struct orl_runner_options *options, struct orl_error *err)
 {
     if (options->any && !options->slurm)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "--shared, --parts, --part-threads, --least and --slurm-... go with "
-                             "--runner slurm");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "--shared, --parts, --part-threads, --least and --slurm-... need --runner slurm");
     if (!options->slurm || options->shared)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID, "--runner slurm needs --shared DIR");
-    orl_error_hint(err, "DIR is a folder of this user's that all nodes see by the same path");
+    orl_error_hint(err,
+                   "DIR is a folder that this user owns and all nodes see under the same path");
     return ORL_ERR_INVALID;
 }
 
@@ -122,30 +123,29 @@ static void print_bounds(FILE *stream)
         stream,
         "  --idle-timeout S       seconds of silence after which a connection is closed (%u)\n"
         "  --check-timeout S      seconds that the check of one upload may take (%u)\n"
-        "  --check-memory SIZE    bytes of memory that it may take (%luM)\n"
+        "  --check-memory SIZE    memory that the check of one upload may use (%luM)\n"
         "  --job-timeout S        seconds that one job may run, after which it fails (%u)\n"
-        "  --keep-jobs N          jobs that have ended and are remembered, with their results;\n"
-        "                         beyond them the oldest go (%u)\n"
-        "  --keep-days N          days after which jobs that have ended go; 0: never (0);\n"
-        "                         a pause of the daemon counts as an hour at the most\n"
-        "  --orphans WHAT         when the database is lost, or another folder's: refuse to "
-        "start;\n"
-        "                         or set-aside, which moves the files that it does not know to\n"
-        "                         DIR/orphans, and begins anew if there is none (refuse)\n"
-        "  --keep-orphans N       days after which what was moved there, as after a crash, is\n"
-        "                         removed; 0: at the next start (%u)\n"
+        "  --keep-jobs N          maximum number of ended jobs to keep, with their results;\n"
+        "                         the oldest are removed (%u)\n"
+        "  --keep-days N          days after which ended jobs are removed; 0: never (0);\n"
+        "                         a pause of the daemon counts as one hour at most\n"
+        "  --orphans WHAT         if the database is lost or belongs to another folder: refuse\n"
+        "                         to start; or set-aside: move files that it does not know to\n"
+        "                         DIR/orphans, and create a database if none exists (refuse)\n"
+        "  --keep-orphans N       days after which files in DIR/orphans are removed;\n"
+        "                         0: at the next start (%u)\n"
         "  --drain-timeout S      seconds that running jobs have to finish at a stop (%u)\n"
-        "  --address-connections N  open connections that one address may have (%u; on\n"
-        "                         loopback, where all share one, no fewer than in all)\n"
+        "  --address-connections N  maximum number of connections from one address (%u; on\n"
+        "                         loopback addresses, only the total is limited)\n"
         "  --log-level LEVEL      debug, info, warn or error (info)\n"
         "  --log-format FORMAT    text, key=value pairs; or json, an object a line (text)\n"
         "  --help, --version\n\n"
-        "Once it listens it prints \"listening on http://ADDRESS:PORT\" on standard output;\n"
-        "the log goes to standard error. SIGTERM stops it: no job is taken or started any\n"
-        "more, and one that still runs when --drain-timeout is over, or at a second SIGTERM,\n"
-        "is queued again: it starts over with the next start, with the maps it has made.\n"
-        "A stop that takes %u s more than that is forced, which loses nothing.\n"
-        "SIGHUP has certificate and key read anew.\n",
+        "When ready, orield prints \"listening on http://ADDRESS:PORT\" on standard output.\n"
+        "The log goes to standard error. SIGTERM stops orield: it accepts and starts no more\n"
+        "jobs. Jobs that still run after --drain-timeout, or at a second SIGTERM, are queued\n"
+        "again. They start over at the next start and reuse the maps that they have built.\n"
+        "A stop that takes %u s longer is forced, without loss of data.\n"
+        "SIGHUP reloads the certificate and key.\n",
         ORL_SERVER_TIMEOUT_S, ORL_SERVER_CHECK_S, ORL_SERVER_CHECK_BYTES >> 20, ORL_SERVER_JOB_S,
         ORL_SERVER_KEPT_JOBS, ORL_SERVER_KEEP_ORPHANS_DAYS, ORL_SERVER_DRAIN_S,
         ORL_SERVER_ADDRESS_CONNECTIONS, ORL_SERVER_STOP_S);
@@ -157,44 +157,41 @@ void orl_config_help(FILE *stream)
         stream,
         "Usage: orield [OPTION]...\n"
         "       orield token add|list|remove ...   access tokens (orield token --help)\n"
-        "       orield scrub | backup TO           looks through, copies what is kept (--help)\n"
+        "       orield scrub | backup TO           check or copy stored data (--help)\n"
         "Serves daylight renderings over HTTP. See GET /openapi.yaml for the interface.\n\n"
-        "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); other than loopback\n"
-        "                         takes TLS and at least one token (orield token --help)\n"
-        "  --port PORT            the port alone; 0 takes a free one\n"
-        "  --data DIR             where everything is kept ($ORIEL_DATA, else ./oriel-data)\n"
-        "  --storage-budget SIZE  bytes that maps, results and uploads may take, as 500M or 20G\n"
-        "                         (half of what the disk has free at the start, with those\n"
-        "                         that are kept already); beyond it maps and results go,\n"
-        "                         the longest unused first\n"
-        "  --memory SIZE          bytes of memory that jobs and checks of uploads are to keep to:\n"
-        "                         those that do not fit wait, or are refused (what the control\n"
-        "                         group allows less a tenth, or the machine has free at start)\n"
-        "  --shelf SIZE           bytes of memory for what jobs have worked out of their maps\n"
-        "                         and leave to later jobs of the same maps; 0: none (%luM)\n"
-        "  --scrub-rate SIZE      bytes a second at which what is kept is read, once a day, and\n"
-        "                         held against its digests; 0: never (%luM)\n"
+        "  --listen ADDRESS:PORT  where to listen (127.0.0.1:%d); addresses other than loopback\n"
+        "                         need TLS and at least one token (orield token --help)\n"
+        "  --port PORT            changes only the port; 0 uses a free one\n"
+        "  --data DIR             the data folder ($ORIEL_DATA, else ./oriel-data)\n"
+        "  --storage-budget SIZE  disk space for maps, results and uploads, such as 500M or 20G\n"
+        "                         (half of what is free or used by them at the start);\n"
+        "                         beyond it the least recently used maps and results are removed\n"
+        "  --memory SIZE          memory limit of jobs and of checks of uploads; what does not\n"
+        "                         fit waits or is refused (the control group's limit less a\n"
+        "                         tenth, or the memory that is free at the start)\n"
+        "  --shelf SIZE           memory for data derived from photon maps, which later jobs with\n"
+        "                         the same maps reuse; 0: none (%luM)\n"
+        "  --scrub-rate SIZE      bytes per second to read when stored data is compared with its\n"
+        "                         digests, once a day; 0: never (%luM)\n"
         "  --tls-cert FILE        serve HTTPS: the certificate and its chain, PEM\n"
         "  --tls-key FILE         its private key, PEM\n"
-        "  --tokens WHEN          when tokens are needed: public, on all but loopback\n"
-        "                         addresses; or always, as behind a proxy (public)\n"
-        "  --allow-origin ORIGIN  lets pages of that origin ask, as https://tool.example; exactly\n"
-        "                         that one, but there may be several (none: the daemon's own)\n"
+        "  --tokens WHEN          when tokens are required: public, on addresses other than\n"
+        "                         loopback; or always, as behind a proxy (public)\n"
+        "  --allow-origin ORIGIN  accept requests from web pages of exactly this origin, such as\n"
+        "                         https://tool.example; repeatable (none: the daemon's own)\n"
         "  --threads N            threads that render (all processors)\n"
         "  --jobs N               jobs that render at once, sharing the threads (1)\n"
-        "  --runner NAME          local: jobs run here; slurm: large ones as parts, tasks of "
-        "array\n"
-        "                         jobs (local)\n"
-        "  --shared DIR           of slurm: a folder of this user's alone, which all nodes see by\n"
-        "                         the same path, as they do oriel, beside orield\n"
-        "  --parts N              parts of a job at a time, at the most (64)\n"
-        "  --part-threads N       cores of each (1)\n"
-        "  --least S              jobs of less than S seconds of one core stay here, by what "
-        "their\n"
-        "                         documents ask for; 0: none does (60)\n"
+        "  --runner NAME          local: jobs run here; slurm: large jobs are split into parts,\n"
+        "                         which run as tasks of Slurm array jobs (local)\n"
+        "  --shared DIR           for slurm: a folder that only this user may access; all nodes\n"
+        "                         must see it, and oriel beside orield, at the same path\n"
+        "  --parts N              maximum number of parts of a job at a time (64)\n"
+        "  --part-threads N       cores per part (1)\n"
+        "  --least S              run jobs here if they need less than S seconds of one core, as\n"
+        "                         estimated from their documents; 0: none (60)\n"
         "  --slurm-partition, --slurm-account, --slurm-qos, --slurm-constraint NAME\n"
-        "                         sbatch's\n"
-        "  --slurm-option OPTION  one more of sbatch's, as --time=60; there may be several\n",
+        "                         passed to sbatch\n"
+        "  --slurm-option OPTION  another option of sbatch, such as --time=60; repeatable\n",
         DEFAULT_PORT, ORL_SERVER_MEMORY_CACHE_BYTES >> 20, ORL_SERVER_SCRUB_RATE >> 20);
     print_bounds(stream);
 }
@@ -224,7 +221,7 @@ static int parse_size(const char *option, const char *text, uint64_t least, uint
     const int shift = unit ? 10 * (int)(unit - units + 1) : 0;
     if (errno || end == text || text[0] == '-' || number < least || (*end && (!unit || end[1])) ||
         number > UINT64_MAX >> 1 >> shift)
-        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a size as 500M or 20G, not '%s'",
+        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a size such as 500M or 20G, not '%s'",
                              option, text);
     *ret_bytes = (uint64_t)number << shift;
     return 0;
@@ -262,11 +259,11 @@ static int parse_listen(const char *text, struct orl_config *config, struct orl_
         host[length - 1] = '\0';
         config->address.v6.sin6_family = AF_INET6;
         if (inet_pton(AF_INET6, host + 1, &config->address.v6.sin6_addr) != 1)
-            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host + 1);
+            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is not an IP address", host + 1);
     } else {
         config->address.v4.sin_family = AF_INET;
         if (inet_pton(AF_INET, host, &config->address.v4.sin_addr) != 1)
-            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is no address", host);
+            return orl_error_set(err, ORL_ERR_INVALID, "'%s' is not an IP address", host);
     }
     unsigned long port = 0;
     const int rc = parse_number("--listen's port", colon + 1, 0, 65535, &port, err);
@@ -314,7 +311,7 @@ static int add_origin(struct orl_config *config, const char *origin, struct orl_
     if (orl_origin_check(origin, err))
         return ORL_ERR_INVALID;
     if (config->n_origins == ORL_SERVER_ORIGINS)
-        return orl_error_set(err, ORL_ERR_INVALID, "--allow-origin may be given %u times",
+        return orl_error_set(err, ORL_ERR_INVALID, "--allow-origin may be given at most %u times",
                              ORL_SERVER_ORIGINS);
     config->origins[config->n_origins++] = origin;
     return 0;
@@ -354,7 +351,7 @@ static int apply_option(struct orl_config *config, const char *name, const char 
     } else if (strcmp(name, "--check-memory") == 0) {
         rc = parse_size(name, value, 1, &config->check_memory, err);
         if (rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST)
-            rc = orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes %luM at least",
+            rc = orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes at least %luM",
                                ORL_SERVER_CHECK_LEAST >> 20);
     } else if (strcmp(name, "--scrub-rate") == 0) {
         rc = parse_size(name, value, 0, &config->scrub_bytes_per_s, err);
@@ -411,7 +408,8 @@ static int complete_settings(struct orl_config *config, struct orl_error *err)
     if (config->jobs > config->threads)
         config->threads = config->jobs; /* each job needs one thread as its lead */
     if (!config->tls_cert != !config->tls_key)
-        return orl_error_set(err, ORL_ERR_INVALID, "--tls-cert and --tls-key go together");
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "give both --tls-cert and --tls-key, or neither");
     if (runner_options_check(&config->runner, err))
         return ORL_ERR_INVALID;
     if (config->address_connections == 0)
@@ -423,10 +421,10 @@ static int complete_settings(struct orl_config *config, struct orl_error *err)
     if (config->tls_cert)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID,
-                  "others can reach the address to listen on: over plain HTTP they could read "
-                  "tokens and results on their way");
-    orl_error_hint(err, "Give --tls-cert and --tls-key; or listen on 127.0.0.1, and reach that "
-                        "through an SSH tunnel or a proxy that has TLS");
+                  "other machines can reach the address to listen on: with plain HTTP, tokens and "
+                  "results could be read on the way");
+    orl_error_hint(err, "Give --tls-cert and --tls-key; or listen on 127.0.0.1, behind an SSH "
+                        "tunnel or a proxy with TLS");
     return ORL_ERR_INVALID;
 }
 
@@ -450,7 +448,7 @@ int orl_config_parse(int argc, char **argv, struct orl_config *ret_config,
         snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - argv[i]) : 31, argv[i]);
         const char *value = equals ? equals + 1 : i + 1 < argc ? argv[++i] : NULL;
         if (!value) {
-            orl_error_set(err, ORL_ERR_INVALID, "%s is no option, or wants a value", name);
+            orl_error_set(err, ORL_ERR_INVALID, "%s is not an option, or needs a value", name);
             orl_error_hint(err, "orield --help lists them");
             return ORL_ERR_INVALID;
         }

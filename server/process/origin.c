@@ -51,11 +51,10 @@ int orl_origin_check(const char *text, struct orl_error *err)
                       is_port(host + length, secure ? 443 : 80);
     if (good)
         return 0;
-    orl_error_set(err, ORL_ERR_INVALID, "'%.200s' is no origin of a web page", text);
-    orl_error_hint(err,
-                   "Write it as browsers do: https://tool.example or http://localhost:3000, in "
-                   "lower case, without a path, and without the port where it is 443 or 80 "
-                   "anyway; each by a --allow-origin of its own, for there is no wildcard");
+    orl_error_set(err, ORL_ERR_INVALID, "'%.200s' is not the origin of a web page", text);
+    orl_error_hint(err, "Write it as browsers do: https://tool.example or http://localhost:3000, "
+                        "in lower case, without a path or a default port (443, 80). Repeat "
+                        "--allow-origin for each one; there is no wildcard");
     return ORL_ERR_INVALID;
 }
 

@@ -244,9 +244,9 @@ static json_t *first_warnings(const json_t *doc)
     for (size_t i = 0; i < count && i < ORL_JOB_WARNINGS; i++)
         rc |= json_array_append(first, json_array_get(warnings, i));
     if (count > ORL_JOB_WARNINGS)
-        rc |= json_array_append_new(first,
-                                    json_sprintf("and %zu more, which %s has",
-                                                 count - (size_t)ORL_JOB_WARNINGS, result_file));
+        rc |= json_array_append_new(
+            first,
+            json_sprintf("and %zu more, in %s", count - (size_t)ORL_JOB_WARNINGS, result_file));
     if (rc) {
         json_decref(first);
         return NULL;

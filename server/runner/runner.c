@@ -20,11 +20,11 @@ static int check_folder(const char *folder, struct orl_error *err)
         return orl_error_set(err, orl_err_of_errno(errno), "cannot make the shared folder '%s': %s",
                              folder, strerror(errno));
     if (stat(folder, &st) != 0 || !S_ISDIR(st.st_mode))
-        return orl_error_set(err, ORL_ERR_INVALID, "the shared folder '%s' is no folder", folder);
+        return orl_error_set(err, ORL_ERR_INVALID, "the shared folder '%s' is not a folder",
+                             folder);
     if (st.st_uid != geteuid() || (st.st_mode & 077) != 0) {
-        orl_error_set(err, ORL_ERR_INVALID, "others than this user may use the shared folder '%s'",
-                      folder);
-        orl_error_hint(err, "chown and chmod 700 it, or name one that is not there yet");
+        orl_error_set(err, ORL_ERR_INVALID, "other users may use the shared folder '%s'", folder);
+        orl_error_hint(err, "Use chown and chmod 700, or name a folder that does not exist yet");
         return ORL_ERR_INVALID;
     }
     return access(folder, W_OK) == 0
@@ -45,8 +45,9 @@ static int find_program(struct orl_slurm_config *slurm, struct orl_error *err)
              own);
     if (access(slurm->program, X_OK) == 0)
         return 0;
-    orl_error_set(err, ORL_ERR_NOT_FOUND, "'%s' is not there, which does parts", slurm->program);
-    orl_error_hint(err, "Install oriel beside orield, where all nodes see it");
+    orl_error_set(err, ORL_ERR_NOT_FOUND, "'%s', which computes the parts of jobs, is not there",
+                  slurm->program);
+    orl_error_hint(err, "Install oriel in the same folder as orield, where all nodes see it");
     return ORL_ERR_NOT_FOUND;
 }
 

@@ -114,7 +114,8 @@ static int check_kind(const struct unpacking *u, struct archive_entry *entry, co
         return refuse_entry(err, ORL_ERR_UNSUPPORTED, name, "it is encrypted");
     if (archive_entry_filetype(entry) == AE_IFREG && format && !strstr(format, "(deflation)") &&
         !strstr(format, "(uncompressed)"))
-        return refuse_entry(err, ORL_ERR_UNSUPPORTED, name, "only deflate is known here");
+        return refuse_entry(err, ORL_ERR_UNSUPPORTED, name,
+                            "only deflate compression is supported");
     return 0;
 }
 
@@ -123,7 +124,7 @@ static int add_bytes(struct unpacking *u, const char *name, size_t size, struct 
     u->bytes += size;
     if (u->before + u->bytes > ORL_SERVER_SCENE_BYTES)
         return refuse_entry(err, ORL_ERR_LIMIT, name,
-                            "the upload unpacks to more than a scene may have");
+                            "the unpacked upload is larger than a scene may be");
     if (u->bytes > u->most_bytes)
         return refuse_entry(err, ORL_ERR_LIMIT, name, "the zip unpacks to too many times its size");
     return orl_incoming_append(&u->incoming, u->buffer, size, err);

@@ -345,7 +345,7 @@ static void test_refused_at_start(void **state)
         {"--listen 0.0.0.0:0", "plain HTTP", 2},
         {"--listen [::]:0", "plain HTTP", 2},
         {"--listen 192.0.2.1:80 --tokens always", "plain HTTP", 2},
-        {"--tls-cert x", "go together", 2},
+        {"--tls-cert x", "or neither", 2},
         {"--tokens sometimes", "public or always", 2},
         {"--tokens always", "no access tokens yet", 1},
         {"--tls-cert /nowhere --tls-key /nowhere", "/nowhere", 1},

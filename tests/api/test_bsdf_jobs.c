@@ -235,7 +235,7 @@ static void what_is_no_panel_is_refused(void **state)
     upload(&b->daemon, "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n", NULL, lit);
     post(b, lit, small, &reply);
     assert_int_equal(reply.status, 422);
-    assert_non_null(strstr(reply_text(&reply, "detail"), "no part of a panel"));
+    assert_non_null(strstr(reply_text(&reply, "detail"), "a panel cannot contain"));
     reply_done(&reply);
 }
 

@@ -248,7 +248,7 @@ static void test_years_of_the_weather_file(void **state)
     assert_non_null(chosen);
     assert_string_equal(chosen, plain);
     assert_null(hours_of_year(f, "\"year\": 2021, "));
-    assert_says(f->result.err, "no rows of 2021: its rows are of 2019 to 2023");
+    assert_says(f->result.err, "no rows for 2021: its years are 2019 to 2023");
     free(plain);
     free(turned);
     free(chosen);
@@ -417,8 +417,8 @@ static void test_the_page_tells_of_shades(void **state)
         snprintf(wanted, sizeof wanted, "south: up %.0f h, down %.0f h<",
                  json_number_value(json_object_get(json_array_get(states, 0), "occupied_hours")),
                  json_number_value(json_object_get(json_array_get(states, 1), "occupied_hours")));
-        assert_says(page, i == 0 ? "No blinds or shades move: " : wanted);
-        assert_true(i == 0 || !strstr(page, "No blinds or shades"));
+        assert_says(page, i == 0 ? "No movable blinds or shades. " : wanted);
+        assert_true(i == 0 || !strstr(page, "No movable blinds or shades"));
         cli_write_file(f->folder, "year.json", text);
         json_decref(result);
         free(page);
@@ -486,14 +486,14 @@ static void test_verify(void **state)
     assert_says(f->result.out, "differs: result.json: \"grids\"\n");
     cli_write_file(f->folder, "desks.pts", "2 2 0.8 0 0 1\n");
     assert_int_equal(verify(f, path), 2);
-    assert_says(f->result.err, "desks.pts: another file: its SHA-256 is ");
-    assert_says(f->result.err, "1 of 3 inputs is not that of the result");
+    assert_says(f->result.err, "desks.pts: the file has changed: its SHA-256 is ");
+    assert_says(f->result.err, "1 of 3 inputs differs from those of the result");
     cli_run(nowhere, &f->result);
     assert_int_equal(f->result.exit_code, 2);
     assert_says(f->result.err, "3 of 3 inputs");
     cli_write_file(f->output, "result.json", "{\"kind\": \"render\"}");
     assert_int_equal(verify(f, path), 2);
-    assert_says(f->result.err, "only results of years say what they were made from");
+    assert_says(f->result.err, "only results of years (\"annual\") can be verified");
 }
 
 /* The warning reaches the command line and result.json, by grid. */

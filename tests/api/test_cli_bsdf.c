@@ -120,7 +120,7 @@ static void a_panel_becomes_a_file(void **state)
     assert_int_equal(result.exit_code, 0);
     assert_says(result.out, "Klems Quarter, resolution 41");
     char *text = cli_read_file(folder, "errors.xml");
-    assert_says(text, "Standard errors in place of values");
+    assert_says(text, "This file holds standard errors, not a BSDF");
     free(text);
     assert_says(result.out, "\"sheet\"");
     const char *const by_words[] = {"bsdf",    "make",          panel,     "-o",  other,
@@ -158,13 +158,14 @@ static void an_empty_cell_is_noticed(void **state)
                    "s polygon q 0 0 12 3 0 0 4 0 0 4 1 0 3 1 0\n");
     make_cell(folder, "10 11 0 1");
     assert_int_equal(result.exit_code, 1);
-    assert_says(result.err, "the cell has no surface in it: the panel is from x 0 to 4, y 0 to 1");
+    assert_says(result.err,
+                "the cell contains no surface: the panel extends from x 0 to 4, y 0 to 1");
     make_cell(folder, "0 1 -3 -2");
     assert_int_equal(result.exit_code, 1);
     make_cell(folder, "1.5 2.5 0 1");
     assert_int_equal(result.exit_code, 0);
-    assert_says(result.err, "warning: all light goes through the cell, x 1.5 to 2.5, y 0 to 1, as "
-                            "through air: no surface was met in it");
+    assert_says(result.err, "warning: no ray hit a surface in the cell, x 1.5 to 2.5, y 0 to 1: "
+                            "all light passes through it unchanged");
     make_cell(folder, "0.5 1.5 0 1"); /* half of it is a gap */
     assert_int_equal(result.exit_code, 0);
     assert_null(strstr(result.err, "warning"));
@@ -246,7 +247,9 @@ static void what_cannot_be_made_is_refused(void **state)
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--accuracy", "2"}, 1, "accuracy"},
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2"}, 1, "cell"},
         {{"bsdf", "make", "x.rad", "-o", "x.xml", "--cell", "0 1 2 2"}, 1, "cell.y"},
-        {{"bsdf", "make", "x.json", "-o", "x.xml", "--color"}, 2, "alone on its line"},
+        {{"bsdf", "make", "x.json", "-o", "x.xml", "--color"},
+         2,
+         "takes no further files and options"},
         {{"bsdf", "convert", "x.xml", "-o", "y.xml", "--within", "2"}, 2, "--within takes"},
         {{"bsdf", "fit", "x.txt"}, 2, "-o FILE is missing"},
         {{"bsdf", "fit", "x.txt", "-o", "x.xml"}, 1, "cannot open"},
@@ -255,7 +258,9 @@ static void what_cannot_be_made_is_refused(void **state)
         {{"bsdf", "fit", "x.txt", "-o", "x.xml", "--basis", "klems_full", "--cull", "0"},
          1,
          "cull"},
-        {{"bsdf", "fit", "x.json", "-o", "x.xml", "--reversed"}, 2, "alone on its line"},
+        {{"bsdf", "fit", "x.json", "-o", "x.xml", "--reversed"},
+         2,
+         "takes no further files and options"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -300,7 +305,7 @@ static void wrong_command_lines_exit_with_2(void **state)
     (void)state;
     cli_run(unknown, &result);
     assert_int_equal(result.exit_code, 2);
-    assert_says(result.err, "\"paint\" is none of check, fit, make, convert");
+    assert_says(result.err, "\"paint\" is not one of check, fit, make, convert");
     cli_run(missing, &result);
     assert_int_equal(result.exit_code, 2);
     check_bsdf("no/such/file.xml", NULL);

@@ -230,7 +230,7 @@ static void test_maps_table_adds_up(void **state)
     canned_says(f->result.out, "0123456789ab ");
     canned_says(f->result.out, "31.0 M");
     canned_says(f->result.out, " d  in use\n");
-    canned_says(f->result.out, "1 map, 48.0 MB; found ready, it saved 42 s");
+    canned_says(f->result.out, "1 map, 48.0 MB; reusing it saved 42 s");
 }
 
 static void test_fetch_keeps_images_and_result(void **state)
@@ -282,7 +282,7 @@ static void test_fetch_keeps_nothing_that_failed(void **state)
     assert_int_equal(f->result.exit_code, 1);
     canned_run(f, hostile, "fetch", "9", inside);
     assert_int_equal(f->result.exit_code, 1);
-    canned_says(f->result.err, "leave the output folder");
+    canned_says(f->result.err, "outside the output folder");
     assert_null(cli_read_file(inside, "result.json"));
     assert_null(cli_read_file(inside, "gone.hdr"));
     assert_null(cli_read_file(inside, "gone.hdr.part"));

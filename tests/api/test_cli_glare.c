@@ -107,7 +107,7 @@ static void test_mistakes(void **state)
     assert_int_equal(result.exit_code, 1);
     run_glare("--view", "-vtl -vh 2 -vv 2", NULL);
     assert_int_equal(result.exit_code, 1);
-    assert_non_null(strstr(result.err, "no eye"));
+    assert_non_null(strstr(result.err, "not a parallel one"));
 }
 
 /* Runs a job's view of that many pixels per side, with the picture as its mask. */

@@ -202,9 +202,9 @@ static void test_parts_that_do_not_fit(void **state)
     snprintf(files, sizeof files, "%s/files", f->output);
     assert_int_equal(mkdir(files, 0700), 0);
     cli_write_file(files, "room.rad", "# not what the digest says\n");
-    assert_part_refused(f, part, "is not what it was");
+    assert_part_refused(f, part, "has changed since the job began");
     cli_write_file(files, "room.rad", "");
-    assert_part_refused(f, part, "of another job");
+    assert_part_refused(f, part, "to another job");
     assert_part_refused(f, "{\"job\": \"00\", \"threads\": 0}", "threads");
     assert_part_refused(f, "{", "wave1-0.json");
 }
@@ -224,8 +224,8 @@ static void test_command_lines(void **state)
     const char *const alone[] = {"run", f->document, "-o", f->output, "--sbatch", "-p x", NULL};
     const char *const no_part[] = {"part", "wave", NULL};
     assert_usage(f, none, "--parts takes a number");
-    assert_usage(f, alone, "--sbatch goes with --slurm");
-    assert_usage(f, no_part, "ends in .json");
+    assert_usage(f, alone, "--sbatch requires --slurm");
+    assert_usage(f, no_part, "must end in .json");
     cli_write_file(
         f->folder, "late.json",
         "{\"scene\": {\"files\": [\"room.rad\", \"sky.rad\"]}, \"accuracy\": {\"deadline_s\": 5},"

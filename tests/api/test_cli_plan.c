@@ -268,7 +268,7 @@ static void test_narrow_lobes(void **state)
     plan(f, NULL);
     if (f->result.exit_code != 0)
         fail_msg("%s", f->result.err);
-    assert_non_null(strstr(f->result.out, "not known: materials have lobes narrower"));
+    assert_non_null(strstr(f->result.out, "not known: lobes of some materials are too narrow"));
     /* Lit by a lamp, photons would be few and bright: paths evaluate the functions. */
     strcat(scene, "void light bulb\n0\n0\n3 99 99 99\nbulb sphere lamp\n0\n0\n4 1 2 2 .1\n");
     cli_write_file(f->folder, "room.rad", scene);
@@ -300,7 +300,7 @@ static void test_mistakes(void **state)
         {"job.json", "{\"scene\":\n }", "job.json:2: "},
         {"job.json", "{\"kind\": \"annual\"}", "job.json: kind: a year (\"annual\") has no plan"},
         {"job.json", "{\"kind\": \"study\"}",
-         "not \"study\" (`oriel study` takes such a document)"},
+         "not \"study\" (use `oriel study` for such a document)"},
         {"job.json", JOB("{\"caustic\": \"skip\"}"), "job.json: effects.caustic: "},
         {"job.json", JOB("{\"caustic\": \"skip\"}"), "caustics_mirror"},
         {"job.json", JOB("{\"sun\": \"no\"}"), "effects.sun: \"auto\", \"force\" or \"skip\""},

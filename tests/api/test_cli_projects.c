@@ -200,7 +200,7 @@ static void test_models_are_known_by_what_they_say(void **state)
     snprintf(path, sizeof path, "%s/model.dfjson", f->folder);
     cli_run(run, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    if (!strstr(f->result.err, "a model of Dragonfly's"))
+    if (!strstr(f->result.err, "a Dragonfly model"))
         fail_msg("%s", f->result.err);
 }
 
@@ -216,7 +216,8 @@ static void test_skies_of_the_command_line(void **state)
          "the file has no row for month 7, day 1"},
         {"{\"weather\": {\"file\": \"none.epw\", \"month\": 7, \"day\": 1, \"hour\": 12}}",
          "cannot open 'none.epw'"},
-        {"noon", "has no sky 'noon' (it has none. A job's \"sky\" does without, as {\"cie\""}};
+        {"noon",
+         "has no sky 'noon' (it has no skies. Or give the job a \"sky\", for example {\"cie\""}};
     struct cli_desk *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *const run[] = {"run", model, "-o", f->output, "--sky", cases[i].sky, NULL};
@@ -381,13 +382,13 @@ static void test_a_year_without_a_document(void **state)
                                     "--rules", "LEED",      NULL};
     cli_run(document, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    assert_non_null(strstr(f->result.err, "are for projects"));
+    assert_non_null(strstr(f->result.err, "are only for projects"));
     const char *const year[] = {"annual",  model,       "-o",
                                 f->output, "--weather", "tests/fixtures/weather.epw",
                                 "--year",  "1999",      NULL};
     cli_run(year, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    assert_non_null(strstr(f->result.err, "the file has no rows of 1999"));
+    assert_non_null(strstr(f->result.err, "the file has no rows for 1999"));
     const char *const args[] = {"annual",    model,
                                 "-o",        f->output,
                                 "--weather", "tests/fixtures/weather.epw",
@@ -426,7 +427,7 @@ static void test_files_above_the_document(void **state)
     const char *const args[] = {"annual", path, "-o", f->output, NULL};
     cli_run(args, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    if (!strstr(f->result.err, "place.epw: the file has no rows of 1999"))
+    if (!strstr(f->result.err, "place.epw: the file has no rows for 1999"))
         fail_msg("%s", f->result.err);
 }
 
@@ -491,11 +492,11 @@ static void test_what_is_no_project_is_refused(void **state)
     const char *const folder[] = {"project", "api", NULL};
     cli_run(folder, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    assert_non_null(strstr(f->result.err, "is no project"));
+    assert_non_null(strstr(f->result.err, "is not a project"));
     const char *const document[] = {"run", f->document, "-o", f->output, "--states", "a=b", NULL};
     cli_run(document, &f->result);
     assert_int_equal(f->result.exit_code, 1);
-    assert_non_null(strstr(f->result.err, "--states are for projects"));
+    assert_non_null(strstr(f->result.err, "--states are only for projects"));
 }
 
 int main(void)

@@ -149,10 +149,10 @@ static void test_mistakes_are_named_and_recorded(void **state)
          "job.json: ", "invalid"},
         {"job.json", NULL, "job.json", "not-found"},
         {"job.json", "void plastic grey\n0\n0\n5 .5 .5 .5 0 0\n",
-         "a job document in JSON, which names the scene's files, or a project is wanted here",
+         "the file must be a JSON job document that lists the scene's files, or a project",
          "syntax"},
         {"job.json", "{\"kind\": \"annual\"}",
-         "not \"annual\" (`oriel annual` takes such a document)", "invalid"},
+         "not \"annual\" (use `oriel annual` for such a document)", "invalid"},
         {"room.rad", NULL, "room.rad", "not-found"},
         {"room.rad", "", "room.rad", "syntax"},
         {"room.rad", "void plastic grey\n0\n0\n5 0.5 nan 0.5 0 0\n",
@@ -162,7 +162,7 @@ static void test_mistakes_are_named_and_recorded(void **state)
          "s\n0\n0\n4 0 0 0 1\n",
          "BRTDfunc veil", "unsupported"},
         {"room.rad", "void BRTDfunc veil\n10 0 0 0 Px Px Px 0 0 0 .\n0\n9 0 0 0 0 0 0 0 0 0\n",
-         "warning: BRTDfunc veil at room.rad:1 is passed over", "unlit"},
+         "warning: BRTDfunc veil at room.rad:1 is ignored", "unlit"},
         {"sensors.txt", "1 2 3 0 0 1\n1 2 3\n", "sensors.txt:2: ", "syntax"},
         {"sensors.txt", "1 2 3 0 0 1\n\n1e20 2 3 0 0 1\n", "sensors.txt:3: ", "out-of-range"},
         {"job.json",
@@ -357,7 +357,8 @@ static void test_warnings_come_before_rendering(void **state)
                    " \"width\": 16, \"height\": 16}]}");
     run_job(f, f->output, "1");
     assert_int_equal(f->result.exit_code, 0);
-    assert_told_before(f->result.err, "warning: view 'wall': the eye lies on a surface", "render");
+    assert_told_before(f->result.err, "warning: view 'wall': the viewpoint lies on a surface",
+                       "render");
     assert_told_before(f->result.err,
                        "warning: 2 of 5 sensors: the sensor lies in the plane of a surface; the "
                        "first, number 4 at (0, 1, 0.8), ",

@@ -89,7 +89,7 @@ static void test_submit_a_year_of_a_project(void **state)
     json_decref(job);
     canned_run_args(f, canned, no_weather);
     assert_int_equal(f->result.exit_code, 1);
-    canned_says(f->result.err, "say --weather FILE.epw");
+    canned_says(f->result.err, "give --weather FILE.epw");
     canned_run_args(f, canned, a_sky);
     assert_int_equal(f->result.exit_code, 1);
     canned_says(f->result.err, "--weather for a year");

@@ -196,10 +196,10 @@ static void measurements_are_no_scene(void **state)
     struct bench *b = *state;
     struct reply reply;
     const char *const sensors = "\"sensors\":[[1,1,1,0,0,1]]";
-    expect_refusal(b, "render", "scene", b->measured, sensors, "measurements were uploaded");
+    expect_refusal(b, "render", "scene", b->measured, sensors, "this is the id of measurements");
     expect_refusal(b, "bsdf_make", "scene", b->measured, "\"seed\":1",
-                   "measurements were uploaded");
-    expect_refusal(b, "bsdf_fit", "measurements", b->scene, options, "a scene was uploaded");
+                   "this is the id of measurements");
+    expect_refusal(b, "bsdf_fit", "measurements", b->scene, options, "this is the id of a scene");
     upload(b, "bad.txt", "#format: theta phi BSDF\n#incident_angle 30 0\n120 0 0.1\n120 10 dark\n",
            400, &reply);
     assert_string_equal(reply_text(&reply, "file"), "bad.txt");

@@ -110,10 +110,10 @@ static void test_years(void **state)
         long status;
     } cases[] = {
         {epw, "", "rows of 2020 and of 2021", 422},
-        {epw, "\"year\":2019,", "no rows of 2019", 422},
+        {epw, "\"year\":2019,", "no rows for 2019", 422},
         {epw, "\"year\":2021,", NULL, 202},
         {good_weather, "\"year\":2021,", "rows of WEA files have no year", 422},
-        {wea_of_two, "", "lines 7 and 9 are of the same time", 422},
+        {wea_of_two, "", "lines 7 and 9 have the same time", 422},
     };
     struct daemon *daemon = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -163,9 +163,9 @@ static void test_views(void **state)
         const char *lines, *entry, *says;
         long status, line;
     } cases[] = {
-        {"# none\n", "1", "holds no views", 422, 0},
-        {"view= a " DOWN "\n", "\"b\"", "none of them 'b'", 422, 0},
-        {"view= a " DOWN "\n", "2", "none of them '2'", 422, 0},
+        {"# none\n", "1", "has no views", 422, 0},
+        {"view= a " DOWN "\n", "\"b\"", "none is 'b'", 422, 0},
+        {"view= a " DOWN "\n", "2", "none is '2'", 422, 0},
         {"# a\n\nview= a -vtv -vp 1 1\n", "\"a\"", "", 400, 3},
         {"view= a " DOWN " -vh none\n", "1", "", 400, 1},
         {"rvu " DOWN "\nview= b " DOWN "\n", "\"b\"", NULL, 202, 0},

@@ -362,7 +362,7 @@ static void test_failure_is_told(void **state)
     snprintf(path, sizeof path, "%s/result", job);
     daemon_get(&f->daemon, path, &reply);
     assert_int_equal(reply.status, 409);
-    assert_non_null(strstr(reply_text(&reply, "detail"), "its document says why"));
+    assert_non_null(strstr(reply_text(&reply, "detail"), "in its document"));
     reply_done(&reply);
 }
 

@@ -153,7 +153,7 @@ static void test_another_folders_database(void **state)
     snprintf(command, sizeof command, "cp %s/oriel.db $D/oriel.db", other.root);
     shell(&f->daemon, command);
     daemon_remove(&other);
-    expect_refusal(&f->daemon, "is not the one of the data folder");
+    expect_refusal(&f->daemon, "does not belong to the data folder");
     expect_files(&f->daemon, &before);
     daemon_restart(&f->daemon, set_aside);
     expect_files(&f->daemon, &none);

@@ -163,7 +163,7 @@ static void test_a_model_comes_with_files(void **state)
     if (reply.status != 202)
         fail_msg("%ld %s", reply.status, reply.body);
     reply_done(&reply);
-    expect_refusal(*state, "", "{\"model\": {\"type\": \"Room\"}}", "a Honeybee model is wanted");
+    expect_refusal(*state, "", "{\"model\": {\"type\": \"Room\"}}", "this is not a Honeybee model");
     expect_refusal(*state, "", "{\"model\": {\"type\": \"Model\"}, \"weather\": 1}", "weather");
     json_decref(weather);
     free(quoted);

@@ -203,10 +203,10 @@ static void test_options_that_do_not_fit(void **state)
     const char *const word[] = {"--runner", "slurm", "--slurm-option", "rm", NULL};
     const char *const open[] = {"--runner", "slurm", "--shared", open_to_all, "--data", data, NULL};
     assert_refused(f, nowhere, "needs --shared DIR");
-    assert_refused(f, here, "go with --runner slurm");
+    assert_refused(f, here, "need --runner slurm");
     assert_refused(f, other, "local or slurm, not 'cloud'");
-    assert_refused(f, word, "'rm' is none");
-    assert_refused(f, open, "others than this user may use the shared folder");
+    assert_refused(f, word, "not 'rm'");
+    assert_refused(f, open, "other users may use the shared folder");
 }
 
 int main(void)

@@ -16,7 +16,7 @@
 /* One sensor is inside a ball, without light; the other above the roof. */
 #define WITHIN "[20,20,1,0,0,1]"
 #define ABOVE "[2,2,50,0,0,1]"
-static const char dark_sensor[] = "1 of 2 sensors is at 0 lx, the first of them sensors[1]";
+static const char dark_sensor[] = "1 of 2 sensors is at 0 lx, the first is sensors[1]";
 
 static int set_up(void **state)
 {
@@ -72,7 +72,7 @@ static void test_in_the_document(void **state)
 /* Sensors are numbered, in the document and in the events. */
 static void test_misplaced_sensors(void **state)
 {
-    static const char wanted[] = "1 of 4 sensors lies in closed spaces without windows, as within "
+    static const char wanted[] = "1 of 4 sensors lies in closed spaces without windows, such as "
                                  "a solid or a wall, and the others do not: number 3 (from 1)";
     struct daemon_room *f = *state;
     struct reply reply;

@@ -127,7 +127,7 @@ static void test_scene_in_a_folder(void **state)
     post_zip(*state, "", two, 3, &reply);
     assert_int_equal(reply.status, 422);
     assert_non_null(strstr(reply_text(&reply, "detail"), "a/hut.rad, b/hut.rad"));
-    assert_non_null(strstr(reply_text(&reply, "hint"), "say which by main"));
+    assert_non_null(strstr(reply_text(&reply, "hint"), "name the main files with main"));
     reply_done(&reply);
     post_zip(*state, "", two, 1, &reply);
     assert_int_equal(reply.status, 422);

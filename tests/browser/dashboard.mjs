@@ -190,11 +190,11 @@ test('a scene that is dropped becomes a job, and its sensors a map', () => visit
   await page.mouse.move(plan.x + plan.width / 2 + 60, plan.y + plan.height / 2);
   await page.mouse.up();
   await until(() => page.getByLabel('Radiance view').inputValue(), (view) => /^-vtv -vp 1\.\d+ 2\.?\d* 1\.25 -vd 1 -?0 0 /.test(view), 'view');
-  await page.getByLabel('Apart').fill('1');
+  await page.getByLabel('Spacing').fill('1');
   await page.getByText('12 sensors').waitFor();
   await page.getByLabel('Render a view').uncheck();
   await page.getByLabel('Relative error').fill('20');
-  await page.getByLabel('What people call it').fill('dropped');
+  await page.getByLabel('Job name').fill('dropped');
   await page.getByRole('button', { name: 'What will it take?' }).click();
   await page.getByRole('heading', { name: 'Plan' }).waitFor();
   await page.getByRole('img', { name: /^Error against seconds: from/ }).waitFor();
@@ -234,7 +234,7 @@ test('a Honeybee model that is dropped brings its grids, its view and its states
   await page.getByLabel('Width').fill('32');
   await page.getByLabel('Height', { exact: true }).fill('24');
   await page.getByLabel('Relative error').fill('40');
-  await page.getByLabel('What people call it').fill('two rooms');
+  await page.getByLabel('Job name').fill('two rooms');
   await page.getByRole('button', { name: 'Submit' }).click();
   await page.getByRole('heading', { name: 'two rooms' }).waitFor();
   const id = page.url().split('/').pop();
@@ -318,7 +318,7 @@ test('what is kept is listed and removed, and the daemon says how it fares', () 
   const { maps } = await daemon.ask('GET', '/v1/maps');
   assert.equal(maps.filter((map) => map.kind === 'global').length, 0);
   await page.getByRole('link', { name: 'Operations' }).click();
-  await page.getByText(/^Takes jobs/).waitFor();
+  await page.getByText(/^Accepts jobs/).waitFor();
   await page.getByRole('meter', { name: 'Kept on disk' }).waitFor();
   assert.deepEqual(await browser.audit(page), []);
   await browser.keep(page, 'operations');
@@ -364,7 +364,7 @@ test('with tokens one signs in, and out', async () => {
     await visit({ daemon: guarded, mayFail: (url, text) => text.includes('401') }, async (page) => {
       await page.getByLabel('Access token').fill('oriel_0123456789abcdef_' + 'A'.repeat(43));
       await page.getByRole('button', { name: 'Sign in' }).click();
-      await page.getByText('This daemon knows no such token.').waitFor();
+      await page.getByText('The daemon does not know this token.').waitFor();
       assert.deepEqual(await browser.audit(page), []);
       await browser.keep(page, 'sign-in');
       await page.getByLabel('Access token').fill(token);

@@ -123,8 +123,8 @@ static void test_refused(void **state)
     } cases[] = {
         {"void BRTDfunc m 10 .1 .1 .1 .5 .5 .5 f f f g.cal 0 9 0 0 0 0 0 0 0 0 0\n",
          "'f' is not defined"},
-        {"void BRTDfunc m 10 .1 .1 .1 Px .5 .5 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n", "asks for Px"},
-        {"void BRTDfunc m 10 .4 .4 .4 .5 .5 .5 0 0 0 . 0 9 .2 0 0 0 0 0 0 0 0\n", "more than all"},
+        {"void BRTDfunc m 10 .1 .1 .1 Px .5 .5 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n", "uses Px"},
+        {"void BRTDfunc m 10 .4 .4 .4 .5 .5 .5 0 0 0 . 0 9 .2 0 0 0 0 0 0 0 0\n", "more than 1"},
         {"void BRTDfunc m 10 .1 .1 .1 .5 .5 1/(Rdot-Rdot) 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n",
          "have no value"},
         {"void BRTDfunc m 9 .1 .1 .1 .5 .5 .5 0 0 0 0 9 0 0 0 0 0 0 0 0 0\n", "nine functions"},
@@ -133,7 +133,7 @@ static void test_refused(void **state)
          "depends on the ray's direction"},
         {"void texfunc p 4 Px 0 0 . 0 0\n"
          "p BRTDfunc m 10 .1 .1 .1 .5 .5 .5 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n",
-         "textures are not simulated"},
+         "are not simulated on BRTDfunc"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -221,8 +221,8 @@ static void test_refused(void **state)
     static const struct {
         const char *prism, *says;
     } cases[] = {
-        {"void prism1 m 5 .5 Dx Dy Dz-.2 . 0 0\n", "different ways"},
-        {"void prism1 m 5 1.5 Dx Dy Dz . 0 0\n", "more than all"},
+        {"void prism1 m 5 .5 Dx Dy Dz-.2 . 0 0\n", "not reversible"},
+        {"void prism1 m 5 1.5 Dx Dy Dz . 0 0\n", "more than 1"},
         {"void prism1 m 5 .5 DxA Dy Dz . 0 0\n", "DxA"},
         {"void prism2 m 5 .5 Dx Dy Dz . 0 0\n", "8 expressions"},
     };

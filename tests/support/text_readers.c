@@ -353,7 +353,7 @@ const struct text_reader text_readers[] = {
      {WEA("A") "3 22 11,500 800.5 120\n", 7,
       "column 6: the hour: 11,500: a decimal comma; write "
       "11.500"},
-     {WEA("A") "3 22 11.500 800.5\n", 7, "a row is: month, day, hour, direct and diffuse"}},
+     {WEA("A") "3 22 11.500 800.5\n", 7, "a row has five values: month, day, hour, direct"}},
     {"occupancy",
      read_occupancy,
      "# use\n1,1,0.5,0\n1,1,1.5,0.2\n",
@@ -430,7 +430,7 @@ const struct text_reader text_readers[] = {
      "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" TWO_CELL_XML("f\xfcr", "0.5",
                                                                     "0.1,\n0.2, 0.1\n0.05"),
      {TWO_CELL_XML("a", "0.5", "0,1 0,2 0,1 0,05"), 11, "write 0.5, not 0,5"},
-     {TWO_CELL_XML("a", "0.5", "0.1,0.2,0.1,"), 11, "3 values where the matrix has 4"}},
+     {TWO_CELL_XML("a", "0.5", "0.1,0.2,0.1,"), 11, "3 values instead of the matrix's 4"}},
     {"scene",
      read_scene,
      "void plastic w\n0\n0\n5 .5 .5 .5 0 0\n# b\nw polygon p 0 0 9 0 0 0.5 1 0 0 0 1 0\n"
@@ -450,13 +450,13 @@ const struct text_reader text_readers[] = {
      "# lamps\n/tube/ .4 .4 1\n/halogen/ 0.45 0.4 0.9\n",
      "# f\xfcr\n/r\xf6hre/ .4 .4 1\n/halogen/ 0.45 0.4 0.9\n",
      {"/halogen/ 0,5 0.4 0.9\n", 1, "0,5: a decimal comma; write 0.5"},
-     {"/halogen/ 0.45 0.4\n", 1, "x, y and the share of its light"}},
+     {"/halogen/ 0.45 0.4\n", 1, "x, y and the share of light"}},
     {"rules of materials",
      read_rules,
      "# rules\nred (Face [1:2]);\nblue;\n",
      "# f\xfcr\nred (Face [1:2]);\nblue;\n",
      {NULL, 0, NULL},
-     {"red;\n();\n", 2, "a rule begins with a material"}},
+     {"red;\n();\n", 2, "a rule must begin with a material"}},
     {"frads",
      read_frads,
      "[Model]\nname = a\nscene = a.rad\n b.rad\n",
@@ -468,15 +468,16 @@ const struct text_reader text_readers[] = {
      "# a\nv 0 0 0.5\nv 1 0 0 # b\nv 0 1 \\\n 0\ng x\nf 1 2 3\n",
      "# \xfc\nv 0 0 0.5\nv 1 0 0 # \xe9\nv 0 1 \\\n 0\ng \xe4\nf 1 2 3\n",
      {"v 0 0 0\nv 0,5 0 0\n", 2,
-      "column 3: a vertex, or normal, is three numbers: 0,5: a decimal "
+      "column 3: a vertex or normal needs three numbers: 0,5: a decimal "
       "comma; write 0.5"},
-     {"v 0 0 0\nv 0 0\n", 2, "a vertex, or normal, is three numbers"}},
+     {"v 0 0 0\nv 0 0\n", 2, "a vertex or normal needs three numbers"}},
     {"STL",
      read_stl,
      STL("a", "1.5"),
      STL("f\xfcr", "1.5"),
-     {STL("a", "1,5"), 5, "column 8: a vertex is three numbers: 1,5: a decimal comma; write 1.5"},
-     {STL("a", ""), 6, "column 1: a vertex is three numbers: 'vertex' is not a number"}},
+     {STL("a", "1,5"), 5,
+      "column 8: a vertex needs three numbers: 1,5: a decimal comma; write 1.5"},
+     {STL("a", ""), 6, "column 1: a vertex needs three numbers: 'vertex' is not a number"}},
 };
 
 const size_t n_text_readers = sizeof text_readers / sizeof *text_readers;

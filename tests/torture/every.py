@@ -24,7 +24,7 @@ from ledger import list_files
 from load import FIRST_SCENE, upload_scene
 
 # Embree, where it gets no memory for a block, may spin for ever: a check's bound on time ends it.
-LACKING = {MEMORY: ("memory", "too large", "seconds of a processor"), WRITES: ("No space", "disk is full", "disk"),
+LACKING = {MEMORY: ("memory", "too large", "seconds of processor time"), WRITES: ("No space", "disk is full", "disk"),
            SYNCS: ("Input/output", "disk"), NAMES: ("No space", "disk", "cannot"), REMOVALS: ("Input/output", "disk")}
 ERRNO = {MEMORY: errno.ENOMEM, WRITES: errno.ENOSPC, SYNCS: errno.EIO, NAMES: errno.ENOSPC,
          REMOVALS: errno.EIO}

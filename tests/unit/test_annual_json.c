@@ -185,7 +185,7 @@ static void test_shades_that_cannot_be(void **state)
     static const struct {
         const char *from, *to, *says;
     } cases[] = {
-        {"\"windows\": [\"glass\", \"pane.2\"],", "", "names none"},
+        {"\"windows\": [\"glass\", \"pane.2\"],", "", "names no windows"},
         {"\"grid\": \"desks\"", "\"grid\": \"sofas\"", "'sofas'"},
         {"\"north\", \"w", "\"South\", \"w", "two window groups"},
         {"\"half\"", "\"OPEN\"", "two states"},
@@ -195,7 +195,8 @@ static void test_shades_that_cannot_be(void **state)
         {"{\"by\": \"LM-83\", \"grid\": \"desks\"",
          "{\"by\": \"dgp\", \"seats\": [{\"at\": [1, 2, 1], \"towards\": [0, 0, 1]}]",
          "straight up"},
-        {"\"material\": \"lcp\"", "\"material\": \"lcp\", \"dark\": true", "has a material"},
+        {"\"material\": \"lcp\"", "\"material\": \"lcp\", \"dark\": true",
+         "dark and have a material"},
         {"\"schedule\"", "\"control\": {\"by\": \"sun\"}, \"schedule\"", "more than one of"},
         {"{\"name\": \"a\"}, {\"name\": \"b\", \"dark\": true}], \"schedule\": [0, 1, 1]",
          "{\"name\": \"a\"}], \"control\": {\"by\": \"sun\"}", "no state 1"},

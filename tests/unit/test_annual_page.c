@@ -193,10 +193,10 @@ static char *warnings[] = {
     (char[]){"grid 'south': 1 of 4 sensors lies outdoors, and the others in a closed space"},
     (char[]){"grid 'North / \"old\"': 2 of 2 sensors: the sensor lies in the plane of a surface; "
              "the first, number 1 at (-8, 0, 0.8), 0 m from 'TestRoom_1_2bb15971..Face3' "
-             "(model/scene/envelope.rad:40): which side it measures is chance; move it at least "
+             "(model/scene/envelope.rad:40): the side it measures is random; move it at least "
              "0.0007 m away from the surface"},
     (char[]){"a texture is missing"},
-    (char[]){"no light ever reaches 3 sensors: are they inside of something?"}};
+    (char[]){"no light ever reaches 3 sensors: check that they are not inside an object"}};
 
 /* ---- Tests ----------------------------------------------------------------------------------- */
 
@@ -387,7 +387,7 @@ static void test_warnings_are_in_view(void **state)
     assert_non_null(strstr(page, "1 of 4 sensors lies outdoors"));
     assert_non_null(strstr(page, "a texture is missing"));
     assert_non_null(strstr(page, "no light ever reaches 3 sensors"));
-    assert_null(strstr(page, "which side"));
+    assert_null(strstr(page, "the side it measures"));
     assert_null(strstr(page, "more warnings"));
     assert_texts_are_apart(page);
     free(page);

@@ -343,7 +343,7 @@ static void test_short_steps(void **state)
             assert_int_equal(rows, 52560);
             assert_true(steps.count == 52560 && steps.per_hour == 6);
         } else {
-            assert_non_null(strstr(err.message, "105120 rows, and a year at most 52704"));
+            assert_non_null(strstr(err.message, "105120 rows, but a year has at most 52704"));
         }
         free(text);
     }
@@ -664,12 +664,12 @@ static void test_remedies(void **state)
     result.steps[result.step_of_column[21 * HAND_YEAR_LIT + NOON]].direct_normal_lx = 5e4;
     assert_warns(
         &request, &result,
-        ": more \"samples\" reduce the error of paths; in those with sun (1) interpolation "
-        "between positions of the sun adds an error that \"sun_halvings\": 1 reduces");
+        ": more \"samples\" reduce the error of paths; in hours with sun (1), interpolation "
+        "between sun positions adds an error that \"sun_halvings\": 1 reduces");
     request.sun_halvings = 1;
     assert_warns(&request, &result, "that \"sun_halvings\": 2 reduces");
     request.sun_halvings = ORL_ANNUAL_MOST_HALVINGS;
-    assert_warns(&request, &result, "adds an error, with \"sun_halvings\" at its most");
+    assert_warns(&request, &result, "adds an error, with \"sun_halvings\" at its maximum");
     hand_year_free(&result);
 }
 

@@ -287,7 +287,7 @@ static void test_looking_out(void **state)
  */
 static void test_light_looking_out(void **state)
 {
-    static const char gone[] = "is left away";
+    static const char gone[] = "is left out, because windows face it";
     double into[3], out[3];
     (void)state;
     assert_int_equal(shell_lx(SHELL("0", INTO, "1 w") PANE, ORL_TECHNIQUE_BACKWARD, gone, into), 0);
@@ -314,7 +314,7 @@ static void test_places_in_matter(void **state)
     double lx[3];
     (void)state;
     assert_int_equal(
-        shell_lx(SHELL(".5", OUT_OF, "1 w"), ORL_TECHNIQUE_BACKWARD, "the place (1 2 0.8)", lx), 1);
+        shell_lx(SHELL(".5", OUT_OF, "1 w"), ORL_TECHNIQUE_BACKWARD, "the point (1 2 0.8)", lx), 1);
     assert_int_equal(shell_lx(SHELL(".5", OUT_OF, "1 w"), ORL_TECHNIQUE_BACKWARD, words, lx), 1);
     assert_int_equal(shell_lx(SHELL(".5", OUT_OF, "2 void w"), ORL_TECHNIQUE_BACKWARD, words, lx),
                      0);
@@ -331,7 +331,7 @@ static void test_refused(void **state)
         {WALL "void antimatter a 1 w 0 0\n!genbox a h .4 1 1 -i | xform -t -.1 1 1\n", "no volume"},
         {WALL "void antimatter a 1 nobody 0 0\na sphere s 0 0 4 0 2 1 .3\n", "not defined"},
         {WALL "void glass p 0 0 3 1 1 1\nvoid antimatter a 2 w p 0 0\na sphere s 0 0 4 0 2 1 .3\n",
-         "antimatter cuts"},
+         "antimatter can cut"},
         {WALL "void antimatter a 1 w 0 0\n!genbox a h .4 1 1 | xform -t -.1 1 1\n"
               "void glass p 0 0 3 1 1 1\np polygon q 0 0 12 0 1 1 0 2 1 0 2 2 0 1 2\n",
          "which antimatter cuts"},

@@ -82,7 +82,7 @@ static void the_first_error_is_told(void **state)
         {{"{.1}", "{.1x}", "{.2 .3}", "{.1}"}, "</Wrong>", "'.1x' is not a number", 1},
         {{"{.1}", "{.1}", "{.2 .3}", "{.1}"}, "</Wrong>", "a grid of 2 values", 2},
         {{"{.1}", "{.1}", "{.2", "{.1y}"}, WHOLE, "ends with 1 braces open", 2},
-        {{"{.1}", "{.1}", "{.2}", "{.1&#48;}}"}, "</Wrong>", "'}' without its '{'", 3},
+        {{"{.1}", "{.1}", "{.2}", "{.1&#48;}}"}, "</Wrong>", "'}' without a matching '{'", 3},
         {{"{.1}", "{.1}", "{.2}", "{.1}"}, "</Wrong>", "XML", 4},
     };
     (void)state;

@@ -134,7 +134,7 @@ static void draw_chart(const struct orl_bsdf_chart *chart, enum orl_canvas_kind 
 static void pictures_say_what_they_show(void **state)
 {
     static const char *const said[] = {
-        "slab.xml",           "sheet.xml", "1/sr", "theta 48, phi 70", "The second less the first",
+        "slab.xml",           "sheet.xml", "1/sr", "theta 48, phi 70", "The second minus the first",
         "Energy is conserved"};
     struct desk *d = *state;
     char path[96];

@@ -167,7 +167,7 @@ static const struct bad_file {
     {HEAD "<DataDefinition>\n<IncidentDataStructure>TensorTree5</IncidentDataStructure>",
      ORL_ERR_UNSUPPORTED, 5, "IncidentDataStructure", "TensorTree5"},
     {TREE3 "{0 1 2 3}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "rank 3 has 1, 8, 64"},
-    {TREE3 "{{0}{0}{0}{0}{0}{0}{0}}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "where 8"},
+    {TREE3 "{{0}{0}{0}{0}{0}{0}{0}}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "instead of 8"},
     {TREE3 "{{0}{0}{0}{0}{0}{0}{0}{0}{0}}" END, ORL_ERR_SYNTAX, 12, "Transmission Back",
      "more than 8"},
     {TREE3 "{{{{{{{{{0 0 0 0 0 0 0 0}" END, ORL_ERR_LIMIT, 12, "Transmission Back", "deeper"},
@@ -190,7 +190,7 @@ static const struct bad_file {
     {BLOCK "{{0} 1}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "among the children"},
     {BLOCK "{1 {0}}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "among the values"},
     {BLOCK "1 2 3" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "outside the braces"},
-    {BLOCK "}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "without its"},
+    {BLOCK "}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "without a matching"},
     {BLOCK "{0" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "1 braces open"},
     {BLOCK "\n\n" END, ORL_ERR_SYNTAX, 14, "Transmission Back", "empty"},
     {BLOCK "{0\n0", ORL_ERR_SYNTAX, 13, "Transmission Back", "XML"},
@@ -200,7 +200,7 @@ static const struct bad_file {
     {BLOCK "{&a;}" END, ORL_ERR_SYNTAX, 12, "Transmission Back", "entity"},
     {TREE "<WavelengthData><Wavelength>Visible</Wavelength>\n<WavelengthDataBlock>\n"
           "<ScatteringData>{0}",
-     ORL_ERR_SYNTAX, 9, "ScatteringData", "before its"},
+     ORL_ERR_SYNTAX, 9, "ScatteringData", "before WavelengthDataDirection"},
     {TREE "<WavelengthData><Wavelength>Visible</Wavelength>\n<WavelengthDataBlock>\n"
           "<WavelengthDataDirection>Sideways</WavelengthDataDirection>",
      ORL_ERR_SYNTAX, 9, "WavelengthDataDirection", "Sideways"},
@@ -208,7 +208,7 @@ static const struct bad_file {
            "<WavelengthDataDirection>Transmission Back</WavelengthDataDirection>",
      ORL_ERR_SYNTAX, 13, "Transmission Back", "twice"},
     {MATRIX("LBNL/Klems Full") "0 1 2" END, ORL_ERR_SYNTAX, 12, "Reflection Front",
-     "3 values where the matrix has 21025"},
+     "3 values instead of the matrix's 21025"},
     {MATRIX("LBNL/Klems Full") "{0}" END, ORL_ERR_SYNTAX, 12, "Reflection Front", "brace"},
     {MATRIX("My Own"), ORL_ERR_UNSUPPORTED, 10, "Reflection Front", "My Own"},
 };

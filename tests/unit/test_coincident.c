@@ -211,17 +211,17 @@ static void test_words(void **state)
                        "late polygon beside 0 0 12 9 0 0 12 0 0 12 4 0 9 4 0\n"
                        "early polygon below 0 0 12 0 0 0 0 4 0 4 4 0 4 0 0\n");
     (void)state;
-    assert_int_equal(said(lit_scene, "in one place with"), 3);
+    assert_int_equal(said(lit_scene, "there, as in Radiance"), 3);
     assert_int_equal(said(lit_scene, "as in Radiance: 1 more pair"), 1);
     assert_int_equal(said(lit_scene,
                           "polygon floor at scene.rad:8 and polygon below at scene.rad:11 "
-                          "lie in one place and face opposite ways"),
+                          "coincide and face opposite ways"),
                      1);
     assert_int_equal(said(lit_scene, "face opposite ways"), 1);
-    assert_int_equal(said(lit_scene, "polygon ground at scene.rad:6 lies in one place with polygon "
-                                     "floor at scene.rad:8: there light meets floor"),
+    assert_int_equal(said(lit_scene, "polygon ground at scene.rad:6 coincides with polygon "
+                                     "floor at scene.rad:8: light hits floor"),
                      1);
-    assert_int_equal(said(lit_scene, "polygon window at scene.rad:7 lies wholly in one place"), 2);
+    assert_int_equal(said(lit_scene, "polygon window at scene.rad:7 coincides entirely with"), 2);
     /* The ground around the floor remains, the window does not; surfaces that face the other way
      * stay. */
     assert_int_equal(lit_scene->scene->parsed_scene.n_surfaces, 5);
@@ -289,7 +289,7 @@ static void test_one_paint(void **state)
                               i % 2 ? "late" : "again", i, 5 * i, 5 * i + 1, 5 * i + 1, 5 * i);
     struct orl_lit_scene *lit_scene = load(text);
     assert_int_equal(lit_scene->scene->parsed_scene.n_warnings, 1);
-    assert_int_equal(said(lit_scene, "makes no difference which light meets: 12 pairs"), 1);
+    assert_int_equal(said(lit_scene, "does not matter which one light hits: 12 pairs"), 1);
     orl_lit_scene_free(lit_scene);
 }
 
@@ -346,8 +346,8 @@ static void test_open(void **state)
         char text[1024];
         snprintf(text, sizeof text, "%s%s", MATERIALS, cases[i].pair);
         struct orl_lit_scene *lit_scene = load(text);
-        if (said(lit_scene, "light may meet either") != cases[i].open ||
-            said(lit_scene, "makes no difference") != cases[i].alike ||
+        if (said(lit_scene, "light may hit either") != cases[i].open ||
+            said(lit_scene, "does not matter which one") != cases[i].alike ||
             (int)lit_scene->scene->parsed_scene.n_warnings != cases[i].open + cases[i].alike)
             fail_msg("of %s %zu warnings: %s", cases[i].pair,
                      lit_scene->scene->parsed_scene.n_warnings,
@@ -380,10 +380,10 @@ static void test_double_panes(void **state)
                  MATERIALS, cases[i].second);
         struct orl_lit_scene *lit_scene = load(text);
         if (said(lit_scene,
-                 "are panes 0.0001 apart, which count as one in a scene of this size: light "
-                 "passes one of them alone; where both are meant, move them at least 0.001 "
+                 "are panes only 0.0001 apart, which count as one in a scene of this size: light "
+                 "passes through only one; if both are intended, move them at least 0.001 "
                  "apart") != cases[i].told ||
-            said(lit_scene, "makes no difference") != cases[i].alike)
+            said(lit_scene, "does not matter which one") != cases[i].alike)
             fail_msg("case %zu: %zu warnings: %s", i, lit_scene->scene->parsed_scene.n_warnings,
                      lit_scene->scene->parsed_scene.n_warnings
                          ? lit_scene->scene->parsed_scene.warnings[0]
@@ -415,7 +415,7 @@ static void test_proxies(void **state)
                            "%s",
                  cases[i].kinds[0], square, cases[i].kinds[1], cases[i].corners);
         struct orl_lit_scene *lit_scene = build_lit_scene(text, "x.xml", xml, NULL);
-        assert_int_equal(said(lit_scene, "light may meet either"), cases[i].told);
+        assert_int_equal(said(lit_scene, "light may hit either"), cases[i].told);
         orl_lit_scene_free(lit_scene);
     }
 }

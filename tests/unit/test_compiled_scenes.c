@@ -454,7 +454,7 @@ static void test_meshes_in_places(void **state)
                                 "p mesh b 7 b.bin -rz 30 -t 4 0 0 0 0\n"
                                 "p mesh c 10 b.bin -mx -rx 20 -s 2 -t 8 0 0 0 0\n"
                                 "p mesh d 9 b.bin -ry 40 -s .5 -t 0 4 0 0 0\n";
-    static const char *const words[2] = {"kept once", "apart"};
+    static const char *const words[2] = {"expanded", "apart"};
     struct bytes b = {.size = 0};
     struct orl_parsed_scene d[2];
     struct orl_geometry *g[2];

@@ -32,7 +32,8 @@
 
 static void test_covered(void **state)
 {
-    static const char from_all[] = "lies on the pane '%s' (scene.rad:%d), 0.0001 from all of it";
+    static const char from_all[] =
+        "covers the whole pane '%s' (scene.rad:%d) at a distance of 0.0001";
     static const struct {
         const char *scene, *pane;
     } cases[] = {
@@ -53,7 +54,7 @@ static void test_covered(void **state)
         size_t said = 0, right = 0;
         snprintf(wanted, sizeof wanted, from_all, cases[i].pane ? cases[i].pane : "", 11);
         for (size_t k = 0; k < result.n_warnings; k++) {
-            said += strstr(result.warnings[k], "lies on the pane") != NULL;
+            said += strstr(result.warnings[k], "covers the whole pane") != NULL;
             right += strstr(result.warnings[k], wanted) != NULL;
         }
         if (said != (cases[i].pane != NULL) || right != said)

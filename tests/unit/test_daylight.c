@@ -117,7 +117,7 @@ static void test_perez_delivers_its_flux(void **state)
             request.second = 12000;
             snprintf(what, sizeof what, "altitude %g, direct %g", altitudes[i], directs[k]);
             const struct orl_daylight d = find_daylight(&request);
-            if (strstr(d.warnings, "no answer here")) {
+            if (strstr(d.warnings, "no valid values here")) {
                 assert_true(altitudes[i] == 3 && directs[k] >= 30000);
                 beyond++;
             }
@@ -212,7 +212,7 @@ static void test_longitude_is_east(void **state)
     assert_true(after.sun.x < 0);
     assert_true(after.warnings[0] == '\0');
     request.longitude_deg = -27.14;
-    assert_non_null(strstr(find_daylight(&request).warnings, "counted east"));
+    assert_non_null(strstr(find_daylight(&request).warnings, "time zone differ by"));
 }
 
 static void test_black_skies_say_so(void **state)

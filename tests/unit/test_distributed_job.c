@@ -196,7 +196,7 @@ static void test_a_part_dies_for_good(void **state)
     struct fixture *f = *state;
     cli_write_file(f->folder, "dies", "x\nx\nx\nx\nx\nx\nx\nx\nx\n");
     assert_int_equal(divide_job(f), ORL_ERR_INTERNAL);
-    assert_non_null(strstr(f->err.message, "3 times without a word"));
+    assert_non_null(strstr(f->err.message, "3 times without a result"));
 }
 
 /* A run ends and leaves its round: the next run finishes that round, and starts none of its own. */
@@ -302,7 +302,7 @@ static void test_limits_that_cannot_be_raised(void **state)
     hold_to_limits(f, ORL_PART_OUT_OF_MEMORY);
     cli_write_file(f->folder, "dies", "1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n1\n");
     assert_int_equal(divide_job(f), ORL_ERR_LIMIT);
-    assert_non_null(strstr(f->err.message, "ran out of its memory, 900 MiB"));
+    assert_non_null(strstr(f->err.message, "exceeded its memory limit (900 MiB"));
 }
 
 int main(void)

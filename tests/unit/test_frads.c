@@ -40,7 +40,8 @@ static void test_files(void **state)
                   "\"fins.rad\"]");
     assert_member(project, "views", "[]");
     assert_member(project, "left_out",
-                  "[{\"file\":\"a.epw\",\"why\":\"weather: name it to \\\"oriel annual\\\"\"}]");
+                  "[{\"file\":\"a.epw\",\"why\":\"weather: give it to \\\"oriel annual\\\" with "
+                  "--weather\"}]");
     json_decref(project);
 }
 
@@ -84,11 +85,11 @@ static void test_refused(void **state)
         {"[Model]\nmaterial = a.mat\n", "no scene files", 0},
         {"scene = a.rad\n", "assigns nothing", 1},
         {"[Model]\nscene\n", "assigns nothing", 2},
-        {"[Model\n", "no section", 1},
-        {"[Model]\n\nscene = ${dir}/a.rad\n", "there is not", 3},
-        {"[Model]\nscene = ${dir/a.rad\n", "has no end", 2},
+        {"[Model\n", "not a section", 1},
+        {"[Model]\n\nscene = ${dir}/a.rad\n", "does not exist", 3},
+        {"[Model]\nscene = ${dir/a.rad\n", "has no closing", 2},
         {"[Model]\nscene = ${a}\na = ${scene}\n", "eight deep", 3},
-        {"[Model]\nscene = s\nwindows = a b c\nwindow_xmls = x y\n", "neither as many", 4},
+        {"[Model]\nscene = s\nwindows = a b c\nwindow_xmls = x y\n", "neither one nor", 4},
         {"[Model]\nscene = s\nwindows = !rm\nwindow_xmls = x\n", "'!'", 3},
     };
     (void)state;

@@ -242,7 +242,7 @@ static void test_errors(void **state)
     } rows[] = {
         {"a = 1;\nb = 2 3;", "a", "some.cal", 2, ORL_ERR_SYNTAX, "';' is expected, not '3'"},
         {"a = sin(2;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "')' is expected"},
-        {"\n{ b = 1;", "a", "some.cal", 2, ORL_ERR_SYNTAX, "does not end"},
+        {"\n{ b = 1;", "a", "some.cal", 2, ORL_ERR_SYNTAX, "is not closed"},
         {"a = 1e;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "number"},
         {"a = --2;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "expected"},
         {"a 2;", "a", "some.cal", 1, ORL_ERR_SYNTAX, "'=' or ':'"},
@@ -250,7 +250,7 @@ static void test_errors(void **state)
         {"f(a,b) = a;", "f(1)", "scene.rad", 7, ORL_ERR_SYNTAX, "takes 2 arguments, 1 are"},
         {"", "sin()", "scene.rad", 7, ORL_ERR_SYNTAX, "a number, a name"},
         {"", "if(Px,2)", "scene.rad", 7, ORL_ERR_SYNTAX, "takes 3"},
-        {"f(g) = g(1);", "f(3)", "scene.rad", 7, ORL_ERR_SYNTAX, "has to be a function"},
+        {"f(g) = g(1);", "f(3)", "scene.rad", 7, ORL_ERR_SYNTAX, "must be a function"},
         {"", "sin", "scene.rad", 7, ORL_ERR_SYNTAX, "is a function"},
         {"\n\nb = nosuch + 1;", "b", "some.cal", 3, ORL_ERR_NOT_FOUND, "'nosuch' is not defined"},
         {"", "nosuch(1)", "scene.rad", 7, ORL_ERR_NOT_FOUND, "'nosuch()' is not defined"},

@@ -251,8 +251,8 @@ static void test_the_last_of_two_modifiers_counts(void **state)
     struct orl_text_files files = translate(model);
     assert_has(&files, "model/scene/envelope.mat", "void plastic carpet\n0\n0\n5 0.5 0.5 0.5 0 0");
     assert_string_equal(text_of(&files, "model/warnings.txt"),
-                        "modifier 'carpet': several different ones have this identifier: the last "
-                        "in the list is taken for all\n");
+                        "modifier 'carpet': several different modifiers have this identifier; the "
+                        "last in the list is used for all\n");
     orl_text_files_done(&files);
     json_decref(model);
 }
@@ -282,8 +282,8 @@ static void test_views_of_one_identifier_are_told(void **state)
     assert_int_equal(n, 1);
     assert_has(&files, "model/view/from_door.vf", "-vh 33");
     assert_string_equal(text_of(&files, "model/warnings.txt"),
-                        "view 'from_door': several views of the model have this identifier: the "
-                        "last one is taken\n");
+                        "view 'from_door': several views of the model have this identifier; the "
+                        "last one is used\n");
     orl_text_files_done(&files);
     json_decref(model);
 }
@@ -307,8 +307,8 @@ static void test_grids_of_one_identifier_are_told(void **state)
     files = translate(model);
     assert_int_equal(count_substrings(text_of(&files, "model/grid/desks.pts"), "\n"), 8);
     assert_string_equal(text_of(&files, "model/warnings.txt"),
-                        "grid 'desks': 2 sensor grids of the model have this identifier: their "
-                        "sensors are one grid, in the order of the model\n");
+                        "grid 'desks': 2 sensor grids of the model have this identifier; their "
+                        "sensors are joined into one grid, in the order of the model\n");
     orl_text_files_done(&files);
     json_decref(model);
 }
@@ -382,9 +382,9 @@ static void test_mistakes_are_told_by_their_place(void **state)
     static const struct {
         const char *holder, *member, *value, *wanted;
     } cases[] = {
-        {"", "type", "\"Room\"", "type: the document is no Honeybee model"},
+        {"", "type", "\"Room\"", "type: the document is not a Honeybee model"},
         {"", "units", "\"Miles\"", "units: one of Meters"},
-        {"", "rooms", "{}", "rooms: a list is wanted"},
+        {"", "rooms", "{}", "rooms: a list is expected"},
         {"rooms 0 properties radiance", "modifier_set", "\"none\"",
          "rooms[0].properties.radiance.modifier_set: the model has no such modifier set"},
         {"rooms 0 faces 0 properties radiance", "modifier", "\"rug\"",
@@ -397,7 +397,7 @@ static void test_mistakes_are_told_by_their_place(void **state)
         {"rooms 0 faces 0 geometry", "boundary", "[[0,0,0],[1,0,0],[1,1e99,0]]", "boundary[2][1]"},
         {"properties radiance modifiers 0", "type", "\"Wood\"", "carpet.type: modifiers of type"},
         {"properties radiance modifiers 0", "r_reflectance", "2",
-         "carpet.r_reflectance: it is from"},
+         "carpet.r_reflectance: it must be from"},
         {"properties radiance modifiers 0", "identifier", "\"a b\"",
          "properties.radiance.modifiers[0].identifier: an identifier"},
         {"properties radiance modifiers 0", "modifier", "\"carpet\"", "depends on itself"},
@@ -410,13 +410,13 @@ static void test_mistakes_are_told_by_their_place(void **state)
         {"properties radiance views 0", "view_type", "\"x\"", "views[0].view_type: one of v"},
         {"shade_meshes 0 geometry", "faces", "[[0,1,9]]",
          "shade_meshes[0].geometry.faces[0]: the mesh has corners 0 to 3"},
-        {"", "buildings", "[]", "buildings: this is a model of Dragonfly"},
+        {"", "buildings", "[]", "buildings: this is a Dragonfly model"},
         {"properties radiance", "luminaires", "[1]", "luminaires[0].identifier: an identifier"},
         {"properties radiance", "luminaires", "[{\"identifier\": \"a\"}]",
          "luminaires[0].ies_content: the text of an IES"},
         {"properties radiance", "luminaires",
          "[{\"identifier\": \"a\", \"ies_content\": \"IESNA\"}]",
-         "luminaires[0].luminaire_zone.instances: the places"},
+         "luminaires[0].luminaire_zone.instances: the luminaire has no instances"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         json_t *model = load_model();
@@ -550,8 +550,7 @@ static void test_a_folder_is_found_by_its_names(void **state)
     assert_list(json_array_get(left, 1),
                 "{\"file\":\"p/model/grid/old.pts\",\"why\":\"grid/_info.json does not name it\"}");
     assert_list(json_array_get(left, 2),
-                "{\"file\":\"p/model/ies/__spot__.rad\",\"why\":\"another file puts it in its "
-                "places\"}");
+                "{\"file\":\"p/model/ies/__spot__.rad\",\"why\":\"another file places it\"}");
     assert_list(json_array_get(left, 4),
                 "{\"file\":\"p/notes.rad\",\"why\":\"it lies outside the model's folder\"}");
     json_decref(project);

@@ -249,8 +249,8 @@ static void test_leaky_room(void **state)
         .samples = 256,
         .global = 1000000});
     assert_true(result.health.rays_leaked > 0);
-    assert_true(warned(&result, "it is not closed; one got out from"));
-    assert_true(warned(&result, "the results are good: what is lost"));
+    assert_true(warned(&result, "the building is not closed; one left from"));
+    assert_true(warned(&result, "the results are good: about"));
     assert_true(result.health.leak_from.x >= 0 && result.health.leak_from.x <= 4);
     orl_result_done(&result);
 }

@@ -114,18 +114,18 @@ static void test_beyond_the_angles(void **state)
         const char *warning;
     } cases[] = {
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n0 20 45\n0\n9 9 9\n", 44, 60,
-         "its vertical angles are from 0 to 45 degrees: beyond these it gives no light"},
+         "its vertical angles are from 0 to 45 degrees: it emits no light beyond these"},
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 .2 .2 0\n1 1 40\n0 20 45\n0\n9 9 9\n", 44,
-         46, "its vertical angles are from 0 to 45 degrees: beyond these it gives no light"},
+         46, "its vertical angles are from 0 to 45 degrees: it emits no light beyond these"},
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n30 60 90\n0\n9 9 9\n", 31,
-         29, "its vertical angles are from 30 to 90 degrees: beyond these it gives no light"},
+         29, "its vertical angles are from 30 to 90 degrees: it emits no light beyond these"},
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n0 45 90\n0\n9 9 9\n", 80,
          180, NULL},
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 40\n90 135 180\n0\n9 9 9\n", 100,
          0, NULL},
         {"IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 3 3 2 2 0 0 0\n1 1 40\n-45 0 45\n-45 0 45\n"
          "9 9 9\n9 9 9\n9 9 9\n",
-         44, 46, "its vertical angles are from -45 to 45 degrees: beyond these it gives no light"},
+         44, 46, "its vertical angles are from -45 to 45 degrees: it emits no light beyond these"},
     };
     const double d = 60;
     (void)state;
@@ -168,11 +168,11 @@ static void test_missing_planes(void **state)
         const char *warning;
     } cases[] = {
         {HEAD("1", "3") "0 30 90\n0 20 45\n9 9 9\n8 8 8\n4 4 4\n", 90, 4,
-         "its horizontal angles are from 0 to 45 degrees: beyond these it gives what it gives at "
-         "the last of them"},
+         "its horizontal angles are from 0 to 45 degrees: beyond these it emits as at the "
+         "last angle"},
         {HEAD("1", "4") "0 30 90\n0 90 180 270\n9 9 9\n8 8 8\n7 7 7\n3 3 3\n", 315, 6,
-         "its horizontal angles are from 0 to 270 degrees: beyond these it is interpolated to the "
-         "first of them"},
+         "its horizontal angles are from 0 to 270 degrees: beyond these it is interpolated towards "
+         "the first angle"},
         {HEAD("1", "3") "0 30 90\n0 45 90\n9 9 9\n8 8 8\n4 4 4\n", 90, 4, NULL},
     };
     const double d = 60, down = 30 * ORL_DEG_TO_RAD;
@@ -275,7 +275,7 @@ static void test_geometry_is_missing(void **state)
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.materials[d.surfaces[0].material].kind, ORL_MATERIAL_LIGHT);
     assert_int_equal(d.n_warnings, 1);
-    assert_non_null(strstr(d.warnings[0], "looks.mgf, is not there"));
+    assert_non_null(strstr(d.warnings[0], "looks.mgf, is missing"));
     orl_parsed_scene_done(&d);
 }
 
@@ -300,7 +300,7 @@ static void test_refused(void **state)
         int code, line;
         const char *says;
     } cases[] = {
-        {"IESNA91\nTILT=INCLUDE\n4 2 0 90 1 .5\n", ORL_ERR_SYNTAX, 3, "lies"},
+        {"IESNA91\nTILT=INCLUDE\n4 2 0 90 1 .5\n", ORL_ERR_SYNTAX, 3, "lamp-to-luminaire"},
         {"IESNA91\nTILT=INCLUDE\n1 2 0 90\n1 -.5\n", ORL_ERR_RANGE, 4, "negative"},
         {"IESNA91\nTILT=INCLUDE\n1 2 0 90 1 .5\n", ORL_ERR_SYNTAX, 4, "ends"},
         {"IESNA91\nTILT=\n", ORL_ERR_SYNTAX, 2, "TILT"},

@@ -119,7 +119,7 @@ static const struct {
     const char *message;
 } refused[] = {
     {"!replmarks marks.rad", ORL_ERR_SYNTAX, "needs -x"},
-    {"!replmarks -x tip.rad mark", ORL_ERR_SYNTAX, "no file"},
+    {"!replmarks -x tip.rad mark", ORL_ERR_SYNTAX, "needs a file"},
     {"!replmarks -m m mark marks.rad", ORL_ERR_SYNTAX, "missing for 'mark'"},
     {"!replmarks -i tip.oct mark marks.rad", ORL_ERR_NOT_FOUND, "tip.oct"},
     {"!replmarks -q mark marks.rad", ORL_ERR_SYNTAX, "'-q'"},
@@ -128,7 +128,7 @@ static const struct {
     {"!replmarks -x a.rad mark marks.rad", ORL_ERR_LIMIT, "includes itself"},
     {"!genbox mark b 1 1 1 | replmarks -x tip.rad mark marks.rad", ORL_ERR_SYNTAX, "no files"},
     {"!genprism mark p 7 0 0 1 0 2 1 2 2 1 3 0 2 -1 1 | replmarks -x tip.rad mark", ORL_ERR_SYNTAX,
-     "no marker"},
+     "not a marker"},
     {"!genbox m b 1 1 1 | cat tip.rad", ORL_ERR_SYNTAX, "no files"},
 };
 

@@ -102,7 +102,7 @@ static void test_what_is_wrong(void **state)
         const char *text, *says;
         int code;
     } cases[] = {
-        {"hello", "begins with", ORL_ERR_SYNTAX},
+        {"hello", "begin with", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\n", "within its header", ORL_ERR_SYNTAX},
         {TOP "NROWS=1\nFORMAT=ascii\n\n1 2 3", "NCOLS", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\n\n1 2 3", "FORMAT", ORL_ERR_SYNTAX},
@@ -111,7 +111,7 @@ static void test_what_is_wrong(void **state)
         {TOP "NCOLS=1\nNCOMP=4\nFORMAT=ascii\n\n1 2 3 4", "components", ORL_ERR_UNSUPPORTED},
         {TOP "NCOLS=1\nNROWS=2\nFORMAT=ascii\n\n1 2 3", "before its last", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nNROWS=1\nFORMAT=ascii\n\n1 2 3 4 5 6", "goes on", ORL_ERR_SYNTAX},
-        {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 3 4", "whole rows", ORL_ERR_SYNTAX},
+        {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 3 4", "whole number of rows", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n", "before its last", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 x", "'x' is not a number", ORL_ERR_SYNTAX},
         {TOP "NCOLS=1\nFORMAT=ascii\n\n1 2 nan", "finite", ORL_ERR_RANGE},

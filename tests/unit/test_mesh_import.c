@@ -174,7 +174,7 @@ static void test_normals(void **state)
     d = read_scene(PAINTS "!obj2rad a.obj\n", &away, 1);
     assert_int_equal(d.n_surfaces, 3);
     assert_int_equal(d.n_warnings, 1);
-    assert_non_null(strstr(d.warnings[0], "3 faces are flat"));
+    assert_non_null(strstr(d.warnings[0], "3 faces are shaded flat"));
     assert_false(d.surfaces[0].has_normals || d.surfaces[1].has_normals);
     orl_parsed_scene_done(&d);
 }
@@ -223,7 +223,7 @@ static void test_piped(void **state)
     expect_error(PAINTS "!gensurf red land s t 's*t' 2 1 -o\n", NULL, 0, "s.rad", 5,
                  "pipe it into obj2rad");
     expect_error(PAINTS "!gensurf red land s t 's*t' 2 1 | obj2rad\n", NULL, 0, "s.rad", 5,
-                 "no OBJ file");
+                 "not an OBJ file");
     expect_error(PAINTS "!gensurf red land s t 's*t' 2 1 -o | obj2rad a.obj\n", NULL, 0, "s.rad", 5,
                  "takes no file");
     expect_error("\n!gensurf oak land s t 's*t' 2 1 -o | obj2rad\n", NULL, 0, "s.rad", 2,
@@ -238,10 +238,10 @@ static void test_wrong_objects(void **state)
         const char *words;
     } cases[] = {
         {SQUARE "f 1 2\n", "", "!obj2rad a.obj", "a.obj", 5, "three corners"},
-        {SQUARE "f 1 2 5\n", "", "!obj2rad a.obj", "a.obj", 5, "not there"},
-        {SQUARE "f 1 2 0\n", "", "!obj2rad a.obj", "a.obj", 5, "not there"},
-        {SQUARE "f 1 2 -5\n", "", "!obj2rad a.obj", "a.obj", 5, "not there"},
-        {SQUARE "f 1//1 2 3\n", "", "!obj2rad a.obj", "a.obj", 5, "not there"},
+        {SQUARE "f 1 2 5\n", "", "!obj2rad a.obj", "a.obj", 5, "does not exist"},
+        {SQUARE "f 1 2 0\n", "", "!obj2rad a.obj", "a.obj", 5, "does not exist"},
+        {SQUARE "f 1 2 -5\n", "", "!obj2rad a.obj", "a.obj", 5, "does not exist"},
+        {SQUARE "f 1//1 2 3\n", "", "!obj2rad a.obj", "a.obj", 5, "does not exist"},
         {"v 0 0 0\nv 1 x 0\n", "", "!obj2rad a.obj", "a.obj", 2, "three numbers"},
         {"v 0 0 1e999\n", "", "!obj2rad a.obj", "a.obj", 1, "three numbers"},
         {SQUARE "usemtl oak\nf 1 2 3\n", "", "!obj2rad a.obj", "a.obj", 6, "'oak' is not defined"},
@@ -251,7 +251,7 @@ static void test_wrong_objects(void **state)
         {SQUARE, "red (Map a)(Map b);", "!obj2rad -m a.map a.obj", "a.map", 1, "two conditions"},
         {SQUARE, "", "!obj2rad -n a.obj", "s.rad", 5, "-n"},
         {SQUARE, "", "!obj2rad a.obj b.obj", "s.rad", 5, "one file"},
-        {SQUARE, "", "!obj2rad -f", "s.rad", 5, "no file"},
+        {SQUARE, "", "!obj2rad -f", "s.rad", 5, "needs a file"},
         {SQUARE, "", "!obj2rad b.obj", "s.rad", 5, "b.obj"},
     };
     (void)state;

@@ -219,30 +219,30 @@ static const struct {
     const char *message; /* part of the message */
 } refused[] = {
     {"f a b c\n", ORL_ERR_SYNTAX, 1, "'a' has not been defined"},
-    {CORNERS "f a b\n", ORL_ERR_SYNTAX, 17, "3 words at the least"},
-    {"v a =\n\n# x\n p 0 0 \\\n  x\n", ORL_ERR_SYNTAX, 5, "'x' stands where a number"},
+    {CORNERS "f a b\n", ORL_ERR_SYNTAX, 17, "3 words or more"},
+    {"v a =\n\n# x\n p 0 0 \\\n  x\n", ORL_ERR_SYNTAX, 5, "'x' is not a number"},
     {"v a b\n", ORL_ERR_SYNTAX, 1, "where '='"},
     {"m a = b\n", ORL_ERR_SYNTAX, 1, "material 'b'"},
-    {"c\n cxy .8 .8\n", ORL_ERR_RANGE, 2, "no chromaticity"},
+    {"c\n cxy .8 .8\n", ORL_ERR_RANGE, 2, "not a chromaticity"},
     {"c\n cct 20\n", ORL_ERR_RANGE, 2, "temperature"},
     {"m\n rd 1.2\n", ORL_ERR_RANGE, 2, "out of range"},
-    {"m m =\n rd .7\n rs .5 0\n" CORNERS "f a b c\n", ORL_ERR_RANGE, 20, "sends on 1.2"},
+    {"m m =\n rd .7\n rs .5 0\n" CORNERS "f a b c\n", ORL_ERR_RANGE, 20, "transmits 1.2"},
     {"xf -t 1 0\n", ORL_ERR_SYNTAX, 1, ""},
-    {"xf -t 1 0 0 other.mgf\n", ORL_ERR_SYNTAX, 1, "'other.mgf' is no transform"},
-    {"xf\n", ORL_ERR_SYNTAX, 1, "no transform has been begun"},
-    {"xf -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "not ended"},
+    {"xf -t 1 0 0 other.mgf\n", ORL_ERR_SYNTAX, 1, "'other.mgf' is not a transform"},
+    {"xf\n", ORL_ERR_SYNTAX, 1, "no transform is open"},
+    {"xf -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "not closed"},
     {"o\n", ORL_ERR_SYNTAX, 1, "no object"},
-    {"ies l.ies\n", ORL_ERR_UNSUPPORTED, 1, "not read here"},
+    {"ies l.ies\n", ORL_ERR_UNSUPPORTED, 1, "not supported here"},
     {"\ni other.mgf\n", ORL_ERR_NOT_FOUND, 2, "there is no other.mgf"},
     {"i\n", ORL_ERR_SYNTAX, 1, "1 words"},
     {"i wrong.mgf -t 1 0\n", ORL_ERR_SYNTAX, 1, ""},
     {CORNERS "torus a .1 .2\n", ORL_ERR_RANGE, 17, "needs a normal"},
-    {CORNERS "torus up .2 .1\n", ORL_ERR_RANGE, 17, "no torus"},
-    {CORNERS "torus up 0 0\n", ORL_ERR_RANGE, 17, "no torus"},
+    {CORNERS "torus up .2 .1\n", ORL_ERR_RANGE, 17, "do not define a torus"},
+    {CORNERS "torus up 0 0\n", ORL_ERR_RANGE, 17, "do not define a torus"},
     {CORNERS "ring a .1 .2\n", ORL_ERR_RANGE, 17, "a normal"},
-    {CORNERS "cone a .1 b -.2\n", ORL_ERR_RANGE, 17, "no cone"},
+    {CORNERS "cone a .1 b -.2\n", ORL_ERR_RANGE, 17, "do not define a cone"},
     {CORNERS "prism a b c 0\n", ORL_ERR_RANGE, 17, "no length"},
-    {"o it's\n", ORL_ERR_SYNTAX, 1, "sign"},
+    {"o it's\n", ORL_ERR_SYNTAX, 1, "not allowed"},
 };
 
 /* Errors in included files. */
@@ -252,9 +252,9 @@ static const struct {
     const char *message, *file;
 } refused_within[] = {
     {"i itself.mgf\n", ORL_ERR_LIMIT, 2, "includes itself", "itself.mgf"},
-    {"i open.mgf\nxf\n", ORL_ERR_SYNTAX, 1, "not ended", "open.mgf"},
-    {"xf -t 1 0 0\ni shut.mgf\n", ORL_ERR_SYNTAX, 1, "has been begun", "shut.mgf"},
-    {"i shut.mgf -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "has been begun", "shut.mgf"},
+    {"i open.mgf\nxf\n", ORL_ERR_SYNTAX, 1, "not closed", "open.mgf"},
+    {"xf -t 1 0 0\ni shut.mgf\n", ORL_ERR_SYNTAX, 1, "is open", "shut.mgf"},
+    {"i shut.mgf -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "is open", "shut.mgf"},
     {"i wrong.mgf -t 1 0 0\n", ORL_ERR_SYNTAX, 3, "where '='", "wrong.mgf"},
 };
 

@@ -300,7 +300,7 @@ static void test_mixtures(void **state)
         const char *second, *words;
     } cases[] = {{"void light b 0 0 3 .2 .2 .2", "of unlike materials"},
                  {"void dielectric b 0 0 5 .2 .2 .2 1.5 0", "of unlike materials"},
-                 {"void brightfunc b 2 Px . 0 0", "'b' is none"}};
+                 {"void brightfunc b 2 Px . 0 0", "'b' is not a material"}};
     struct orl_parsed_scene d = {0};
     struct orl_error err = {0};
     char text[8192];

@@ -114,7 +114,7 @@ static void test_cut(void **state)
     int without = 0;
     assert_int_equal(sscanf(scene->parsed_scene.warnings[0],
                             "a.rad:1: the function of brightfunc f has no value at %d of 1024 "
-                            "places",
+                            "points",
                             &without),
                      1);
     assert_in_range(without, 246, 266); /* a fourth, to 1 % */

@@ -154,7 +154,7 @@ static const struct {
     {"!pkgBSDF -s -q p.xml\n", SIZE, "", ORL_ERR_SYNTAX, "a.rad", 1, "'-q'"},
     {"!pkgBSDF -s p.rad\n", SIZE, "", ORL_ERR_SYNTAX, "a.rad", 1, "end in .xml"},
     {"!pkgBSDF -s q.xml\n", SIZE, "", ORL_ERR_NOT_FOUND, "a.rad", 1, "q.xml"},
-    {"!pkgBSDF -s p.xml\n", "", "", ORL_ERR_RANGE, "a.rad", 1, "no width"},
+    {"!pkgBSDF -s p.xml\n", "", "", ORL_ERR_RANGE, "a.rad", 1, "not give the width"},
     {"!pkgBSDF -s p.xml\n", "<Width>wide</Width>", "", ORL_ERR_RANGE, "p.xml", 3, "'wide'"},
     {"!pkgBSDF -s p.xml\n", SIZE DEPTH, "<Geometry format=\"IFC\"></Geometry>", ORL_ERR_UNSUPPORTED,
      "p.xml", 4, "'IFC'"},

@@ -115,7 +115,8 @@ static void test_narrow_lobes(void **state)
         assert_true(planned.has_curve);
         assert_int_equal(planned.curve.n_points, 0);
         assert_int_equal(planned.curve.threads, 1);
-        assert_non_null(strstr(planned.curve.model, "not known: materials have lobes narrower"));
+        assert_non_null(
+            strstr(planned.curve.model, "not known: lobes of some materials are too narrow"));
     }
 }
 

@@ -99,9 +99,9 @@ static void test_mistakes_say_what_is_wanted(void **state)
         {"{\"sun\":false}", "effects.sun", "\"auto\", \"force\" or \"skip\"", ""},
         {"{\"caustics\":\"Skip\"}", "effects.caustics", "\"auto\", \"force\" or \"skip\"", ""},
         {"{\"caustics\":null}", "effects.caustics", "\"auto\", \"force\" or \"skip\"", ""},
-        {"[\"sun\"]", "effects", "an object is wanted", ""},
-        {"\"skip\"", "effects", "an object is wanted", ""},
-        {"null", "effects", "an object is wanted", ""},
+        {"[\"sun\"]", "effects", "an object is expected", ""},
+        {"\"skip\"", "effects", "an object is expected", ""},
+        {"null", "effects", "an object is expected", ""},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct orl_job job;

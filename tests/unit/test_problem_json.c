@@ -15,7 +15,7 @@ static void test_there_and_back(void **state)
 {
     (void)state;
     struct orl_error err, back;
-    orl_error_set(&err, ORL_ERR_SYNTAX, "three numbers are wanted");
+    orl_error_set(&err, ORL_ERR_SYNTAX, "three numbers are expected");
     orl_error_at(&err, "room.rad", 12, "polygon floor");
     orl_error_hint(&err, "Count them");
     int status = 0;

@@ -107,14 +107,14 @@ static void assert_refused(const char *text, int line, const char *why)
 static void test_what_makes_no_scene_is_refused(void **state)
 {
     (void)state;
-    assert_refused("mat= a.mat\nscene= \"!genbox a b 1 1 1\n", 2, "a quote is open");
+    assert_refused("mat= a.mat\nscene= \"!genbox a b 1 1 1\n", 2, "a quotation mark is not closed");
     assert_refused("scene= a.oct\n", 1, "an octree");
     assert_refused("scene= a.rad \\\n b.rad\nwhat\n", 3, "assigns nothing");
     assert_refused("= a\n", 1, "a name is missing");
-    assert_refused("RES= wide\n", 1, "no resolution");
-    assert_refused("RES= 400 300 times\n", 1, "no resolution");
-    assert_refused("RES= 400 300 -1\n", 1, "no resolution");
-    assert_refused("RES= 400 300 1 1\n", 1, "no resolution");
+    assert_refused("RES= wide\n", 1, "not a resolution");
+    assert_refused("RES= 400 300 times\n", 1, "not a resolution");
+    assert_refused("RES= 400 300 -1\n", 1, "not a resolution");
+    assert_refused("RES= 400 300 1 1\n", 1, "not a resolution");
     assert_refused("scene= \"\"\n", 1, "no name");
     assert_refused("mat= a.mat\n", 1, "no scene files");
 }

@@ -44,13 +44,13 @@ static const struct bad bad_scenes[] = {
     {"void plastic m\n0\n0\n5 .1 1e400 .1 0 0", ORL_ERR_RANGE, 4, "plastic m", "'1e400'"},
     {"void plastic 'm\n0\n0\n", ORL_ERR_SYNTAX, 1, "", "never closed"},
     {"\n\nvoid pl\x01stic m", ORL_ERR_SYNTAX, 3, "", "byte 0x01"},
-    {"\n5 0 0\n", ORL_ERR_SYNTAX, 2, "0 0", "no type"},
+    {"\n5 0 0\n", ORL_ERR_SYNTAX, 2, "0 0", "not a primitive type"},
     /* types and names */
-    {"\nvoid plastik m 0 0 5 0 0 0 0 0", ORL_ERR_SYNTAX, 2, "plastik m", "no type"},
+    {"\nvoid plastik m 0 0 5 0 0 0 0 0", ORL_ERR_SYNTAX, 2, "plastik m", "not a primitive type"},
     {"void mesh t 1 x.rtm 0 0", ORL_ERR_NOT_FOUND, 1, "mesh t", "x.rtm"},
-    {"void mixfunc t 4 a b .5 . 0 0", ORL_ERR_NOT_FOUND, 1, "mixfunc t", "which it mixes"},
+    {"void mixfunc t 4 a b .5 . 0 0", ORL_ERR_NOT_FOUND, 1, "mixfunc t", "its material"},
     {"void mixtext t 4 a b helvet.fnt c.txt 0 9 0 0 0 1 0 0 0 -1 0", ORL_ERR_NOT_FOUND, 1,
-     "mixtext t", "'a', which it mixes"},
+     "mixtext t", "its material 'a'"},
     {"\nred polygon p 0 0 9 0 0 0 1 0 0 0 1 0", ORL_ERR_NOT_FOUND, 2, "polygon p", "'red'"},
     {"red polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n" RED, ORL_ERR_NOT_FOUND, 1, "polygon p", "'red'"},
     {RED "red sphere s 0 0 4 0 0 0 1\ns sphere t 0 0 4 0 0 0 1", ORL_ERR_NOT_FOUND, 3, "sphere t",
@@ -134,7 +134,7 @@ static const struct bad bad_scenes[] = {
     {"void brightfunc f 2 Px . 0 0\nf dielectric g 0 0 5 1 1 1 1.5 0", ORL_ERR_UNSUPPORTED, 2,
      "dielectric g", "not simulated on dielectrics"},
     {"void brightfunc f 2 Dx . 0 0\nf plastic g 0 0 5 1 1 1 0 0", ORL_ERR_UNSUPPORTED, 2,
-     "plastic g", "on what shines only"},
+     "plastic g", "only on light sources"},
     {"void brightfunc f 2 Px . 0 0\nf brightfunc g 2 skybr skybright.cal 0 3 2 1 1",
      ORL_ERR_UNSUPPORTED, 2, "brightfunc g", "a pattern cannot modify a sky"},
     {"void brightfunc f 2 skybright perezlum.cal 0 3 1 2 3", ORL_ERR_SYNTAX, 1, "brightfunc f",
@@ -157,7 +157,8 @@ static const struct bad bad_scenes[] = {
     {BSDF("6 0 x.xml 0 0 1 .", "3 0 0 1"), ORL_ERR_RANGE, 1, "BSDF b", "diffuse"},
     {BSDF("6 0 x.xml 0 0 1 .", "0"), ORL_ERR_NOT_FOUND, 1, "BSDF b", "x.xml"},
     /* commands */
-    {"\n!less /etc/passwd\n", ORL_ERR_UNSUPPORTED, 2, "!less /etc/passwd", "'less' is not run"},
+    {"\n!less /etc/passwd\n", ORL_ERR_UNSUPPORTED, 2, "!less /etc/passwd",
+     "'less' is not supported"},
     {"\n!cat /etc/passwd\n", ORL_ERR_NOT_FOUND, 2, "!cat /etc/passwd", "no file named"},
     {"!genbox red b 1 1 1 > x\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1 > x", "'>'"},
     {"!genbox red b 1 1 1; rm x\n", ORL_ERR_UNSUPPORTED, 1, "!genbox red b 1 1 1; rm x", "';'"},
@@ -175,7 +176,7 @@ static const struct bad bad_scenes[] = {
     {RED "!genbox red b 1 0 1\n", ORL_ERR_RANGE, 2, "!genbox red b 1 0 1", "not positive"},
     {RED "!genbox red b 1 1\n", ORL_ERR_SYNTAX, 2, "!genbox red b 1 1", "three sizes"},
     {RED "!genbox red b 1 1 1 -o\n", ORL_ERR_UNSUPPORTED, 2, "!genbox red b 1 1 1 -o", "'-o'"},
-    {RED "!cat\n", ORL_ERR_SYNTAX, 2, "!cat", "no file"},
+    {RED "!cat\n", ORL_ERR_SYNTAX, 2, "!cat", "needs a file"},
     {RED "!cat missing.rad\n", ORL_ERR_NOT_FOUND, 2, "!cat missing.rad", "missing.rad"},
     {RED "!cat -n a.rad\n", ORL_ERR_UNSUPPORTED, 2, "!cat -n a.rad", "'-n'"},
     {RED "!genprism red p away.txt\n", ORL_ERR_NOT_FOUND, 2, "!genprism red p away.txt",
@@ -188,18 +189,18 @@ static const struct bad bad_scenes[] = {
     {"!gendaylit 1 1 12 -C\n", ORL_ERR_UNSUPPORTED, 1, "!gendaylit 1 1 12 -C", "coloured"},
     {"!gendaylit 1 1 12 -W 5\n", ORL_ERR_SYNTAX, 1, "!gendaylit 1 1 12 -W 5", "needs a number"},
     {"!gendaylit 1 1 25 -W 5 5\n", ORL_ERR_SYNTAX, 1, "!gendaylit 1 1 25 -W 5 5", "time of day"},
-    {"!xform -t 1 0\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0", "lacks a number"},
+    {"!xform -t 1 0\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0", "needs a number"},
     {"!xform -t 1 0 x a.rad\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0 x a.rad", "'x'"},
     {"!xform -s 0 a.rad\n", ORL_ERR_RANGE, 1, "!xform -s 0 a.rad", "must not be 0"},
     {"!xform -s 1e300 -s 1e300 a.rad\n", ORL_ERR_RANGE, 1, "!xform -s 1e300 -s 1e300 a.rad",
      "range"},
-    {"!xform -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0 0", "no file"},
+    {"!xform -t 1 0 0\n", ORL_ERR_SYNTAX, 1, "!xform -t 1 0 0", "needs a file"},
     {"!xform -q a.rad\n", ORL_ERR_SYNTAX, 1, "!xform -q a.rad", "'-q'"},
     {"!xform missing.rad\n", ORL_ERR_NOT_FOUND, 1, "!xform missing.rad", "missing.rad"},
     {"!xform -a 0 a.rad\n", ORL_ERR_SYNTAX, 1, "!xform -a 0 a.rad", "positive count"},
     {"!xform -a 1000000000 a.rad\n", ORL_ERR_LIMIT, 1, "!xform -a 1000000000 a.rad", "copies"},
     {"!genbox red b 1 1 1 | genbox red b 1 1 1\n", ORL_ERR_UNSUPPORTED, 1,
-     "!genbox red b 1 1 1 | genbox red b 1 1 1", "behind"},
+     "!genbox red b 1 1 1 | genbox red b 1 1 1", "follow"},
 };
 
 static int parse_memory(const char *const *names, const struct orl_file *contents, size_t count,
@@ -273,7 +274,7 @@ static void test_missing_main_file(void **state)
     assert_string_equal(err.file, "a.rad");
 }
 
-/* A file of functions among the scene's files: the hint says to leave it out. */
+/* A function file among the scene's files: the hint says to leave it out. */
 static void test_function_file_as_scene(void **state)
 {
     static const char *const names[] = {"hatch.cal"};
@@ -283,7 +284,7 @@ static void test_function_file_as_scene(void **state)
     (void)state;
     assert_int_equal(parse_memory(names, file, 1, &err), ORL_ERR_SYNTAX);
     assert_string_equal(err.file, "hatch.cal");
-    assert_non_null(strstr(err.hint, "file of functions"));
+    assert_non_null(strstr(err.hint, "function file"));
 }
 
 /* Paths with '\\', in commands and in BSDFs, as files written on Windows have them. */
@@ -322,7 +323,7 @@ static void test_missing_files(void **state)
         struct orl_error err = {0};
         assert_int_equal(scene_parse_bytes(texts[i], strlen(texts[i]), &err), ORL_ERR_NOT_FOUND);
         assert_non_null(strstr(err.message, "no file named 'away."));
-        assert_non_null(strstr(err.hint, "beside the file that has them"));
+        assert_non_null(strstr(err.hint, "in the folder of the file that names them"));
         assert_int_equal(err.line, 1);
     }
 }
@@ -341,7 +342,8 @@ static void test_gain_of_glazing(void **state)
         char text[256];
         snprintf(text, sizeof text, "%sg sphere s 0 0 4 0 0 0 1\n", texts[i][0]);
         assert_int_equal(scene_parse_bytes(text, strlen(text), &err), ORL_ERR_RANGE);
-        assert_non_null(strstr(err.message, "it returns 1.1 of the light, more than all"));
+        assert_non_null(
+            strstr(err.message, "it scatters 1.1 of the incident light, which is more than 1"));
         assert_non_null(strstr(err.hint, texts[i][1]));
         assert_int_equal(err.line, 1);
     }

@@ -174,7 +174,7 @@ static void test_a_pattern_alone_is_dark(void **state)
     assert_int_equal(d.n_distant_sources, 1);
     assert_string_equal(d.distant_sources[0].name, "earth");
     assert_int_equal(d.n_warnings, 1);
-    assert_non_null(strstr(d.warnings[0], ":2: source sky gives no light, as in Radiance: its "
+    assert_non_null(strstr(d.warnings[0], ":2: source sky emits no light, as in Radiance: its "
                                           "modifier 'skyfunc' is a pattern"));
     assert_non_null(strstr(d.warnings[0], "skyfunc glow sky_glow 0 0 4 1 1 1 0"));
     orl_parsed_scene_done(&d);
@@ -319,9 +319,8 @@ static void test_bent_polygons(void **state)
     assert_int_equal(d.n_surfaces, 3);
     assert_int_equal(d.n_warnings, 1);
     assert_non_null(strstr(
-        d.warnings[0], "and 1 others: its corners do not lie in one plane, by up to 0.396: light "
-                       "meets the triangles that it is cut into, and all of these have its mean "
-                       "normal"));
+        d.warnings[0], "and 1 others: its corners are off a plane by up to 0.396: it is cut into "
+                       "triangles, which all have its mean normal"));
     orl_parsed_scene_done(&d);
 }
 

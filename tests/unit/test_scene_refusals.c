@@ -52,7 +52,7 @@ static void test_refusals_alike(void **state)
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(scene_parse_bytes(text, sizeof text - 1, &err), ORL_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.message, "its function asks for T"));
+    assert_non_null(strstr(err.message, "its function uses T"));
     assert_non_null(strstr(err.message, "; there are 2 of them"));
     assert_string_equal(err.primitive, "brightfunc p");
 }
@@ -73,7 +73,7 @@ static void test_unused(void **state)
     assert_int_equal(d.n_surfaces, 1);
     assert_int_equal(d.n_warnings, 1);
     assert_string_equal(d.warnings[0],
-                        "plastic bad at scene.rad:1 is passed over, for nothing uses it, and 3 "
+                        "plastic bad at scene.rad:1 is ignored because nothing uses it, and 3 "
                         "others like it: its reflectance (-0.13 0.1 0.1) is not from 0 to 1");
     orl_parsed_scene_done(&d);
 }

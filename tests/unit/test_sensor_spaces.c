@@ -147,10 +147,10 @@ static void test_misplaced(void **state)
     told.n = n;
     add_sensor(&told, 1.6, 3.6, 0.8, orl_v3(0, 0, 1));
     assert_warns(told, room,
-                 "1 of 43 sensors lies in closed spaces without windows, as within a "
+                 "1 of 43 sensors lies in closed spaces without windows, such as a "
                  "solid or a wall, and the others do not: number 43 (from 1)");
     assert_warns(grid(-1.7, 0.3, -0.1, 6, 7), room,
-                 "42 of 42 sensors lie closely below the floor of a room: numbers 1-42 (from 1), "
+                 "42 of 42 sensors lie just below the floor of a room: numbers 1-42 (from 1), "
                  "the first at (-1.7, 0.3, -0.1) behind 'floor' (");
 }
 
@@ -161,7 +161,7 @@ static void test_rooms(void **state)
     (void)state;
     add_sensor(&told, 3, 2, 0.8, orl_v3(0, 0, 1));
     assert_warns(told, rooms,
-                 "1 of 43 sensors lies in another closed space than the others: "
+                 "1 of 43 sensors lies in a different closed space from the others: "
                  "number 43 (from 1), the first at (3, 2, 0.8) behind 'right' (");
     assert_silent(grid(-1.7, 0.3, 0.8, 15, 7), rooms); /* in both rooms, on purpose */
 }
@@ -234,7 +234,7 @@ static void test_alternating_facets(void **state)
                    orl_v3(0, 0, 1));
     }
     const uint64_t rays = check_spaces(&told, raised).rays;
-    assert_non_null(strstr(told.text, "128 of 128 sensors lie closely below the floor"));
+    assert_non_null(strstr(told.text, "128 of 128 sensors lie just below the floor"));
     assert_in_range(rays, MOST, 2 * MOST + 3 * 512);
 }
 

@@ -197,7 +197,7 @@ static void test_errors(void **state)
         {"void spectrum s 1 d65.dat 0 5 400 700 1 1 1\ns" LAMP, "takes 0 string"},
         {"void specfile s 0 0 0\ns" LAMP, "takes 1 string"},
         {"void specfile s 1 flat.dat 0 0\ns" LAMP, "has 2 axes"},
-        {"void specdata s 3 keep d65.dat tent.cal 0 0\ns" LAMP, "wavelengths are one more"},
+        {"void specdata s 3 keep d65.dat tent.cal 0 0\ns" LAMP, "an axis of wavelengths"},
         {"void specpict s 4 keep two.hsr tent.cal x 0 0\ns" LAMP, "2 coordinates"},
         {"void specpict s 5 keep cut.hsr tent.cal x 0 0 0\ns" LAMP, "ends before its last pixel"},
         {"void specfunc s 2 tent tent.cal 0 1 380\ns" LAMP, "first two numbers"},
@@ -222,7 +222,7 @@ static void test_warning(void **state)
     assert_int_equal(parse("void spectrum s 0 0 6 450 600 1 1 1 1\ns" LAMP, &parsed_scene, &err),
                      0);
     assert_int_equal(parsed_scene.n_warnings, 1);
-    assert_non_null(strstr(parsed_scene.warnings[0], "of what an eye sees"));
+    assert_non_null(strstr(parsed_scene.warnings[0], "of the eye's response"));
     assert_int_equal(parsed_scene.n_materials, 1);
     orl_parsed_scene_done(&parsed_scene);
 }

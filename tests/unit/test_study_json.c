@@ -89,7 +89,7 @@ static void test_mistakes_are_named(void **state)
         {"\"gather_samples\": [64],", "", "\"backward\" needs a list of samples", ORL_ERR_INVALID},
         {"[1e4, 20000]", "[0]", "photons[0]: a whole number", ORL_ERR_RANGE},
         {"[1e4, 20000]", "20000", "photons: an array", ORL_ERR_INVALID},
-        {"\"gather_samples\"", "\"pixel_samples\"", "pixel_samples: sensors are measured",
+        {"\"gather_samples\"", "\"pixel_samples\"", "pixel_samples: the study measures sensors",
          ORL_ERR_INVALID},
         {"[64]", "[6.5]", "gather_samples[0]: a whole number", ORL_ERR_RANGE},
         {"\"repeats\": 2", "\"repeats\": 0", "repeats: a whole number", ORL_ERR_RANGE},
@@ -98,16 +98,16 @@ static void test_mistakes_are_named(void **state)
          ORL_ERR_INVALID},
         {"{\"samples\": 512, \"runs\": 4}", "{\"seed\": 512}", "reference.seed: ", ORL_ERR_INVALID},
         {"3600", "0", "points[0].seconds: a number above zero", ORL_ERR_RANGE},
-        {"0.5}", "\"5 %\"}", "points[0].rms: a number is wanted", ORL_ERR_INVALID},
+        {"0.5}", "\"5 %\"}", "points[0].rms: a number is expected", ORL_ERR_INVALID},
         {"0.5}", "0.5, \"rays_per_s\": -1}", "points[0].rays_per_s: a number above zero",
          ORL_ERR_RANGE},
         {"\"name\"", "\"label\"", "points[0].label: ", ORL_ERR_INVALID},
         {"\"By hand\"", "\"\"", "points[0].name: the string is empty", ORL_ERR_INVALID},
-        {"\"sensors\": [[1, 2, 0.8, 0, 0, 1]],", "", "asks for nothing", ORL_ERR_INVALID},
+        {"\"sensors\": [[1, 2, 0.8, 0, 0, 1]],", "", "requests no results", ORL_ERR_INVALID},
         {"\"sensors\": [[1, 2, 0.8, 0, 0, 1]],",
          "\"sensors\": {\"file\": \"s.txt\"}, \"views\": [{\"name\": \"v\", \"view\": \"-vtv\", "
          "\"width\": 8, \"height\": 8}],",
-         "gather_samples: views are measured", ORL_ERR_INVALID},
+         "gather_samples: the study measures views", ORL_ERR_INVALID},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -131,12 +131,12 @@ static void test_errors(void **state)
         {"void brighttext t 2 t.fnt x.txt 0 11 " PLACE "1 0\n", "65 0\n", "x.txt"},
         {"void brighttext t 1 t.fnt 0 11 " PLACE "1 0\n", "", "takes a font file"},
         {"void colortext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "", "15 numbers"},
-        {"void brighttext t 2 t.fnt t.txt 0 11 0 0 0 1 0 0 2 0 0 1 0\n", "", "span no plane"},
-        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 2 0 0 256 0\n", "no letter"},
-        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 1 0 0 65 0\n", "no letter"},
-        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "A 1 0 0\n", "no letter"},
-        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 99999 0 0\n", "no letter"},
-        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 3 0 0\n", "no letter"},
+        {"void brighttext t 2 t.fnt t.txt 0 11 0 0 0 1 0 0 2 0 0 1 0\n", "", "do not span a plane"},
+        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 2 0 0 256 0\n", "not a letter"},
+        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 1 0 0 65 0\n", "not a letter"},
+        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "A 1 0 0\n", "not a letter"},
+        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 99999 0 0\n", "not a letter"},
+        {"void brighttext t 2 t.fnt t.txt 0 11 " PLACE "1 0\n", "65 3 0 0\n", "not a letter"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -187,7 +187,7 @@ static void test_uncertain_hours(void **state)
     for (size_t i = 0; i < HAND_YEAR_SENSORS * result.n_columns; i += 5)
         result.se[i] = 0.3F * result.total[i];
     assert_int_equal(judge_mean(&result, 2, note), ORL_VERDICT_UNDECIDED);
-    assert_string_equal(note, "20 % of the hours have standard errors above 25 %: more "
+    assert_string_equal(note, "20 % of the hours have standard errors above 25 %: use more "
                               "\"samples\"");
     assert_int_equal(judge_mean(&result, 4, note), ORL_VERDICT_PASS);
     assert_string_equal(note, "");

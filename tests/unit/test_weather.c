@@ -230,7 +230,7 @@ static void test_other_forms(void **state)
         {"Latitude (decimal degrees): 45.000\r\nLongitude (decimal degrees): 8.000\r\n", "PVGIS"},
         {"Source,Location ID,City,State,Country,Latitude,Longitude\nNSRDB,1,-,-,-,40,-108\n",
          "NSRDB"},
-        {"time(UTC),T2m,RH\n", "another form"}};
+        {"time(UTC),T2m,RH\n", "format is not supported"}};
     (void)state;
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
         struct orl_weather weather;
@@ -342,7 +342,7 @@ static void test_two_years(void **state)
             assert_non_null(strstr(err.message, "2020 and of 2021"));
             assert_non_null(strstr(err.hint, "\"year\": 2020"));
         } else if (second[i].code < 0) {
-            assert_non_null(strstr(err.message, "lines 3 and 4 are of the same time"));
+            assert_non_null(strstr(err.message, "lines 3 and 4 have the same time"));
         }
         orl_weather_done(&weather);
     }
@@ -364,7 +364,7 @@ static void test_chosen_year(void **state)
     orl_weather_done(&weather);
     assert_int_equal(orl_weather_parse("x", text, strlen(text), 2019, &weather, &err),
                      ORL_ERR_RANGE);
-    assert_non_null(strstr(err.message, "no rows of 2019: its rows are of 2020 to 2022"));
+    assert_non_null(strstr(err.message, "no rows for 2019: its years are 2020 to 2022"));
     const char wea[] = WEA "3 22 11.500 800 120\n";
     assert_int_equal(orl_weather_parse("x", wea, strlen(wea), 2021, &weather, &err),
                      ORL_ERR_INVALID);
@@ -397,7 +397,7 @@ static void test_july_to_june(void **state)
     struct orl_error err = {0};
     assert_int_equal(parse(WEA "7 1 11.5 1 1\n1 1 11.5 1 1\n7 1 11.5 2 2\n", &wea, &err),
                      ORL_ERR_RANGE);
-    assert_non_null(strstr(err.message, "lines 7 and 9 are of the same time: month 7, day 1"));
+    assert_non_null(strstr(err.message, "lines 7 and 9 have the same time: month 7, day 1"));
 }
 
 /* DAYSIM writes 24.25 for a quarter past midnight, also on 31 December; other programs write 24. */

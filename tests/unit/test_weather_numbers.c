@@ -80,9 +80,9 @@ static void test_words(void **state)
         const char *said; /* NULL: no warning */
     } cases[] = {{right, NULL},
                  {half_an_hour_late, "times seem 30 minutes too late"},
-                 {direct_by_another_sun, "made for a sun that is 30 minutes earlier"},
+                 {direct_by_another_sun, "fits a sun 30 minutes earlier"},
                  {no_diffuse, "diffuse irradiance is 0 by day"},
-                 {horizontal, "seems to be that of the horizontal"}};
+                 {horizontal, "seems to be horizontal"}};
     static char text[TEXT];
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -188,10 +188,10 @@ static void test_what_does_not_fit(void **state)
         int code;
     } cases[] = {{good, sky, "4 rows", ORL_ERR_RANGE},
                  {good, other, "23 columns", ORL_ERR_RANGE},
-                 {{0}, daylight, "2 rows, where 3 are", ORL_ERR_RANGE},
+                 {{0}, daylight, "2 rows, but 3 are", ORL_ERR_RANGE},
                  {good, NULL, "is named 'none'", ORL_ERR_INVALID},
-                 {good, NULL, "a sky is wanted", ORL_ERR_INVALID},
-                 {good, NULL, "a sky is wanted", ORL_ERR_INVALID}};
+                 {good, NULL, "give a sky", ORL_ERR_INVALID},
+                 {good, NULL, "give a sky", ORL_ERR_INVALID}};
     (void)state;
     cases[0].term.transmission = sky;
     cases[1].term.sky = other;

@@ -310,7 +310,8 @@ static void test_no_room_costs_nothing_but_time(void **state)
     struct orl_annual_result alone = year_run(&plain), year = year_run(&run);
     assert_same(&alone, &year);
     assert_int_equal(year.n_warnings, alone.n_warnings + 1);
-    assert_non_null(strstr(year.warnings[year.n_warnings - 1], "is not kept for later jobs"));
+    assert_non_null(
+        strstr(year.warnings[year.n_warnings - 1], "could not be cached for later jobs"));
     orl_annual_done(&alone);
     orl_annual_done(&year);
 }

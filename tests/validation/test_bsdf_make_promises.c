@@ -209,10 +209,10 @@ static void what_is_no_panel_is_refused(void **state)
         {{.text = "void light l 0 0 3 1 1 1\nl source sun 0 0 4 0 0 1 .5\n"
                   "void plastic p 0 0 5 1 1 1 0 0\np polygon a 0 0 9 0 0 0 1 0 0 1 1 0\n"},
          ORL_ERR_INVALID,
-         "no part of a panel"},
+         "a panel cannot contain"},
         {{.text = "void glow l 0 0 4 1 1 1 0\nl polygon a 0 0 9 0 0 0 1 0 0 1 1 0\n"},
          ORL_ERR_INVALID,
-         "shines"},
+         "emits light"},
         {{.text = "void plastic p 0 0 5 1 1 1 0 0\n"}, ORL_ERR_INVALID, "no surface"},
         {{.text = "void plastic p 0 0 5 1 1 1 0 0\np polygon a 0 0 9 0 0 0 0 0 1 0 1 0\n"},
          ORL_ERR_INVALID,
@@ -221,7 +221,7 @@ static void what_is_no_panel_is_refused(void **state)
         {{.text = sheet, .paths = 3}, ORL_ERR_RANGE, "paths"},
         {{.text = sheet, .cell = upside_down}, ORL_ERR_RANGE, "cell"},
         {{.text = sheet, .accuracy = 1.5}, ORL_ERR_RANGE, "accuracy"},
-        {{.text = sheet, .accuracy = 0.1, .paths_most = 64}, ORL_ERR_RANGE, "most paths"},
+        {{.text = sheet, .accuracy = 0.1, .paths_most = 64}, ORL_ERR_RANGE, "paths_most must be"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

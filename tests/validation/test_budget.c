@@ -183,10 +183,10 @@ static void test_askers_are_bounded(void **state)
     assert_true(gleam.plan.photons_caustic < 200000);
     assert_true(caustic->stored >= gleam.plan.photons_caustic);
     assert_true(caustic->emitted < 4 * global->emitted);
-    assert_true(says(&gleam, "of 1000000 caustic photons asked for"));
+    assert_true(says(&gleam, "of 1000000 requested caustic photons"));
     expect_same_light(&gleam, &gleam_of_many, 2);
     assert_int_equal(spot.plan.photons_caustic, GLOBAL / 2);
-    assert_false(says(&spot, "asked for"));
+    assert_false(says(&spot, "requested caustic photons"));
     assert_int_equal(few.plan.photons_caustic, 5000);
     orl_result_done(&gleam);
     orl_result_done(&spot);

@@ -40,7 +40,7 @@ static void all_dark(void **state)
     static const struct {
         const char *scene, *why;
     } cases[] = {{ROOM_SKY ROOM_SUN ROOM_GREY BOX, "none of the scene's light reaches them"},
-                 {ROOM_GREY BOX, "the scene has no light"}};
+                 {ROOM_GREY BOX, "the scene has no simulated light"}};
     for (size_t i = 0; i < 2; i++) {
         struct scene_run run = box(cases[i].scene, of_technique(state), 1);
         struct orl_error err = {0};
@@ -61,7 +61,7 @@ static void some_dark(void **state)
     const struct scene_run run = box(ROOM_SKY ROOM_SUN ROOM_GREY BOX, of_technique(state), 2);
     struct orl_result result = scene_run(&run);
     assert_true(result.illuminance_lx[0] == 0 && result.illuminance_lx[1] > 0);
-    assert_true(warned(&result, "1 of 2 sensors is at 0 lx, the first of them sensors[0]"));
+    assert_true(warned(&result, "1 of 2 sensors is at 0 lx, the first is sensors[0]"));
     orl_result_done(&result);
 }
 

@@ -183,7 +183,7 @@ static void test_deadlines(void **state)
     r = run_until(5, &short_clock);
     assert_false(r.outcome.met);
     assert_int_equal(r.outcome.rounds, 1);
-    assert_non_null(strstr(r.outcome.why, "the smallest there is"));
+    assert_non_null(strstr(r.outcome.why, "of the smallest size"));
     orl_result_done(&r);
 }
 

@@ -190,8 +190,8 @@ static void test_refused(void **state)
         enum orl_technique technique;
         const char *message;
     } cases[] = {
-        {SUN SLAB("0 0 3 .1 .1 .1"), ORL_TECHNIQUE_GATHER, "through mist"},
-        {SUN SLAB("0 0 2 .1 .1"), ORL_TECHNIQUE_BACKWARD, "here are 2"},
+        {SUN SLAB("0 0 3 .1 .1 .1"), ORL_TECHNIQUE_GATHER, "does not simulate mist"},
+        {SUN SLAB("0 0 2 .1 .1"), ORL_TECHNIQUE_BACKWARD, "not 2"},
         {SUN SLAB("0 0 3 -.1 .1 .1"), ORL_TECHNIQUE_BACKWARD, "extinction"},
         {SUN SLAB("0 0 6 .1 .1 .1 2 1 1"), ORL_TECHNIQUE_BACKWARD, "albedo"},
         {SUN SLAB("0 0 7 .1 .1 .1 1 1 1 1"), ORL_TECHNIQUE_BACKWARD, "eccentricity"},

@@ -299,7 +299,7 @@ static void test_another_technique_after_the_cross_check(void **state)
     gather.technique = ORL_TECHNIQUE_GATHER;
     struct orl_result r = run_again(sensor_job(ORL_TECHNIQUE_AUTO)), truth = scene_run(&gather);
     assert_int_equal(r.plan.sensor_technique, ORL_TECHNIQUE_GATHER);
-    assert_non_null(strstr(r.plan.sensor_why, "by backward 3 of 3 sensors differed"));
+    assert_non_null(strstr(r.plan.sensor_why, "with backward, 3 of 3 sensors differed"));
     assert_memory_equal(r.illuminance_lx, truth.illuminance_lx, SENSORS * sizeof(double));
     assert_null(r.doubts);
     assert_int_equal(r.cross_check.sensors_off, 0);

@@ -129,7 +129,7 @@ static void test_beyond_halves(void **state)
         struct orl_result result = scene_run(&run);
         int told = 0;
         for (size_t w = 0; w < result.n_warnings; w++)
-            told += strstr(result.warnings[w], "view.exr: brighter than 65504 W/sr/m2") != NULL;
+            told += strstr(result.warnings[w], "view.exr: radiances above 65504 W/sr/m2") != NULL;
         assert_int_equal(told, pictures[i] == ORL_PICTURE_EXR);
         orl_result_done(&result);
     }

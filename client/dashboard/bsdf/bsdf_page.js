@@ -1,4 +1,4 @@
-// BSDFs, uploaded by themselves or with a scene; of one what its check found, and where it sends light.
+// The list of BSDFs, uploaded alone or with a scene; and the page of one BSDF: findings of its check, scattering of light.
 
 import { Problem, ask, explain, get } from '../api.js';
 import { fill, h, setText } from '../dom.js';
@@ -9,7 +9,7 @@ import { roundUp } from '../viewer/palette.js';
 import { PolarMap } from './polar.js';
 
 const LEVELS = { ok: 'Sound', note: 'Note', warning: 'Warning', fault: 'Fault' };
-const VERDICTS = { ok: 'Nothing is wrong with it.', note: 'Sound; there is something to know.', warning: 'To be used with care.', fault: 'Something is wrong with it.' };
+const VERDICTS = { ok: 'No problems found.', note: 'Sound; see the notes.', warning: 'Use it with care.', fault: 'The file has faults.' };
 const DECADES = 4;
 const WAIT_MS = 120; // after the last move of a slider
 
@@ -32,7 +32,7 @@ export class BsdfsPage {
   #drop() {
     const input = h('input', { id: 'xml', type: 'file', accept: '.xml', class: 'unseen', onchange: (event) => this.#send(event.target.files[0]) });
     const drop = h('div', { class: 'drop' }, h('p', {}, h('strong', {}, 'Drop a BSDF file (WINDOW XML) here')),
-      h('p', { class: 'quiet' }, 'It is checked: energy, reciprocity, what goes straight through; and drawn for every direction of light.'),
+      h('p', { class: 'quiet' }, 'Oriel checks energy, reciprocity and direct transmission, and draws the scattering for every direction of light.'),
       h('div', { class: 'controls' }, input, h('label', { for: 'xml', class: 'button' }, 'Choose a file')));
     drop.addEventListener('dragover', (event) => { event.preventDefault(); drop.classList.add('over'); });
     drop.addEventListener('dragleave', () => drop.classList.remove('over'));
@@ -54,10 +54,10 @@ export class BsdfsPage {
   async #load() {
     try {
       const { bsdfs } = await get('/v1/bsdfs?limit=200');
-      this.list.replaceChildren(bsdfs.length === 0 ? h('p', { class: 'quiet' }, 'None yet. One that is dropped here is listed, and so are those that come with scenes.')
+      this.list.replaceChildren(bsdfs.length === 0 ? h('p', { class: 'quiet' }, 'None yet. BSDFs that are dropped here or uploaded with a scene appear in this list.')
         : h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': 'BSDFs' }, h('table', { class: 'kept' },
-          h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Name'), h('th', { scope: 'col' }, 'Came'), ['Uploaded', 'Size', 'Scenes'].map((word) => h('th', { scope: 'col', class: 'n' }, word)))),
-          h('tbody', {}, bsdfs.map((one) => h('tr', {}, h('td', {}, h('a', { href: `#/bsdfs/${one.id}` }, one.name)), h('td', {}, one.by_itself ? 'by itself' : 'with a scene'),
+          h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Name'), h('th', { scope: 'col' }, 'Origin'), ['Uploaded', 'Size', 'Scenes'].map((word) => h('th', { scope: 'col', class: 'n' }, word)))),
+          h('tbody', {}, bsdfs.map((one) => h('tr', {}, h('td', {}, h('a', { href: `#/bsdfs/${one.id}` }, one.name)), h('td', {}, one.by_itself ? 'uploaded alone' : 'with a scene'),
             [moment(one.created_at), bytes(one.bytes), count(one.scene_count)].map((cell) => h('td', { class: 'n' }, cell))))))));
     } catch (error) {
       this.notice.replaceChildren(h('p', { class: 'notice after' }, explain(error)));
@@ -117,9 +117,9 @@ export class BsdfPage {
     const { components: has, check } = summary;
     const given = [has.reflection_front && 'reflection inside', has.reflection_back && 'reflection outside', has.transmission_front && 'transmission outwards', has.transmission_back && 'transmission inwards'].filter(Boolean).join(', ');
     const straight = check.straight_through.normal;
-    return section('about', 'The file', facts([['Name', this.name], ['Kind', summary.kind], ['Directions', count(summary.resolution)], ['Values', count(summary.values)], ['Holds', given || 'nothing'],
+    return section('about', 'The file', facts([['Name', this.name], ['Kind', summary.kind], ['Directions', count(summary.resolution)], ['Values', count(summary.values)], ['Contains', given || 'nothing'],
       ['Colour', summary.colored ? 'yes' : 'no'], ['Thickness', summary.thickness_m > 0 ? `${number(1000 * summary.thickness_m)}\u202fmm` : null], ['Size', bytes(this.bsdf.bytes)],
-      ['Most R + T', `${percent(summary.max_albedo.front, 3)} inside, ${percent(summary.max_albedo.back, 3)} outside`], ['Straight on', straight ? `${percent(straight.straight)} at normal incidence` : null],
+      ['Largest R + T', `${percent(summary.max_albedo.front, 3)} inside, ${percent(summary.max_albedo.back, 3)} outside`], ['Direct transmission', straight ? `${percent(straight.straight)} at normal incidence` : null],
       ['Id', h('span', { class: 'mono wrap' }, this.id)]]));
   }
 
@@ -128,9 +128,9 @@ export class BsdfPage {
   #scatter() {
     const { state } = this;
     const side = (value, words) => h('label', {}, h('input', { type: 'radio', name: 'from', value, checked: value === state.from, onchange: () => { state.from = value; this.#ask(); this.#showAngles(); } }), h('span', {}, words));
-    this.sliders = { theta: this.#slider('theta', 'From the normal', 0, 85, 'theta'), phi: this.#slider('phi', 'Around it', 0, 355, 'phi') };
+    this.sliders = { theta: this.#slider('theta', 'From the normal', 0, 85, 'theta'), phi: this.#slider('phi', 'Azimuth', 0, 355, 'phi') };
     this.figures = h('div', {});
-    this.readout = h('p', { class: 'readout quiet', 'aria-live': 'polite' }, 'Point at a map for its values.');
+    this.readout = h('p', { class: 'readout quiet', 'aria-live': 'polite' }, 'Point at a map to read its values.');
     this.maps = ['Reflected', 'Transmitted'].map((label) => new PolarMap(label, (found) => this.#read(label, found)));
     this.legendPlace = h('div', {});
     return section('scatter', 'Where light goes',
@@ -138,7 +138,7 @@ export class BsdfPage {
       this.figures,
       h('div', { class: 'polars' }, this.maps.map((map, i) => h('figure', {}, map.node, h('figcaption', {}, ['Reflected', 'Transmitted'][i]))), this.legendPlace),
       this.readout,
-      h('p', { class: 'quiet after' }, 'Both seen from inside: the normal in the middle, rings at 30\u00b0 and 60\u00b0 from it. The circle marks where the light comes from, and where it would go straight on. Values are f in 1/sr.'));
+      h('p', { class: 'quiet after' }, 'Both maps are seen from inside, with the normal in the middle and rings at 30\u00b0 and 60\u00b0 from it. The circle marks the direction of the light, or its undeviated continuation. Values are f in 1/sr.'));
   }
 
   #slider(id, label, least, most, key) {
@@ -174,7 +174,7 @@ export class BsdfPage {
     const most = Math.max(...[polar.reflection, polar.transmission].map((rows) => Math.max(...rows.flat())));
     const top = most > 0 ? roundUp(most) : 1;
     const absorbed = Math.max(0, 1 - polar.reflected - polar.transmitted);
-    fill(this.figures, polar, () => facts([['Reflected', percent(polar.reflected, 3)], ['Transmitted', percent(polar.transmitted, 3)], ['of that straight on', percent(polar.straight, 3)], ['Absorbed', percent(absorbed, 3)]]));
+    fill(this.figures, polar, () => facts([['Reflected', percent(polar.reflected, 3)], ['Transmitted', percent(polar.transmitted, 3)], ['of that undeviated', percent(polar.straight, 3)], ['Absorbed', percent(absorbed, 3)]]));
     fill(this.legendPlace, top, () => legend(top, DECADES, '1/sr'));
     const from = { theta: polar.theta_deg, phi: polar.phi_deg };
     this.maps[0].show(polar.reflection, top, DECADES, from, `${percent(polar.reflected, 3)} of the light`);
@@ -183,7 +183,7 @@ export class BsdfPage {
 
   #read(label, found) {
     if (!found) return;
-    setText(this.readout, `${label} at ${found.theta.join(' to ')}\u00b0 from the normal, ${found.phi.join(' to ')}\u00b0 around it: ${number(found.value)}\u202f/sr, ${percent(found.light)} of the light`);
+    setText(this.readout, `${label} at ${found.theta.join(' to ')}\u00b0 from the normal, azimuth ${found.phi.join(' to ')}\u00b0: ${number(found.value)}\u202f/sr, ${percent(found.light)} of the light`);
   }
 
   // ---- By angle ---------------------------------------------------------------------------------
@@ -194,7 +194,7 @@ export class BsdfPage {
     const at = (theta, phi) => rows.find((one) => one.theta_deg === theta && (theta === 0 || one.phi_deg === phi));
     const cell = (theta, phi) => {
       const found = at(theta, phi), text = `${percent(found.transmitted)} / ${percent(found.reflected)}`;
-      const words = theta === 0 ? 'straight on' : `${SIDES[phi]}, ${theta} degrees from the normal`;
+      const words = theta === 0 ? 'along the normal' : `${SIDES[phi]}, ${theta} degrees from the normal`;
       return h('td', { class: 'n', colspan: theta === 0 ? '4' : null }, h('button', { type: 'button', class: 'plain', 'aria-label': `${text}: show light ${words}`, onclick: () => this.#go(theta, phi) }, text));
     };
     fill(this.angles, from, () => section('angles', `Transmitted / reflected, light from ${from === 'front' ? 'inside' : 'outside'}`, h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-labelledby': 'angles' },

@@ -5,14 +5,14 @@ import { colorOf, shareOf } from '../viewer/palette.js';
 
 const ROWS = 36, TURN = 72;
 
-// The share of the light that leaves through a cell.
+// Returns the fraction of the light that leaves through a cell.
 export function lightOf(values, row, column) {
   const [low, high] = [row, row + 1].map((i) => Math.sin((i * Math.PI) / 2 / ROWS) ** 2);
   return (values[row][column] * (high - low) * Math.PI) / TURN;
 }
 
 export class PolarMap {
-  // read: called with {theta, phi, value, light} of what is pointed at, or null.
+  // read: called with {theta, phi, value, light} of the cell under the pointer, or null.
   constructor(label, read) {
     this.label = label;
     this.canvas = h('canvas', { role: 'img', 'aria-label': label, onpointermove: (event) => this.#point(event), onpointerleave: () => read(null) });
@@ -26,14 +26,14 @@ export class PolarMap {
     this.observer.disconnect();
   }
 
-  // mark: {theta, phi, words} of a direction; whole: drawn as a ring, else as a cross.
+  // mark: {theta, phi} of a marked direction.
   show(values, top, decades, mark, words) {
     Object.assign(this, { values, top, decades, mark });
     this.canvas.setAttribute('aria-label', `${this.label}: ${words}`);
     this.#draw();
   }
 
-  // Polar places to the canvas, and back.
+  // Converts polar coordinates to canvas coordinates and back.
   #at(theta, phi) {
     const { half, radius } = this, angle = (phi * Math.PI) / 180;
     return [half + (radius * theta * Math.cos(angle)) / 90, half - (radius * theta * Math.sin(angle)) / 90];

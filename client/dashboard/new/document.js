@@ -19,7 +19,7 @@ const SKIES = {
   weather: (form) => ({ weather: { file: filled(form, 'weather'), ...moment(form) } }),
 };
 
-// Over a rectangle, half a spacing in from its edges, looking up.
+// Sensors on a grid over a rectangle, half a spacing from its edges, facing up.
 export function gridOf(form) {
   const [left, right, low, high, spacing, height] = ['left', 'right', 'low', 'high', 'spacing', 'height'].map((name) => number(form, name));
   const rows = [];
@@ -37,7 +37,7 @@ function sensors(form) {
   return null;
 }
 
-// project: what the scene's summary has of a Honeybee model.
+// project: the summary of a Honeybee model.
 function views(form, project) {
   const size = { width: number(form, 'width'), height: number(form, 'view_height') };
   const kind = form.get('views');

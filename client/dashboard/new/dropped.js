@@ -1,5 +1,5 @@
-// What was dropped or chosen, as the body of an upload: a zip or a Honeybee model as it is, anything else
-// as a zip of it.
+// Dropped or chosen files as the body of an upload: a zip or a Honeybee model unchanged, anything else
+// as a zip.
 
 import { candidates } from './mains.js';
 import { zip } from './zip.js';
@@ -15,7 +15,7 @@ async function filesOf(entry, path) {
   return found;
 }
 
-// Of a drop: entries have to be asked for before anything is waited for.
+// Files of a drop. Entries must be requested before the first await.
 export async function ofDrop(transfer) {
   const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
   if (!entries.length) return ofChoice(transfer.files);
@@ -24,7 +24,7 @@ export async function ofDrop(transfer) {
 
 export const ofChoice = (files) => [...files].map((file) => ({ name: file.webkitRelativePath || file.name, file }));
 
-// A model with what lies beside it: weather, say.
+// A model with the other files, such as weather.
 async function withFiles(model, others) {
   const files = [];
   for (const { name, file } of others) {
@@ -37,8 +37,8 @@ async function withFiles(model, others) {
   return { body, type: 'application/json', names: files.map(({ name }) => name), mains: null };
 }
 
-// {body, type, names, mains}: names as the service will know them, without a folder that holds all; mains
-// as mains.js has candidates, null of a zip or a model.
+// Returns {body, type, names, mains}. names: as in the scene, without a common folder; mains: candidates
+// (mains.js), or null for a zip or a model.
 export async function upload(found) {
   if (found.length === 1 && /\.zip$/i.test(found[0].name)) return { body: found[0].file, type: 'application/zip', names: [], mains: null };
   if (found.length === 1 && /\.(hbjson|json)$/i.test(found[0].name)) return { body: found[0].file, type: 'application/json', names: [], mains: null };

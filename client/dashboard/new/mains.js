@@ -1,9 +1,9 @@
-// The order in which files that somebody picks are read: a name has to be defined before it is used.
-// Which files make the scene the service says, as long as nobody picks any.
+// The order in which chosen files are read: a name must be defined before it is used.
+// Without a choice, the daemon decides which files are the main files.
 
 const SURFACES = new Set(['polygon', 'sphere', 'bubble', 'cone', 'cup', 'cylinder', 'tube', 'ring', 'instance', 'mesh', 'source']);
 
-// {defines, uses, files} of a scene file's text: names of modifiers, and what its commands read.
+// Returns {defines, uses, files} of a scene file: names of modifiers, and files that its commands read.
 export function scan(text) {
   const found = { defines: new Set(), uses: new Set(), files: new Set() };
   const commands = [];
@@ -28,7 +28,7 @@ export function scan(text) {
   return found;
 }
 
-// Files (of {name, scan}) so that what one uses stands in one before it; else by name.
+// Sorts files ({name, scan}) so that definitions come before uses; else by name.
 export function ordered(files) {
   const left = [...files].sort((a, b) => (a.name < b.name ? -1 : 1)), done = [];
   const needs = (one, other) => one !== other && [...one.scan.uses].some((name) => other.scan.defines.has(name) && !one.scan.defines.has(name));
@@ -39,9 +39,9 @@ export function ordered(files) {
   return done.map(({ name }) => name);
 }
 
-// texts: Map of name to text, of the scene files at the top; those of materials (.mat) are some where they
-// define what no other does.
-// {files: of {name, scan}, all: what may be a main file, in order}
+// texts: Map of name to text of the top-level scene files. Material files (.mat) are main files if they
+// define names that no other file defines.
+// Returns {files: list of {name, scan}, all: possible main files, in order}.
 export function candidates(texts) {
   const files = [...texts].map(([name, text]) => ({ name, scan: scan(text) }));
   const named = files.filter(({ name }) => !files.some((other) => other.scan.files.has(name)));

@@ -1,4 +1,4 @@
-// A new job: a scene dropped or chosen, its sky, what is asked for, how exactly; what it will take.
+// The form for a new job: scene, sky, sensors, views, accuracy, and the predicted time.
 
 import { Problem, explain, get, post } from '../api.js';
 import { h, setText } from '../dom.js';
@@ -21,7 +21,7 @@ function radio(name, value, label, checked) {
   return h('label', { class: 'check' }, h('input', { type: 'radio', name, value, checked }), label);
 }
 
-// Shown while the choice is one of those; what is not shown is not checked either.
+// Shown only while the choice has one of the values. Hidden fields are not validated.
 function when(name, values, ...children) {
   return h('fieldset', { class: 'when', 'data-name': name, 'data-values': values }, children);
 }
@@ -47,12 +47,12 @@ export class NewPage {
   #scenePart() {
     const choose = (id, label, more) => [h('input', { id, type: 'file', class: 'unseen', ...more, onchange: (event) => this.#take(ofChoice(event.target.files)) }), h('label', { for: id, class: 'button' }, label)];
     this.drop = h('div', { class: 'drop' }, h('p', {}, h('strong', {}, 'Drop a Radiance scene here, a folder or a zip, or a Honeybee model')),
-      h('p', { class: 'quiet' }, 'Materials, geometry, BSDFs, weather: all that its files refer to.'),
+      h('p', { class: 'quiet' }, 'Include all files that it refers to: materials, geometry, BSDFs, weather.'),
       h('div', { class: 'controls' }, choose('folder', 'Choose a folder', { webkitdirectory: true }), choose('files', 'Choose files, a zip or a model', { multiple: true })));
     this.drop.addEventListener('dragover', (event) => { event.preventDefault(); this.drop.classList.add('over'); });
     this.drop.addEventListener('dragleave', () => this.drop.classList.remove('over'));
     this.drop.addEventListener('drop', (event) => { event.preventDefault(); this.drop.classList.remove('over'); this.#take(ofDrop(event.dataTransfer)); });
-    this.scenes = h('select', { id: 'scene', onchange: (event) => event.target.value && this.#choose(event.target.value) }, h('option', { value: '' }, 'one that is here already'));
+    this.scenes = h('select', { id: 'scene', onchange: (event) => event.target.value && this.#choose(event.target.value) }, h('option', { value: '' }, 'a stored scene'));
     this.known = h('p', { class: 'known', hidden: true }, h('label', { for: 'scene' }, 'Or'), ' ', this.scenes);
     return h('section', { 'aria-label': 'Scene' }, this.drop, this.known);
   }
@@ -81,7 +81,7 @@ export class NewPage {
     }
   }
 
-  // What was dropped; with the files that were picked as the scene's, if any were.
+  // Uploads the dropped files, with the chosen main files if there are any.
   async #send() {
     const { body, type, names, mains } = this.dropped, { chosen } = this;
     this.#say('');
@@ -100,7 +100,7 @@ export class NewPage {
     }
   }
 
-  // Which files make the scene: of a folder often not all that lie there.
+  // Choice of main files: often not all files of a folder belong to the scene.
   #mains(chosen, others) {
     const files = this.dropped.mains?.files || [];
     const known = [...new Set([...chosen, ...others])], left = others.filter((name) => !chosen.includes(name));
@@ -112,10 +112,10 @@ export class NewPage {
       if (this.chosen.length) this.#send();
     };
     return h('details', { class: 'mains' }, h('summary', {}, `Read: ${chosen.join(', ')}${left.length ? `, not ${left.slice(0, 4).join(', ')}${left.length > 4 ? ` and ${left.length - 4} more` : ''}` : ''}`),
-      h('p', { class: 'quiet' }, 'Files of the folder that make the scene. They are read in the order that their names need.'), boxes, h('button', { type: 'button', onclick: again }, 'Read these'));
+      h('p', { class: 'quiet' }, 'Main files of the scene. They are read in an order in which names are defined before they are used.'), boxes, h('button', { type: 'button', onclick: again }, 'Read these'));
   }
 
-  // Of a Honeybee project: a state of each group of windows, and one of its skies, of several.
+  // Choices of a Honeybee project: a state for each group of windows, and one of its skies.
   #projectPart({ states, skies, left_out: leftOut }) {
     const choices = Object.entries(states).map(([group, { chosen, of }]) => ({ label: group, chosen, of, choice: (value) => ['state', `${group}=${value}`] }));
     const sky = this.choices.find(([name]) => name === 'sky')?.[1];
@@ -149,7 +149,7 @@ export class NewPage {
     const extent = bounds.min.every(Number.isFinite) ? bounds.min.map((low, i) => number(bounds.max[i] - low)).join(' \u00d7 ') : '';
     this.outline = extent ? new Outline(scene, (change) => this.#place(change)) : null;
     this.sceneWords.replaceChildren(parts.section('scene-found', 'Scene', h('div', { class: 'found' },
-      h('div', {}, h('p', { class: 'sound' }, 'Checked: all of it can be simulated.'), project ? this.#projectPart(project) : this.dropped && main.length + unread.length > 1 && this.#mains(main, unread), parts.facts([
+      h('div', {}, h('p', { class: 'sound' }, 'Checked: the whole scene can be simulated.'), project ? this.#projectPart(project) : this.dropped && main.length + unread.length > 1 && this.#mains(main, unread), parts.facts([
         ['Read', main.length === 1 && !unread.length ? main[0] : null], ['Surfaces', count(surfaces)], ['Materials', count(materials)], ['BSDFs', bsdfs ? this.#bsdfs(scene) : '0'], ['Suns, skies', count(sources)], ['Extent', extent],
         ['Refers to', referenced.length ? referenced.slice(0, 12).join(', ') + (referenced.length > 12 ? ` and ${referenced.length - 12} more` : '') : null], ['Id', h('span', { class: 'mono' }, shortId(scene.id))]])),
       this.outline?.node)));
@@ -162,7 +162,7 @@ export class NewPage {
     this.#settle();
   }
 
-  // Each with a page of its own.
+  // Links to the pages of the BSDFs.
   #bsdfs(scene) {
     const place = h('span', {}, count(scene.summary.bsdfs));
     get(`/v1/bsdfs?${new URLSearchParams({ scene: scene.id, limit: 12 })}`).then(({ bsdfs, more }) => bsdfs.length && place.replaceChildren(
@@ -183,7 +183,7 @@ export class NewPage {
       when('sky', 'perez', field('direct_w', 'Direct normal, W/m\u00b2', 600), field('diffuse_w', 'Diffuse horizontal, W/m\u00b2', 150))));
   }
 
-  // Of a drag in the floor plan.
+  // Takes the result of dragging in the floor plan.
   #place({ view, area }) {
     const { elements } = this.form;
     if (view) elements.view.value = view;
@@ -192,7 +192,7 @@ export class NewPage {
     this.#settle();
   }
 
-  // area: x and y from and to, that sensors are to fill.
+  // area: x and y ranges for the sensors.
   #fields(own, area, height) {
     this.usual = height;
     const { grids = [], views = [] } = this.scene.summary.project || {};
@@ -209,9 +209,9 @@ export class NewPage {
         h('div', { class: 'field' }, h('label', { for: 'f-sensors' }, 'Sensors'), h('select', { id: 'f-sensors', name: 'sensors' },
           grids.length > 0 && h('option', { value: 'project' }, grids.length === 1 ? `The project\u2019s grid, ${grids[0].name}` : `The project\u2019s ${grids.length} grids`),
           h('option', { value: 'grid' }, 'On a grid over the scene'), h('option', { value: 'rows' }, 'These'), h('option', { value: 'none' }, 'None'))),
-        when('sensors', 'grid', field('spacing', 'Apart', spacing, { min: 0.01 }), field('height', 'At height', height),
+        when('sensors', 'grid', field('spacing', 'Spacing', spacing, { min: 0.01 }), field('height', 'At height', height),
           field('left', 'x from', edge(min[0])), field('right', 'x to', edge(max[0])), field('low', 'y from', edge(min[1])), field('high', 'y to', edge(max[1]))),
-        when('sensors', 'rows', h('div', { class: 'field wide' }, h('label', { for: 'f-rows' }, 'x y z dx dy dz, a line each'), h('textarea', { id: 'f-rows', name: 'rows', rows: 4, required: true }))))),
+        when('sensors', 'rows', h('div', { class: 'field wide' }, h('label', { for: 'f-rows' }, 'x y z dx dy dz, one sensor per line'), h('textarea', { id: 'f-rows', name: 'rows', rows: 4, required: true }))))),
       parts.section('view-asked', 'View', h('div', { class: 'fields' }, h('label', { class: 'check' }, h('input', { type: 'checkbox', name: 'with_view', id: 'with-view', checked: true }), 'Render a view'),
         when('with_view', 'on', views.length > 0 ? h('div', { class: 'field' }, h('label', { for: 'f-views' }, 'Views'), h('select', { id: 'f-views', name: 'views' },
           h('option', { value: 'project' }, views.length === 1 ? `The project\u2019s, ${views[0].name}` : `The project\u2019s ${views.length}`), h('option', { value: 'own' }, 'This one')))
@@ -223,16 +223,16 @@ export class NewPage {
         h('div', { class: 'pair-of' }, radio('goal', 'error', 'An error', true), radio('goal', 'deadline', 'A time', false)),
         when('goal', 'error', field('error', 'Relative error, %', 5, { min: 0.01 })), when('goal', 'deadline', field('deadline', 'Seconds', 60, { min: 0.1 })))),
       parts.section('names', 'Name', h('div', { class: 'fields' },
-        h('div', { class: 'field wide' }, h('label', { for: 'f-name' }, 'What people call it'), h('input', { id: 'f-name', name: 'name', type: 'text', maxlength: 100 })),
-        h('div', { class: 'field wide' }, h('label', { for: 'f-tags' }, 'Tags, by commas'), h('input', { id: 'f-tags', name: 'tags', type: 'text' })))),
+        h('div', { class: 'field wide' }, h('label', { for: 'f-name' }, 'Job name'), h('input', { id: 'f-name', name: 'name', type: 'text', maxlength: 100 })),
+        h('div', { class: 'field wide' }, h('label', { for: 'f-tags' }, 'Tags, separated by commas'), h('input', { id: 'f-tags', name: 'tags', type: 'text' })))),
       h('div', { class: 'controls send' }, this.submit, this.ask, this.counted = h('span', { class: 'quiet' })),
     ];
   }
 
-  // What the choices leave to be filled in.
+  // Shows the fields that the current choices need.
   #settle() {
     for (const part of this.form.querySelectorAll('.when')) {
-      const chosen = String(new FormData(this.form).get(part.dataset.name)); // of those above that are shown
+      const chosen = String(new FormData(this.form).get(part.dataset.name)); // a visible field above
       part.hidden = part.disabled = !part.dataset.values.split(' ').includes(chosen);
     }
     const form = new FormData(this.form);
@@ -252,7 +252,7 @@ export class NewPage {
     try {
       const asked = this.document;
       this.plan?.close();
-      this.planPlace.replaceChildren(h('p', { class: 'quiet' }, 'Two small rounds of it are being rendered\u2026'));
+      this.planPlace.replaceChildren(h('p', { class: 'quiet' }, 'Rendering two small rounds\u2026'));
       const { plans } = await post('/v1/plans', asked);
       this.plan = new PlanPart(plans[0], asked.accuracy);
       this.planPlace.replaceChildren(this.plan.node);

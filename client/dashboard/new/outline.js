@@ -4,12 +4,12 @@ import { Problem, get } from '../api.js';
 import { fill, h, setText, svg } from '../dom.js';
 import { number } from '../format.js';
 
-const DOTS = 4000; // more sensors are drawn as the area that they fill
+const DOTS = 4000; // more sensors are drawn as an area
 const WAIT_MS = 250;
 
 const three = (view, option) => new RegExp(`${option}\\s+(\\S+)\\s+(\\S+)\\s+(\\S+)`).exec(view)?.slice(1).map(Number);
 
-// {at, to, half} of Radiance's view options; half the angle across, radians; null where there are none.
+// Returns {at, to, half} of Radiance view options (half: half the horizontal angle, radians), or null.
 function eyeOf(view) {
   const at = three(view, '-vp'), to = three(view, '-vd');
   if (!at || !to || ![...at, ...to].every(Number.isFinite)) return null;
@@ -20,15 +20,15 @@ function eyeOf(view) {
 export class Outline {
   tool = 'eye';
 
-  // moved: called with {view} when the eye has been dragged, with {area: [x0, y0, x1, y1]} when the
-  // sensors' place has.
+  // moved: called with {view} after dragging the eye, with {area: [x0, y0, x1, y1]} after dragging the
+  // area of the sensors.
   constructor(scene, moved) {
     this.scene = scene;
     this.moved = moved;
     this.walls = svg('path', { class: 'walls' });
     this.asked = svg('g', {});
     this.drawing = svg('svg', { role: 'img', 'aria-label': 'Floor plan', preserveAspectRatio: 'xMidYMid meet' }, this.walls, this.asked);
-    this.caption = h('figcaption', { class: 'quiet' }, 'Cutting the scene\u2026');
+    this.caption = h('figcaption', { class: 'quiet' }, 'Computing the section\u2026');
     const tool = (value, words) => h('label', {}, h('input', { type: 'radio', name: 'tool', value, checked: value === this.tool, onchange: () => { this.tool = value; } }), h('span', {}, words));
     this.tools = h('fieldset', { class: 'modes across' }, h('legend', { class: 'unseen' }, 'What dragging in the plan places'), tool('eye', 'Drag the eye'), tool('area', 'Drag the sensors\u2019 area'));
     this.node = h('figure', { class: 'outline' }, this.drawing, h('div', { class: 'under-plan' }, this.caption, this.tools));
@@ -39,7 +39,7 @@ export class Outline {
     this.#frame([...min.slice(0, 2), ...max.slice(0, 2)]);
   }
 
-  // Cut for the first time; the area that the lines fill, a ground beyond them left out.
+  // First section. The plan shows the area of its lines, without the ground around them.
   async begin(height) {
     const { min, max } = this.scene.summary.bounds;
     const lines = (await this.#cut(height)) || [];
@@ -63,7 +63,7 @@ export class Outline {
     this.drawing.setAttribute('viewBox', [min[0] - edge, -max[1] - edge, max[0] - min[0] + 2 * edge, max[1] - min[1] + 2 * edge].join(' '));
   }
 
-  // form: {sensors: rows or null, height, view}; heights are cut anew when one has stayed.
+  // form: {sensors: rows or null, height, view}. A new height is cut after it has not changed for a while.
   show({ sensors, height, view }) {
     this.view = view;
     fill(this.asked, [sensors, view], () => [this.#sensors(sensors || []), this.#eye(view)]);
@@ -78,7 +78,7 @@ export class Outline {
       const { lines, more } = await get(`/v1/scenes/${this.scene.id}/outline?height=${height}`, { cache: 'default' });
       if (height !== this.height) return null;
       this.walls.setAttribute('d', lines.map(([x, y, u, v]) => `M${x} ${-y}L${u} ${-v}`).join(''));
-      setText(this.caption, `${lines.length === 0 ? 'Nothing is' : 'What is'} cut at ${number(height)} high${more ? ', the longest lines' : ''}.`);
+      setText(this.caption, `${lines.length === 0 ? 'Empty section' : 'Section'} at height ${number(height)}${more ? ', only the longest lines' : ''}.`);
       return lines;
     } catch (error) {
       setText(this.caption, error instanceof Problem && error.status === 404 ? '' : 'The floor plan could not be drawn.');

@@ -1,11 +1,11 @@
-// What a job will take: its plan, and the curve of error against seconds.
+// The plan of a job, and the curve of error against seconds.
 
 import { ChartView, color, settings } from '../charts.js';
 import { h } from '../dom.js';
 import { duration, percent } from '../format.js';
 import * as parts from '../job_parts.js';
 
-// Between points of the curve, straight on logarithmic scales; null where it does not reach.
+// Interpolates the curve linearly on logarithmic scales; null outside its range.
 export function between(points, from, to, value) {
   const at = points.findIndex((point, i) => i > 0 && (points[i - 1][from] - value) * (point[from] - value) <= 0);
   if (at < 0) return null;
@@ -14,18 +14,18 @@ export function between(points, from, to, value) {
   return a[to] * (b[to] / a[to]) ** share;
 }
 
-// {figure, words} of what is asked: {relative_error} or {deadline_s}.
+// Returns {figure, words} for the goal: {relative_error} or {deadline_s}.
 export function answer(points, asked, threads) {
   const on = threads === 1 ? 'on one thread' : `on ${threads} threads`;
   const [first, last] = [points[0], points.at(-1)];
   if (asked.deadline_s) {
     const error = between(points, 'seconds', 'error', asked.deadline_s);
     if (error !== null) return { figure: percent(error), words: ` in ${duration(asked.deadline_s)}, ${on}` };
-    return asked.deadline_s < first.seconds ? { figure: `over ${percent(first.error)}`, words: ` in ${duration(asked.deadline_s)}, ${on}` } : { figure: percent(last.error), words: ` is as far as a job goes, in ${duration(last.seconds)} ${on}` };
+    return asked.deadline_s < first.seconds ? { figure: `over ${percent(first.error)}`, words: ` in ${duration(asked.deadline_s)}, ${on}` } : { figure: percent(last.error), words: ` is the smallest error that a job can reach, in ${duration(last.seconds)} ${on}` };
   }
   const seconds = between(points, 'error', 'seconds', asked.relative_error);
   if (seconds !== null) return { figure: duration(seconds), words: ` to ${percent(asked.relative_error)}, ${on}` };
-  return asked.relative_error > first.error ? { figure: `under ${duration(first.seconds)}`, words: ` to ${percent(asked.relative_error)}, ${on}` } : { figure: percent(last.error), words: ` is as far as a job goes, in ${duration(last.seconds)} ${on}` };
+  return asked.relative_error > first.error ? { figure: `under ${duration(first.seconds)}`, words: ` to ${percent(asked.relative_error)}, ${on}` } : { figure: percent(last.error), words: ` is the smallest error that a job can reach, in ${duration(last.seconds)} ${on}` };
 }
 
 function describe({ points, asked }) {
@@ -59,12 +59,12 @@ export class PlanPart {
     this.chart = new ChartView('Error against seconds', describe);
     this.chart.show({ points, asked: { error: asked.relative_error, seconds: asked.deadline_s } }).catch(() => {});
     return parts.section('cost', 'What it will take', h('p', { class: 'figure' }, h('strong', {}, figure), h('span', {}, words)), this.chart.node,
-      h('p', { class: 'quiet' }, `By ${parts.techniqueWords(technique)}, worked out from two small rounds of the job (${model}).`));
+      h('p', { class: 'quiet' }, `By ${parts.techniqueWords(technique)}, estimated from two small rounds of the job (${model}).`));
   }
 
   #foreseen(plan, curve) {
     const dearest = plan.effects.reduce((most, one) => Math.max(most, one.cost_s || 0), 0), whole = plan.foresight?.job_s ?? null;
-    return h('div', {}, h('p', { class: 'figure' }, h('strong', {}, duration(whole ?? dearest)), h('span', {}, whole === null ? ' for its dearest effect, on one thread; rounds to the accuracy asked for come on top' : ' foreseen for all of it')),
+    return h('div', {}, h('p', { class: 'figure' }, h('strong', {}, duration(whole ?? dearest)), h('span', {}, whole === null ? ' for its most expensive effect, on one thread; rounds for the accuracy add to this' : ' predicted for the whole job')),
       curve?.model && h('p', { class: 'quiet' }, `${curve.model[0].toUpperCase()}${curve.model.slice(1)}.`));
   }
 }

@@ -1,4 +1,4 @@
-// A zip of files as they are, without compression: what the service takes a folder as.
+// Writes an uncompressed zip, the format in which folders are uploaded.
 
 const TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
   for (let k = 0; k < 8; k++) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;

@@ -1,6 +1,6 @@
-// Sensors with their places, sorted into the planes that they lie in, each with axes to draw it by.
+// Sorts sensors into the planes that contain them, each with axes for drawing.
 
-// Rows of x y z dx dy dz, of a job's document or its sensors.csv.
+// Rows of x y z dx dy dz from a job's document or its sensors.csv.
 export function rowsOfCsv(text) {
   const [head, ...lines] = text.trim().split('\n');
   if (!head.startsWith('x,y,z,dx,dy,dz')) return [];
@@ -14,7 +14,7 @@ function unit(a) {
   return a.map((value) => value / length);
 }
 
-// Floors and ceilings are seen from above; walls from the side that sensors look to, up being up.
+// Floors and ceilings are seen from above; walls from the side that the sensors face, upright.
 function axesOf(normal) {
   if (Math.abs(normal[2]) > 0.9) return [[1, 0, 0], [0, 1, 0]];
   const across = unit(cross([0, 0, 1], normal));
@@ -29,8 +29,8 @@ function faceWords(normal) {
   return `facing ${compass[(turn + 8) % 8]}`;
 }
 
-// Where cells along an axis begin and end: half-way between neighbours. Of places that are in no grid
-// (many values, few of each) squares of the least distance.
+// Borders of cells along an axis: half-way between neighbours. Scattered sensors (many distinct values)
+// get squares of the smallest distance.
 function edges(values, gridded) {
   const at = [...new Set(values.map((value) => Math.round(value * 1e4) / 1e4))].sort((a, b) => a - b);
   const gaps = at.slice(1).map((value, i) => value - at[i]);
@@ -46,12 +46,12 @@ function cells(sensors) {
   const [us, vs] = ['u', 'v'].map((key) => edges(sensors.map((one) => one[key]), gridded));
   const of = (map, value) => map.get(Math.round(value * 1e4) / 1e4);
   const widest = Math.max(...[...us.values(), ...vs.values()].map(({ from, to }) => to - from)) || 0.5;
-  // A single row or column is as wide as its cells are long.
+  // A single row or column gets cells of the usual size.
   const wide = ({ i, from, to }) => (to > from ? { i, from, to } : { i, from: from - widest / 2, to: to + widest / 2 });
   return sensors.map((one) => ({ ...one, across: wide(of(us, one.u)), along: wide(of(vs, one.v)) }));
 }
 
-// [{name, sensors: [{index, place, across, along}], box: [u0, v0, u1, v1]}], the largest first.
+// Returns [{name, sensors: [{index, place, across, along}], box: [u0, v0, u1, v1]}], the largest first.
 export function planes(rows) {
   const found = new Map();
   rows.forEach((row, index) => {
@@ -73,7 +73,7 @@ export function planes(rows) {
   });
 }
 
-// How many are at a threshold or above, and between how many by their 95 % intervals.
+// Counts sensors at or above a threshold, with bounds from their 95 % intervals.
 export function above(sensors, threshold) {
   let count = 0, low = 0, high = 0;
   for (const { illuminance_lx: value, interval_95_lx: interval } of sensors) {

@@ -1,4 +1,4 @@
-// Sensors over their planes: colours by illuminance, a threshold and the share that reaches it.
+// The page of sensors: heat maps of their planes, a threshold and the fraction that reaches it.
 
 import { ask, explain, filePath, get, jobPath } from '../api.js';
 import { fill, h, setText } from '../dom.js';
@@ -7,7 +7,7 @@ import { legend } from '../viewer/legend.js';
 import { colorOf, roundUp, shareOf } from '../viewer/palette.js';
 import { above, isOpen, planes, rowsOfCsv } from './planes.js';
 
-const SHOWN = 500; // rows of the table; the file has all
+const SHOWN = 500; // rows of the table; the file has all sensors
 
 export class SensorsPage {
   title = 'Sensors';
@@ -73,13 +73,13 @@ export class SensorsPage {
     this.desk.hidden = false;
     this.notice.replaceChildren();
     this.stage.hidden = !this.planes.length;
-    if (!this.planes.length) this.notice.replaceChildren(h('p', { class: 'notice calm' }, 'The job took its sensors from a file of the scene. With heat_map in its document they have places here, too.'));
+    if (!this.planes.length) this.notice.replaceChildren(h('p', { class: 'notice calm' }, 'The sensors come from a file of the scene, so their positions are not known here. Add heat_map to the job document to see them.'));
     this.#showPanel();
     this.#showTable();
     this.#update();
   }
 
-  // From the document, or else from the file that a job with a heat map has.
+  // Positions from the document, or else from the file of a job with a heat map.
   async #places(result) {
     if (Array.isArray(this.document.sensors)) return this.document.sensors;
     const csv = result.sensor_files?.csv;
@@ -104,7 +104,7 @@ export class SensorsPage {
     this.#draw();
   }
 
-  // Where a place of the plane is on the canvas, in its pixels.
+  // Converts plane coordinates to canvas pixels.
   #fit() {
     const [u0, v0, u1, v1] = this.plane.box, { width, height } = this.canvas;
     const scale = Math.min((width - 24) / (u1 - u0), (height - 24) / (v1 - v0));
@@ -145,7 +145,7 @@ export class SensorsPage {
     context.restore();
   }
 
-  // A line around those that reach the threshold, where their neighbours do not.
+  // Draws a line between sensors that reach the threshold and neighbours that do not.
   #edge(context, place, ink, ratio) {
     const reaches = ({ index }) => this.sensors[index].illuminance_lx >= this.state.threshold;
     const lit = this.plane.sensors.filter(reaches), keys = new Set(lit.map(({ across, along }) => `${across.i},${along.i}`));
@@ -204,7 +204,7 @@ export class SensorsPage {
       this.planes.length > 0 && this.#slider('scale-top', 'Top of the colours, lx', 10, 200000, state.top, (value) => { state.top = value; this.#update(); }),
       this.planes.length > 0 && h('label', { class: 'check' }, h('input', { type: 'checkbox', id: 'scale-log', checked: state.decades > 0, onchange: (event) => { state.decades = event.target.checked ? 3 : 0; this.#update(); } }), 'Logarithmic, three decades'),
       this.planes.length > 0 && this.legendPlace,
-      this.planes.length > 0 && h('p', { class: 'quiet' }, 'The line is around sensors that reach the threshold. Hatched: it lies within their interval.'),
+      this.planes.length > 0 && h('p', { class: 'quiet' }, 'The line surrounds sensors that reach the threshold. Hatched sensors have it within their interval.'),
       h('p', {}, h('a', { href: this.#csv(), download: 'sensors.csv' }, 'All sensors as CSV')),
     ].filter(Boolean));
   }

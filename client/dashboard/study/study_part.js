@@ -1,4 +1,4 @@
-// A study's points, as they come: error against seconds, each to be started as a job.
+// A study's points as they arrive: error against seconds; each can be started as a job.
 
 import { ChartView, color, settings } from '../charts.js';
 import { fill, h, setText } from '../dom.js';
@@ -8,14 +8,14 @@ import { section } from '../job_parts.js';
 const SHAPES = { backward: 'circle', gather: 'triangle', direct: 'rect', precomputed: 'rectRot' };
 const COLORS = { backward: '--series-1', gather: '--series-2', direct: '--series-3', precomputed: '--series-4' };
 
-// Those of a study that has ended, and in short of one that runs, in one form.
+// Points of a finished study (full) or a running study (short), in one form.
 const pointsOf = (job, result) => (result?.points || job.study?.points || []).map(({ technique, photons, samples, seconds, total_s, rms, rms_error, on_front }) =>
   ({ technique, photons, samples, seconds: seconds?.total ?? total_s, rms, error: rms_error, front: !!on_front }));
 
 export const settingWords = ({ technique, photons, samples }) =>
   [technique, photons && `${count(photons)} photons`, samples && `${count(samples)} samples`].filter(Boolean).join(', ');
 
-// The job that a point was measured by, of the study's document.
+// The job document that corresponds to a point of the study.
 export function jobOf(document, { technique, photons, samples }) {
   const { kind, techniques, photons: all, gather_samples: gather, pixel_samples: pixel, repeats, reference, points, title, note, name, ...rest } = document;
   return {
@@ -55,7 +55,7 @@ function describe({ points, given, start }) {
 }
 
 export class StudyPart {
-  // start: of a point; starts that job, or null where one may not.
+  // start: starts a point as a job; null if this is not allowed.
   constructor(start) {
     this.start = start;
     this.words = h('p', { class: 'quiet' });
@@ -74,7 +74,7 @@ export class StudyPart {
   show(job, result) {
     const points = pointsOf(job, result);
     const { study } = job;
-    setText(this.words, result?.points ? 'Larger marks: no other setting is both quicker and more accurate.'
+    setText(this.words, result?.points ? 'Larger marks: no other setting is both faster and more accurate.'
       : study ? `${points.length} of ${study.settings} settings measured; at ${study.running === 'parts' ? 'all runs, in parts' : study.running === 'reference' ? 'the reference' : settingWords(study)}, run ${study.run} of ${study.runs}.` : 'Nothing is measured yet.');
     fill(this.rows, points, () => [...points].sort((a, b) => a.seconds - b.seconds).map((point) => h('tr', {}, h('td', {}, point.technique),
       [count(point.photons ?? NaN), count(point.samples ?? NaN), duration(point.seconds), point.rms === null ? NONE : `${percent(point.rms)}${point.error ? ` \u00b1\u202f${percent(point.error)}` : ''}`].map((cell) => h('td', { class: 'n' }, cell)),

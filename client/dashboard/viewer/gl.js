@@ -1,5 +1,5 @@
-// Pictures of floats on a canvas, by WebGL 2: in an exposure, in false colours, as errors, as the eye
-// would see them; two of them with a line to wipe; from all of them to single pixels.
+// Draws HDR pictures with WebGL 2: with an exposure, in false colours, as errors, or tone mapped for the
+// human eye; two pictures side by side with a wipe; at any zoom.
 
 import { EFFICACY, LUMA } from './hdr.js';
 import { texels } from './palette.js';
@@ -20,7 +20,7 @@ uniform int mode;
 out vec4 shown;
 const vec3 weights = vec3(${LUMA.join(', ')});
 
-// A pixel; where many fall together, their mean.
+// A pixel, or the mean of the pixels under one canvas pixel.
 vec4 look(sampler2D from, vec2 at, vec2 extent, vec2 step) {
   ivec2 most = ivec2(extent) - 1;
   ivec2 count = clamp(ivec2(ceil(step - 0.01)), 1, 8);
@@ -39,7 +39,7 @@ vec4 pixel(vec2 at, bool other) {
   return look(second, at * ratio, otherSize, scale < 1.0 ? step * ratio : ratio);
 }
 float light(vec4 found) { return dot(found.rgb, weights); }
-// What false colours show: light, or its relative error.
+// The quantity for false colours: luminance, or its relative error.
 float value(vec4 found) {
   return mode == 2 ? (light(found) > 0.0 ? found.a / light(found) : 0.0) : light(found) * ${EFFICACY}.0;
 }
@@ -52,7 +52,7 @@ vec3 display(vec3 linear) {
   return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 }
 vec3 shade(float part) { return texelFetch(palette, ivec2(clamp(part, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb; }
-// Of the mean over nine pixels: single ones are too noisy for lines.
+// Isolines of means over nine pixels: single pixels are too noisy.
 float band(vec2 at, bool other) {
   float sum = 0.0;
   for (int i = 0; i < 9; i++) sum += value(pixel(clamp(at + vec2(i % 3 - 1, i / 3 - 1), vec2(0.0), size - 1.0), other));
@@ -90,7 +90,7 @@ export class Painter {
 
   constructor(canvas) {
     const gl = canvas.getContext('webgl2', { alpha: true, antialias: false, preserveDrawingBuffer: true });
-    if (!gl) throw new Error('This browser has no WebGL 2, which the viewer takes.');
+    if (!gl) throw new Error('The viewer needs WebGL 2, which this browser does not support.');
     this.gl = gl;
     const program = gl.createProgram();
     gl.attachShader(program, compile(gl, gl.VERTEX_SHADER, VERTEX));
@@ -120,7 +120,7 @@ export class Painter {
     else gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, gl.RGBA, type, data);
   }
 
-  // name: 'first' or 'second', of a decoded picture.
+  // name: 'first' or 'second'; picture: decoded.
   take(name, { width, height, pixels }) {
     const { gl } = this;
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
@@ -132,7 +132,7 @@ export class Painter {
     this.#fill('eye', this.gl.RGBA8, 0, 0, this.gl.UNSIGNED_BYTE, bitmap);
   }
 
-  // All in pixels of the picture but scale and offset, which are in the canvas's.
+  // All in picture pixels, except scale and offset, which are in canvas pixels.
   draw({ size, otherSize, scale, offset, mode, exposure, top, decades, bands, wipe, cover }) {
     const { gl } = this, at = this.#uniforms;
     const { width, height } = gl.canvas;

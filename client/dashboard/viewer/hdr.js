@@ -1,6 +1,6 @@
-// Radiance pictures (RGBE) as floats: W/sr/m2 in Radiance's RGB, without the file's exposure.
+// Decodes Radiance pictures (RGBE) to floats: W/sr/m2 in Radiance's RGB, without the file's exposure.
 
-// Radiance's own weights and efficacy (core/include/oriel/base/units.h).
+// Weights and efficacy of Radiance (core/include/oriel/base/units.h).
 export const LUMA = [0.265074126, 0.670114631, 0.064811243];
 export const EFFICACY = 179;
 
@@ -9,23 +9,23 @@ function readHeader(bytes) {
   const decoder = new TextDecoder('latin1');
   const line = () => {
     const end = bytes.indexOf(10, header.at);
-    if (end < 0) throw new Error('the picture has no end of its header');
+    if (end < 0) throw new Error('the header of the picture has no end');
     const text = decoder.decode(bytes.subarray(header.at, end));
     header.at = end + 1;
     return text;
   };
-  if (!line().startsWith('#?')) throw new Error('this is no Radiance picture');
+  if (!line().startsWith('#?')) throw new Error('this is not a Radiance picture');
   for (let text = line(); text !== ''; text = line()) {
     if (text.startsWith('EXPOSURE=')) header.exposure *= parseFloat(text.slice(9));
     if (text.startsWith('VIEW=')) header.view = text.slice(5);
-    if (text.startsWith('FORMAT=') && text.slice(7).trim() !== '32-bit_rle_rgbe') throw new Error(`format ${text.slice(7)}`);
+    if (text.startsWith('FORMAT=') && text.slice(7).trim() !== '32-bit_rle_rgbe') throw new Error(`the picture's format ${text.slice(7)} is not supported`);
   }
   const size = /^-Y (\d+) \+X (\d+)$/.exec(line());
-  if (!size) throw new Error('the picture is turned, or its size is missing');
+  if (!size) throw new Error('the picture is rotated or mirrored, or its size is missing');
   return Object.assign(header, { height: Number(size[1]), width: Number(size[2]) });
 }
 
-// One line of RGBE, component by component where it is packed so, into row. Returns where the next is.
+// Decodes one line of RGBE, new or old encoding, into row. Returns the offset of the next line.
 function readRow(bytes, at, width, row) {
   const packed = width >= 8 && width < 32768 && bytes[at] === 2 && bytes[at + 1] === 2 && (bytes[at + 2] << 8 | bytes[at + 3]) === width;
   if (!packed) return readOldRow(bytes, at, width, row);
@@ -33,7 +33,7 @@ function readRow(bytes, at, width, row) {
   for (let c = 0; c < 4; c++)
     for (let x = 0; x < width;) {
       const code = bytes[at++];
-      if (code === undefined) throw new Error('the picture breaks off');
+      if (code === undefined) throw new Error('the picture is truncated');
       if (code > 128) {
         const value = bytes[at++];
         for (let i = code & 127; i > 0 && x < width; i--, x++) row[4 * x + c] = value;
@@ -44,10 +44,10 @@ function readRow(bytes, at, width, row) {
   return at;
 }
 
-// Pixel by pixel; 1 1 1 n repeats the one before.
+// Pixel by pixel; 1 1 1 n repeats the previous pixel.
 function readOldRow(bytes, at, width, row) {
   for (let x = 0, shift = 0; x < width;) {
-    if (at + 4 > bytes.length) throw new Error('the picture breaks off');
+    if (at + 4 > bytes.length) throw new Error('the picture is truncated');
     if (x > 0 && bytes[at] === 1 && bytes[at + 1] === 1 && bytes[at + 2] === 1) {
       for (let i = bytes[at + 3] << shift; i > 0 && x < width; i--, x++) row.copyWithin(4 * x, 4 * x - 4, 4 * x);
       shift += 8;
@@ -60,7 +60,7 @@ function readOldRow(bytes, at, width, row) {
   return at;
 }
 
-// {width, height, view, pixels}: pixels has four floats each, the fourth 0, top row first.
+// Returns {width, height, view, pixels}: four floats per pixel, the fourth 0, top row first.
 export function decode(buffer) {
   const bytes = new Uint8Array(buffer);
   const { width, height, view, exposure, at: start } = readHeader(bytes);
@@ -81,7 +81,7 @@ export function decode(buffer) {
 
 export const luma = (pixels, i) => LUMA[0] * pixels[i] + LUMA[1] * pixels[i + 1] + LUMA[2] * pixels[i + 2];
 
-// What scales go by: the geometric mean of what is lit, and what 99 of 100 pixels stay below.
+// Statistics for scales: the geometric mean of lit pixels, and the 99th percentile.
 export function survey(pixels) {
   const values = new Float32Array(pixels.length / 4);
   let logs = 0, lit = 0;

@@ -1,5 +1,5 @@
-// Fetches and decodes pictures beside the page: {id, picture, errors} in, the decoded one out. The
-// standard error of a pixel's luma, where there is one, becomes its fourth number.
+// Fetches and decodes pictures in a worker. Input: {id, picture, errors}; output: the decoded picture, with
+// the standard error of a pixel's luma, if known, as its fourth number.
 
 import { decode, luma, survey } from './hdr.js';
 

@@ -1,4 +1,4 @@
-// The service's palette of even steps of lightness (core/render/picture/palette.c), and its scales.
+// The palette of even lightness steps (core/render/picture/palette.c), and its scales.
 
 const POINTS = [[28, 18, 107], [10, 44, 115], [12, 65, 114], [14, 84, 115], [17, 103, 119], [20, 122, 121], [23, 141, 117],
   [28, 161, 106], [69, 179, 96], [119, 194, 94], [162, 208, 95], [204, 220, 101], [245, 232, 112]];
@@ -15,14 +15,14 @@ export function texels(count = 256) {
   return bytes;
 }
 
-// The next of 1, 2 and 5 times powers of ten.
+// Rounds up to 1, 2 or 5 times a power of ten.
 export function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   const digits = value / power;
   return power * (digits <= 1 ? 1 : digits <= 2 ? 2 : digits <= 5 ? 5 : 10);
 }
 
-// Values beside a legend, from 0 or the lowest to the top.
+// Labelled values of a legend, from 0 or the lowest value to the top.
 export function levels(top, decades) {
   const found = [];
   if (decades > 0) {

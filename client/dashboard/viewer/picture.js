@@ -1,4 +1,4 @@
-// A decoded picture, and what is asked of it: a pixel, a region.
+// A decoded picture, with queries for pixels and regions.
 
 import { filePath } from '../api.js';
 import { EFFICACY, luma } from './hdr.js';
@@ -23,7 +23,7 @@ function ask(message) {
   });
 }
 
-// file: NAME.hdr of a job; its errors come along where the job has them.
+// file: NAME.hdr of a job; errors are loaded, too, if the job has them.
 export async function load(job, file, hasErrors) {
   const errors = hasErrors ? filePath(job, file.replace(/\.hdr$/, '.error.hdr')) : null;
   return new Picture(await ask({ picture: filePath(job, file), errors }));
@@ -34,17 +34,17 @@ export class Picture {
     Object.assign(this, found);
   }
 
-  // In cd/m2, or lx of a view of irradiance: {value, error}, error NaN where it is not known.
+  // Returns {value, error} in cd/m2, or lx for a view of irradiance; error is NaN if not known.
   at([x, y]) {
     const i = 4 * (y * this.width + x);
     return { value: EFFICACY * luma(this.pixels, i), error: this.knowsErrors ? EFFICACY * this.pixels[i + 3] : NaN };
   }
 
-  // Around what is brighter than so many cd/m2: an SVG path, in pixels.
+  // Returns the outline of pixels brighter than the threshold (cd/m2) as an SVG path in pixels.
   edgeOf(threshold) {
     const { width, height, pixels } = this, parts = [];
     const lit = (x, y) => x >= 0 && y >= 0 && x < width && y < height && EFFICACY * luma(pixels, 4 * (y * width + x)) >= threshold;
-    // Along each row of edges, then each column, as long as one goes on.
+    // Joins edges along each row, then along each column.
     const walk = (lines, length, differs, piece) => {
       for (let line = 0; line <= lines; line++)
         for (let at = 0, from = -1; at <= length; at++) {

@@ -1,4 +1,4 @@
-// Where a picture lies on its canvas: fitted, moved by dragging, closer by wheel, pinch or key.
+// Position and zoom of a picture on its canvas: fitted, dragged, zoomed by wheel, pinch or key.
 
 const STEP = 1.25, MOST = 48;
 
@@ -51,7 +51,7 @@ export class Surface extends EventTarget {
     this.#changed();
   }
 
-  // By a factor, about a place of the canvas; the middle by default.
+  // Zooms by a factor around a point of the canvas; by default the middle.
   zoom(factor, about = [this.canvas.width / 2, this.canvas.height / 2]) {
     const scale = Math.min(MOST * this.ratio, Math.max(0.05, this.scale * factor));
     this.offset = this.offset.map((value, i) => about[i] - ((about[i] - value) * scale) / this.scale);
@@ -64,7 +64,7 @@ export class Surface extends EventTarget {
     this.zoom((scale * this.ratio) / this.scale);
   }
 
-  // So that a pixel is in sight.
+  // Moves the picture so that a pixel is visible.
   show([x, y]) {
     const at = [x + 0.5, y + 0.5].map((value, i) => value * this.scale + this.offset[i]);
     const extent = [this.canvas.width, this.canvas.height];
@@ -81,13 +81,13 @@ export class Surface extends EventTarget {
     return [(event.clientX - box.left) * this.ratio, (event.clientY - box.top) * this.ratio];
   }
 
-  // The pixel of the picture there, or null.
+  // Returns the picture pixel at that point, or null.
   pixelAt(place) {
     const pixel = place.map((value, i) => Math.floor((value - this.offset[i]) / this.scale));
     return pixel.every((value, i) => value >= 0 && value < this.size[i]) ? pixel : null;
   }
 
-  // In CSS pixels, of a place in the picture.
+  // Converts picture coordinates to CSS pixels.
   placeOn([x, y]) {
     return [(x * this.scale + this.offset[0]) / this.ratio, (y * this.scale + this.offset[1]) / this.ratio];
   }

@@ -1,4 +1,4 @@
-// The viewer: a job's picture as light, not as colours.
+// The viewer of HDR pictures: luminances, errors, glare sources.
 
 import { explain, filePath, get, jobPath } from '../api.js';
 import { fill, h, setText, svg } from '../dom.js';
@@ -9,7 +9,7 @@ import { roundUp } from './palette.js';
 import { load } from './picture.js';
 import { Surface } from './surface.js';
 
-const MODES = [['exposure', 'Exposure'], ['colors', 'False colours'], ['errors', 'Error'], ['eye', 'As the eye sees']];
+const MODES = [['exposure', 'Exposure'], ['colors', 'False colours'], ['errors', 'Error'], ['eye', 'Human eye']];
 const NUMBER = { exposure: 0, colors: 1, errors: 2, eye: 3 };
 const FAR = 1e9; // a wipe beyond any picture
 
@@ -62,7 +62,7 @@ export class ViewerPage {
       this.#lookForOthers();
     } catch (error) {
       this.desk.hidden = true;
-      this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)), this.job?.evicted ? h('p', { class: 'after' }, h('a', { href: `#/jobs/${this.id}` }, 'Run the job again for new ones')) : '');
+      this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)), this.job?.evicted ? h('p', { class: 'after' }, h('a', { href: `#/jobs/${this.id}` }, 'Run the job again to get them back')) : '');
     }
   }
 
@@ -79,7 +79,7 @@ export class ViewerPage {
     this.#showPanel();
   }
 
-  // A job that goes on makes its picture anew, with less noise.
+  // A running job replaces its picture by one with less noise.
   async #renewed({ job, before }) {
     if (!job.id.startsWith(this.id) || !this.surface || !before || before.error === job.error || this.loading) return;
     this.loading = true;
@@ -97,7 +97,7 @@ export class ViewerPage {
     if (this.glare) this.#showPanel();
   }
 
-  // Jobs of the scene that have a picture of the same view.
+  // Finds jobs of the scene with a picture of the same view.
   async #lookForOthers() {
     const { jobs } = await get(`/v1/jobs?scene=${this.job.scene}&limit=50`).catch(() => ({ jobs: [] }));
     this.others = jobs.filter((job) => job.id !== this.job.id && !job.evicted && job.files?.some((one) => one.name === this.file));
@@ -136,7 +136,7 @@ export class ViewerPage {
     this.#showParts();
   }
 
-  // Of what is shown, and of isolines: controls that there is a use for.
+  // Shows only the controls that the current mode and isolines use.
   #showParts() {
     const uses = [this.state.mode, this.state.lines && this.state.mode !== 'errors' ? 'lines' : ''];
     for (const part of this.panel.querySelectorAll('[data-of]')) part.hidden = !part.dataset.of.split(' ').some((one) => uses.includes(one));
@@ -174,7 +174,7 @@ export class ViewerPage {
     this.overlay.replaceChildren(...parts);
   }
 
-  // What is brighter than the threshold, and each source's number where it is.
+  // Draws the outline of pixels above the threshold, and the numbers of glare sources.
   #outlineGlare(parts) {
     const { surface, first, glare } = this;
     const [left, top] = surface.placeOn([0, 0]), scale = surface.scale / surface.ratio;
@@ -187,7 +187,7 @@ export class ViewerPage {
     });
   }
 
-  // The control lies along the picture, so that it is where the line is.
+  // The slider has the width of the picture, so that its thumb is on the line.
   #placeWipe(parts) {
     const { surface, first, state } = this;
     const [left, right] = [surface.placeOn([0, 0])[0], surface.placeOn([first.width, 0])[0]];
@@ -218,7 +218,7 @@ export class ViewerPage {
     this.marked = { from: from.map((value, i) => Math.min(value, to[i])), to: to.map((value, i) => Math.max(value, from[i])) };
     const { mean, least, most, count: pixels } = this.first.region(from, to);
     fill(this.regionWords, [mean, least, most, pixels], () => h('dl', { class: 'facts' },
-      [['Mean', mean], ['Least', least], ['Most', most]].map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, `${number(value, 4)}\u202f${this.unit}`))),
+      [['Mean', mean], ['Minimum', least], ['Maximum', most]].map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, `${number(value, 4)}\u202f${this.unit}`))),
       h('div', {}, h('dt', {}, 'Pixels'), h('dd', {}, count(pixels)))));
     this.#drawOverlay();
   }
@@ -261,7 +261,7 @@ export class ViewerPage {
     const light = (value) => `${number(10 ** value, 3)}\u202f${this.unit}`;
     const top = this.#slider('top', 'Top of the scale', Math.log10(state.top), { min: -1, max: 6, step: 0.02 }, light, (value) => this.#set({ top: Number((10 ** value).toPrecision(2)) }));
     const worst = this.#slider('error-top', 'Top of the scale', Math.log10(100 * state.errorTop), { min: -1, max: 2, step: 0.02 }, (value) => `${number(10 ** value, 2)}\u202f%`, (value) => this.#set({ errorTop: 10 ** value / 100 }));
-    const cover = this.#slider('cover', 'Over the picture', state.cover, { min: 0, max: 1, step: 0.05 }, (value) => percent(value), (value) => this.#set({ cover: value }));
+    const cover = this.#slider('cover', 'Opacity over the picture', state.cover, { min: 0, max: 1, step: 0.05 }, (value) => percent(value), (value) => this.#set({ cover: value }));
     const check = (id, label, key, change) => h('label', { class: 'check' }, h('input', { type: 'checkbox', id, checked: !!state[key], onchange: (event) => change(event.target.checked) }), label);
     const setExposure = (value) => { exposure.input.value = value; setText(exposure.output, ev(value)); this.#set({ ev: value }); };
     this.legendPlace = h('div', {});
@@ -306,7 +306,7 @@ export class ViewerPage {
   }
 }
 
-// The same place in a picture of another size.
+// Converts a pixel to the same position in a picture of another size.
 function scaled([x, y], from, to) {
   return [Math.floor(((x + 0.5) * to.width) / from.width), Math.floor(((y + 0.5) * to.height) / from.height)];
 }

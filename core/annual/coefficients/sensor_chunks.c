@@ -122,7 +122,7 @@ static int divide_missing(struct orl_year *y, size_t n, const struct missing *w,
             code = w->here[i] ? make(y, err) : 0;
         }
         if (code == 0 && orl_job_tasks_should_stop(shared))
-            code = orl_error_set(err, ORL_ERR_CANCELLED, "all that is wanted of the run is made");
+            code = orl_error_set(err, ORL_ERR_CANCELLED, "all requested parts of the run are done");
         if (code == 0)
             missing = list_missing(y, n, w->tasks, w->indices);
     }
@@ -253,10 +253,10 @@ static int check_places(const struct orl_year *y, struct orl_error *err)
         return 0;
     for (size_t i = 0; i < y->count; i++)
         if (y->places[i].outside)
-            return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                                 "sensor %zu stands outdoors: its light is not told apart by "
-                                 "window groups",
-                                 y->first + i + 1);
+            return orl_error_set(
+                err, ORL_ERR_UNSUPPORTED,
+                "sensor %zu is outdoors: its light cannot be separated by window groups",
+                y->first + i + 1);
     return 0;
 }
 

@@ -140,7 +140,7 @@ int orl_matrix_terms_measure(const struct orl_matrix_term *terms, size_t count,
 static int fail_size(const struct matrix_sum *s, const char *name, const char *what, size_t has,
                      size_t wanted, const char *of)
 {
-    orl_error_set(s->err, ORL_ERR_RANGE, "it has %zu %s, where %zu are wanted, as %.100s has", has,
+    orl_error_set(s->err, ORL_ERR_RANGE, "it has %zu %s, but %zu are needed to match %.100s", has,
                   what, wanted, of);
     orl_error_at(s->err, name, 0, "matrix");
     return ORL_ERR_RANGE;
@@ -159,9 +159,10 @@ static int need_sky(struct matrix_sum *s, const char *name)
     s->name = name;
     if (s->sky.columns == s->result->n_steps)
         return 0;
-    fail_size(s, name, "columns", s->sky.columns, s->result->n_steps, "the weather file in rows");
-    orl_error_hint(s->err, "gendaymtx leaves dark hours out with -u, and makes other hours with "
-                           "other options: it is wanted of all rows");
+    fail_size(s, name, "columns", s->sky.columns, s->result->n_steps,
+              "the rows of the weather file");
+    orl_error_hint(s->err, "run gendaymtx for all rows of the weather file: -u leaves dark hours "
+                           "out, and other options select other hours");
     return ORL_ERR_RANGE;
 }
 
@@ -235,7 +236,8 @@ static int add_term(struct matrix_sum *s, const struct orl_matrix_term *term)
     if (code == 0)
         code = make_coefficients(s, term, &coefficients);
     if (code == 0 && coefficients.rows != grid->count)
-        code = fail_size(s, first, "rows", coefficients.rows, grid->count, "its grid in sensors");
+        code =
+            fail_size(s, first, "rows", coefficients.rows, grid->count, "the sensors of its grid");
     if (code == 0 && coefficients.columns != s->sky.rows)
         code = fail_size(s, last, "columns", coefficients.columns, s->sky.rows, term->sky);
     const struct term_sum term_sum = {s, &coefficients, grid->first, term->subtract ? -1 : 1};
@@ -272,7 +274,8 @@ int orl_annual_run_matrices(const struct orl_annual_request *request,
     struct orl_annual_env own = *env;
     struct orl_annual_result result = {.n_sensors = 0};
     if (env->row)
-        return orl_error_set(err, ORL_ERR_UNSUPPORTED, "rows by matrices are kept, not handed out");
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "a year computed from matrices has no row callback");
     own.restored = NULL; /* callbacks for rows by paths */
     own.done = NULL;
     int code = orl_year_run(request, &own, &direct, &result, err);

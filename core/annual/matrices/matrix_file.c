@@ -26,8 +26,8 @@ int orl_rgb_matrix_init(struct orl_rgb_matrix *matrix, size_t rows, size_t colum
     *matrix = (struct orl_rgb_matrix){.rows = rows, .columns = columns};
     if (rows == 0 || columns == 0 || rows > ORL_LIMIT_MATRIX_CELLS / columns) {
         orl_error_set(err, ORL_ERR_LIMIT,
-                      "a matrix of %zu rows and %zu columns, where %lu values are the most", rows,
-                      columns, ORL_LIMIT_MATRIX_CELLS);
+                      "a matrix of %zu rows and %zu columns is too large: the limit is %lu values",
+                      rows, columns, ORL_LIMIT_MATRIX_CELLS);
         return ORL_ERR_LIMIT;
     }
     matrix->values = calloc(rows * columns, 3 * sizeof *matrix->values);
@@ -75,7 +75,7 @@ static int read_format(struct reader *r, struct orl_slice word)
             r->format = (enum format)(i + 1);
             return 0;
         }
-    return fail_in_matrix(r, ORL_ERR_UNSUPPORTED, "a matrix has FORMAT=ascii, float or double");
+    return fail_in_matrix(r, ORL_ERR_UNSUPPORTED, "FORMAT must be ascii, float or double");
 }
 
 static bool is_count(double value)
@@ -99,7 +99,8 @@ static int read_line(struct reader *r, struct orl_slice line)
         bool sound = true;
         for (int i = 0; i < 3; i++)
             sound = sound && r->exposure[i] > 0 && isfinite(r->exposure[i]);
-        return sound ? 0 : fail_in_matrix(r, ORL_ERR_RANGE, "an exposure is above 0, and finite");
+        return sound ? 0
+                     : fail_in_matrix(r, ORL_ERR_RANGE, "an exposure must be finite and above 0");
     }
     if (read_key(r, line, "BigEndian=", value, 1)) {
         const bool big = value[0] > 0;
@@ -112,7 +113,7 @@ static int read_line(struct reader *r, struct orl_slice line)
         if (read_key(r, line, keys[i], value, 1)) {
             if (!is_count(value[0]))
                 return fail_in_matrix(r, ORL_ERR_SYNTAX,
-                                      "NROWS, NCOLS and NCOMP are whole numbers, from 1");
+                                      "NROWS, NCOLS and NCOMP must be whole numbers of at least 1");
             *counts[i] = (size_t)value[0];
         }
     return 0;
@@ -123,7 +124,7 @@ static int read_header(struct reader *r)
     struct orl_slice line = {NULL, 0};
     int code = 0;
     if (!orl_scanner_line(&r->scanner, &line) || !orl_slice_begins(line, "#?"))
-        return fail_in_matrix(r, ORL_ERR_SYNTAX, "a matrix begins with \"#?RADIANCE\"");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "a matrix must begin with \"#?RADIANCE\"");
     while (code == 0 && line.length > 0)
         code = orl_scanner_line(&r->scanner, &line)
                    ? read_line(r, line)
@@ -132,11 +133,12 @@ static int read_header(struct reader *r)
         return code;
     orl_scanner_next_line(&r->scanner); /* to the first value */
     if (r->format == FORMAT_NONE || r->columns == 0)
-        return fail_in_matrix(r, ORL_ERR_SYNTAX, "the header of a matrix says NCOLS and FORMAT");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX,
+                              "the header of a matrix must give NCOLS and FORMAT");
     return r->parts == 1 || r->parts == 3
                ? 0
                : fail_in_matrix(r, ORL_ERR_UNSUPPORTED,
-                                "a matrix has values of 3 components, or of 1");
+                                "the values of a matrix must have 3 components, or 1");
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
@@ -149,7 +151,7 @@ static int find_rows(struct reader *r)
     const size_t n =
         r->format == FORMAT_ASCII ? orl_scanner_count_words(&r->scanner) : left / bytes;
     if (r->rows == 0 && (n % row != 0 || (r->format != FORMAT_ASCII && left % bytes != 0)))
-        return fail_in_matrix(r, ORL_ERR_SYNTAX, "its size is not that of whole rows");
+        return fail_in_matrix(r, ORL_ERR_SYNTAX, "its size is not a whole number of rows");
     if (r->rows == 0)
         r->rows = n / row;
     if (r->rows == 0 || r->rows > n / row)
@@ -173,8 +175,9 @@ static int read_binary(struct reader *r, double *ret_value)
         memcpy(&single, turned, sizeof single);
         *ret_value = (double)single;
     }
-    return isfinite(*ret_value) ? 0
-                                : fail_in_matrix(r, ORL_ERR_RANGE, "a value is no finite number");
+    return isfinite(*ret_value)
+               ? 0
+               : fail_in_matrix(r, ORL_ERR_RANGE, "a value is not a finite number");
 }
 
 static int read_text(struct reader *r, double *ret_value)

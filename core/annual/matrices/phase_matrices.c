@@ -96,8 +96,8 @@ static int orl_phase_windows_init(struct orl_phase_windows *w,
             window++;
         if (window == ORL_PHASES_MOST_WINDOWS)
             return orl_error_set(err, ORL_ERR_LIMIT,
-                                 "windows of more than %d materials and directions are too many "
-                                 "for matrices of phases",
+                                 "the windows have more than %d combinations of material and "
+                                 "direction, too many for phase matrices",
                                  ORL_PHASES_MOST_WINDOWS);
         if (window == result->n_windows) {
             w->panes[window] = port;
@@ -444,14 +444,13 @@ static int check_sensors_inside(const struct matrices *p, struct orl_error *err)
 {
     const struct orl_lit_scene *lit_scene = p->year->lit_scene;
     if (lit_scene->open || lit_scene->n_ports == 0)
-        return orl_error_set(
-            err, ORL_ERR_UNSUPPORTED,
-            "matrices of phases are of windows of a closed building, and light has "
-            "other ways in: close it, or leave \"phases\" out");
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                             "phase matrices need a closed building, but light enters other than "
+                             "through windows: close it, or leave \"phases\" out");
     for (size_t i = 0; i < p->n_sensors; i++)
         if (orl_lit_scene_is_outside(lit_scene, place_of(p, i).point))
             return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                                 "sensor %zu stands outdoors: no window is between it and the sky",
+                                 "sensor %zu is outdoors: no window is between it and the sky",
                                  i + 1);
     return 0;
 }
@@ -508,7 +507,7 @@ static int compute_all(void *ctx, struct orl_year *y, struct orl_error *err)
         return code;
     code = make_all(p);
     if (code == ORL_ERR_LIMIT)
-        return orl_error_set(err, code, "too many kinds of BSDF panes for matrices of phases");
+        return orl_error_set(err, code, "too many kinds of BSDF panes for phase matrices");
     return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
 
@@ -526,7 +525,7 @@ int orl_phase_matrices_compute(const struct orl_annual_request *request,
     struct orl_shaded_scene open;
     if (request->n_sensors > ORL_PHASES_MOST_SENSORS)
         return orl_error_set(err, ORL_ERR_LIMIT,
-                             "matrices of phases are of at most %d sensors, and there are %zu",
+                             "phase matrices are limited to %d sensors, but there are %zu",
                              ORL_PHASES_MOST_SENSORS, request->n_sensors);
     int code = orl_shaded_scene_init(&open, request, states, false, err);
     const struct orl_year_overrides overrides = {

@@ -370,10 +370,9 @@ static size_t most_states(const struct orl_shaded_year *s)
 static int run_by_window_group(struct orl_shaded_year *s, double share)
 {
     const size_t n = most_states(s);
-    orl_year_warn(s->reader,
-                  "window groups are in many combinations of states: light was computed by group "
-                  "and added up, the panes of other groups reflecting as if they were in the same "
-                  "state as that group");
+    orl_year_warn(s->reader, "window groups have many combinations of states: light was computed "
+                             "for each group and added up. Meanwhile the panes of other groups "
+                             "reflected as if in the same state as that group");
     int code = begin_sums(s);
     for (size_t state = 0; state < n && code == 0; state++) {
         struct pass pass;

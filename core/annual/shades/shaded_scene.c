@@ -105,7 +105,8 @@ int orl_shaded_scene_init(struct orl_shaded_scene *v, const struct orl_annual_re
         return orl_error_set(err, code, "out of memory for a year");
     if (v->request.n_scene_files == 0)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "all files of the scene are of states, and none of the first ones");
+                             "no scene file is left for this combination of shade states: all "
+                             "files belong to other states");
     return 0;
 }
 

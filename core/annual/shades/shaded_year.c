@@ -34,10 +34,10 @@ int orl_shades_schedule(const struct orl_annual_request *request,
         const struct orl_window_group *group = &request->groups[g];
         unsigned char *states = ret_states + g * n;
         if (group->series && group->n_series != n)
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "the schedule of '%.100s' has %zu states, and the weather file "
-                                 "%zu rows",
-                                 group->name, group->n_series, n);
+            return orl_error_set(
+                err, ORL_ERR_RANGE,
+                "the schedule of '%.100s' has %zu states, but the weather file has %zu rows",
+                group->name, group->n_series, n);
         for (size_t i = 0; i < n; i++)
             states[i] = group->series ? group->series[orl_annual_row_of_step(result, i)]
                                       : state_by_spans(group, &result->steps[i]);

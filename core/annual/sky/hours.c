@@ -199,7 +199,7 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
     if (n > ORL_HOURS_MOST)
         return orl_error_set(
             err, ORL_ERR_LIMIT,
-            "the weather file has %zu rows, and a year at most %d: those of 10-minute steps", n,
+            "the weather file has %zu rows, but a year has at most %d (10-minute steps)", n,
             ORL_HOURS_MOST);
     int code = ORL_ERR_NOMEM;
     hours->steps = calloc(n + 1, sizeof *hours->steps);

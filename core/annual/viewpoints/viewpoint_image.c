@@ -424,7 +424,7 @@ static int init_view(struct orl_viewpoint_image *view, const struct orl_lit_scen
     view->first = calloc(ORL_VIEWPOINT_PIXELS + 1, sizeof *view->first);
     code = view->first ? orl_visible_points_init(&view->visible_points, view->eye.point)
                        : ORL_ERR_NOMEM;
-    return code < 0 ? orl_error_set(err, code, "out of memory for what a seat sees") : 0;
+    return code < 0 ? orl_error_set(err, code, "out of memory for the image of a seat") : 0;
 }
 
 /* Frees the unused capacity of the arrays. */
@@ -457,8 +457,8 @@ int orl_viewpoint_image_init(struct orl_viewpoint_image *view, const struct orl_
         trim_arrays(view);
     }
     return code == ORL_ERR_CANCELLED ? orl_error_set(err, code, "cancelled")
-           : code < 0                ? orl_error_set(err, code, "out of memory for a seat's view")
-                                     : 0;
+           : code < 0 ? orl_error_set(err, code, "out of memory for the view of a seat")
+                      : 0;
 }
 
 void orl_viewpoint_image_done(struct orl_viewpoint_image *view)

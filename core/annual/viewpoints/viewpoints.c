@@ -141,7 +141,7 @@ static int place_viewpoints(void *ctx, struct orl_year *y, struct orl_error *err
     if (code < 0)
         return code;
     if (y->hours.n_columns != s->result->n_columns)
-        return orl_error_set(err, ORL_ERR_INVALID, "the weather file has changed under way");
+        return orl_error_set(err, ORL_ERR_INVALID, "the weather file changed during the job");
     for (size_t i = 0; i < s->viewpoint_request->n_viewpoints && code == 0;
          i += ORL_GLARE_VIEWPOINTS_AT_ONCE) {
         code = build_views(s, i, err);
@@ -270,8 +270,8 @@ static int run_all(struct viewpoint_run *s, const struct orl_annual_request *req
     while (code == 0 && (n = select_alike(s, states)) > 0) {
         if (runs++ == ORL_SHADES_MOST_COMBINATIONS)
             return orl_error_set(err, ORL_ERR_LIMIT,
-                                 "shades are in more than %d combinations of states while seats "
-                                 "are in use: glare needs a run of each",
+                                 "the shades have more than %d combinations of states while seats "
+                                 "are in use: glare needs a run for each",
                                  ORL_SHADES_MOST_COMBINATIONS);
         run.part = whole * (double)n / (double)all;
         code = run_states(s, request, &run, states, err);

@@ -271,10 +271,10 @@ void orl_annual_cache_report(struct orl_annual_cache *cache)
 {
     cache->year->warnings_emitted = false;
     if (cache->damaged)
-        orl_year_warn(cache->year, "parts of this year's light were kept, but damaged or out of "
-                                   "date: they were made again");
+        orl_year_warn(
+            cache->year,
+            "cached light of this year was damaged or out of date: it was computed again");
     if (cache->why.code < 0)
-        orl_year_warn(cache->year,
-                      "what this year's light is made of is not kept for later jobs: %s",
+        orl_year_warn(cache->year, "light of this year could not be cached for later jobs: %s",
                       cache->why.message);
 }

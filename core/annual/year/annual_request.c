@@ -46,7 +46,7 @@ void orl_annual_request_done(struct orl_annual_request *request)
 static int check_sensors(const struct orl_annual_request *request, struct orl_error *err)
 {
     if (request->n_sensors > ORL_LIMIT_SENSORS)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors are more than %lu",
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors are too many: the limit is %lu",
                              request->n_sensors, ORL_LIMIT_SENSORS);
     for (size_t i = 0; i < request->n_sensors; i++) {
         const struct orl_sensor *s = &request->sensors[i];
@@ -73,21 +73,23 @@ static int orl_matrix_terms_validate(const struct orl_annual_request *request,
 {
     struct orl_annual_grid all;
     if (request->n_terms > ORL_MATRICES_MOST_TERMS)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu matrices' terms are more than %d",
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "%zu terms of matrices are too many: the limit is %d",
                              request->n_terms, ORL_MATRICES_MOST_TERMS);
     if (request->n_terms > 0 && request->n_groups > 0)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "matrices are of one state: a year by matrices has no shades");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "matrices describe one state: a year computed from matrices cannot have shades");
     if (request->n_terms > 0 && request->coefficients)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a year by matrices has no daylight coefficients of its own");
+                             "a year computed from matrices cannot write daylight coefficients");
     for (size_t i = 0; i < request->n_terms; i++) {
         const struct orl_matrix_term *t = &request->terms[i];
         const bool three = t->view && t->transmission && t->daylight;
         const bool any = t->view || t->transmission || t->daylight;
         if (!t->sky || (t->coefficients ? any : !three))
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "matrices[%zu]: a sky is wanted, and coefficients, or view, "
+                                 "matrices[%zu]: give a sky, and either coefficients, or view, "
                                  "transmission and daylight",
                                  i);
         if (!orl_matrix_term_grid(request, t, &all))
@@ -100,35 +102,38 @@ static int orl_matrix_terms_validate(const struct orl_annual_request *request,
 int orl_annual_validate_numbers(const struct orl_annual_request *request, struct orl_error *err)
 {
     if (!(fabs(request->north_deg) <= 360))
-        return orl_error_set(err, ORL_ERR_RANGE, "north is given in degrees, -360 to 360");
+        return orl_error_set(err, ORL_ERR_RANGE, "north must be from -360 to 360 degrees");
     if (!(request->ground_reflectance >= 0 && request->ground_reflectance <= 1))
-        return orl_error_set(err, ORL_ERR_RANGE, "the ground reflects a share from 0 to 1");
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "the reflectance of the ground must be from 0 to 1");
     if (request->samples > ORL_ANNUAL_MOST_SAMPLES)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%u paths a sensor are more than %d",
-                             request->samples, ORL_ANNUAL_MOST_SAMPLES);
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "%u paths per sensor are too many: the limit is %d", request->samples,
+                             ORL_ANNUAL_MOST_SAMPLES);
     if (request->sun_halvings > ORL_ANNUAL_MOST_HALVINGS)
         return orl_error_set(err, ORL_ERR_LIMIT,
-                             "the distance between the sun's nodes is halved at most %d times",
+                             "the spacing of the sun positions can be halved at most %d times",
                              ORL_ANNUAL_MOST_HALVINGS);
     if (request->photons > ORL_ANNUAL_MOST_PHOTONS)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%u photons are more than %d", request->photons,
-                             ORL_ANNUAL_MOST_PHOTONS);
+        return orl_error_set(err, ORL_ERR_LIMIT, "%u photons are too many: the limit is %d",
+                             request->photons, ORL_ANNUAL_MOST_PHOTONS);
     if (request->technique == ORL_ANNUAL_PRECOMPUTED &&
         (request->n_groups > 0 || request->n_terms > 0))
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "precomputed photons are of one state of the scene: a year with "
-                             "shades or others' matrices goes by paths");
+                             "precomputed photons describe one state of the scene: with shades or "
+                             "imported matrices, use the technique \"paths\"");
     for (size_t i = 0; i < request->n_grids; i++) {
         const struct orl_annual_grid *g = &request->grids[i];
         if (g->first > request->n_sensors || g->count > request->n_sensors - g->first)
             return orl_error_set(err, ORL_ERR_RANGE, "grid %zu goes beyond the last sensor", i + 1);
         if (i > 0 && g->first < g[-1].first + g[-1].count)
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "grid %zu begins before the end of the one before it", i + 1);
+                                 "grid %zu begins before the previous grid ends", i + 1);
     }
     if (request->coefficients && request->n_groups > 0)
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "daylight coefficients are of one state: a year with shades has none");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "daylight coefficients describe one state: a year with shades has none");
     int code = orl_matrix_terms_validate(request, err);
     if (code == 0)
         code = orl_shades_validate(request, err);
@@ -138,11 +143,11 @@ int orl_annual_validate_numbers(const struct orl_annual_request *request, struct
 int orl_annual_validate(const struct orl_annual_request *request, struct orl_error *err)
 {
     if (request->n_scene_files == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "the year names no scene files");
+        return orl_error_set(err, ORL_ERR_INVALID, "the annual job names no scene files");
     if (!request->weather_file)
-        return orl_error_set(err, ORL_ERR_INVALID, "the year names no weather file");
+        return orl_error_set(err, ORL_ERR_INVALID, "the annual job names no weather file");
     if (request->n_sensors == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "the year is asked for at no sensor");
+        return orl_error_set(err, ORL_ERR_INVALID, "the annual job has no sensors");
     return orl_annual_validate_numbers(request, err);
 }
 
@@ -224,19 +229,20 @@ void orl_window_group_done(struct orl_window_group *group)
 static int check_states(const struct orl_window_group *group, struct orl_error *err)
 {
     if (group->n_states == 0 || group->n_states > ORL_SHADES_MOST_STATES)
-        return orl_error_set(err, ORL_ERR_LIMIT, "'%.100s' has %zu states: 1 to %d are wanted",
+        return orl_error_set(err, ORL_ERR_LIMIT, "'%.100s' has %zu states, but needs 1 to %d",
                              group->name, group->n_states, ORL_SHADES_MOST_STATES);
     for (size_t i = 0; i < group->n_states; i++) {
         const struct orl_shade_state *state = &group->states[i];
         if ((state->material || state->dark) && group->n_windows == 0)
-            return orl_error_set(err, ORL_ERR_INVALID,
-                                 "the state '%.100s' changes the windows of '%.100s', which names "
-                                 "none",
-                                 state->name, group->name);
+            return orl_error_set(
+                err, ORL_ERR_INVALID,
+                "the state '%.100s' changes windows, but '%.100s' names no windows", state->name,
+                group->name);
         if (state->material && state->dark)
-            return orl_error_set(err, ORL_ERR_INVALID,
-                                 "the state '%.100s' of '%.100s' is dark, and has a material",
-                                 state->name, group->name);
+            return orl_error_set(
+                err, ORL_ERR_INVALID,
+                "the state '%.100s' of '%.100s' cannot be dark and have a material", state->name,
+                group->name);
         for (size_t k = 0; k < i; k++)
             if (strcasecmp(group->states[k].name, state->name) == 0)
                 return orl_error_set(err, ORL_ERR_INVALID,
@@ -248,7 +254,7 @@ static int check_states(const struct orl_window_group *group, struct orl_error *
 
 static int no_state(const struct orl_window_group *group, uint32_t state, struct orl_error *err)
 {
-    return orl_error_set(err, ORL_ERR_RANGE, "'%.100s' has no state %u: its last one is %zu",
+    return orl_error_set(err, ORL_ERR_RANGE, "'%.100s' has no state %u: its last state is %zu",
                          group->name, state, group->n_states - 1);
 }
 
@@ -272,17 +278,18 @@ static int check_control(const struct orl_annual_request *request,
         if (control->viewpoints.n_viewpoints == 0 ||
             !(control->above_dgp > 0 && control->above_dgp < 1))
             return orl_error_set(err, ORL_ERR_RANGE,
-                                 "the control of '%.100s' wants a seat, and a DGP between 0 and 1",
+                                 "the control of '%.100s' needs a seat, and a DGP between 0 and 1",
                                  group->name);
         return orl_viewpoints_validate(&control->viewpoints, request, err);
     }
     if (!(control->above_lx > 0) || !(control->share_percent >= 0 && control->share_percent <= 100))
-        return orl_error_set(err, ORL_ERR_RANGE,
-                             "the control of '%.100s' wants lux above 0, and 0 to 100 %%",
-                             group->name);
+        return orl_error_set(
+            err, ORL_ERR_RANGE,
+            "the control of '%.100s' needs an illuminance above 0 lx, and a share of 0 to 100 %%",
+            group->name);
     if (control->grid && !has_grid(request, control->grid))
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "'%.100s' is controlled by the grid '%.100s', which there is not",
+                             "'%.100s' is controlled by the grid '%.100s', which does not exist",
                              group->name, control->grid);
     return 0;
 }
@@ -304,9 +311,10 @@ static int check_hours(const struct orl_window_group *group, struct orl_error *e
             return no_state(group, s->state, err);
         if (s->from_month < 1 || s->from_month > 12 || s->to_month < 1 || s->to_month > 12 ||
             !(s->from_h >= 0 && s->from_h <= 24 && s->to_h >= 0 && s->to_h <= 24))
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "a rule of '%.100s' wants months 1 to 12, and hours 0 to 24",
-                                 group->name);
+            return orl_error_set(
+                err, ORL_ERR_RANGE,
+                "a rule of '%.100s' needs months from 1 to 12, and hours from 0 to 24",
+                group->name);
     }
     return 0;
 }
@@ -315,7 +323,7 @@ int orl_shades_validate(const struct orl_annual_request *request, struct orl_err
 {
     int code = 0;
     if (request->n_groups > ORL_SHADES_MOST_GROUPS)
-        return orl_error_set(err, ORL_ERR_LIMIT, "%zu window groups are more than %d",
+        return orl_error_set(err, ORL_ERR_LIMIT, "%zu window groups are too many: the limit is %d",
                              request->n_groups, ORL_SHADES_MOST_GROUPS);
     for (size_t g = 0; g < request->n_groups && code == 0; g++) {
         const struct orl_window_group *group = &request->groups[g];
@@ -366,7 +374,7 @@ int orl_viewpoints_validate(const struct orl_viewpoint_request *viewpoint_reques
         return 0;
     if (request->n_terms > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "glare needs a scene to look at: a year by matrices has none of it");
+                             "glare needs a scene: a year computed from matrices has none");
     for (size_t i = 0; i < viewpoint_request->n_viewpoints; i++) {
         const struct orl_viewpoint *viewpoint = &viewpoint_request->viewpoints[i];
         char what[96];
@@ -378,8 +386,7 @@ int orl_viewpoints_validate(const struct orl_viewpoint_request *viewpoint_reques
             return code;
         if (!(fabs(viewpoint->towards.z) <= steepest * orl_length(viewpoint->towards)))
             return orl_error_set(err, ORL_ERR_RANGE,
-                                 "'%s' looks straight up or down: which way is up in its view is "
-                                 "not known",
+                                 "'%s' looks straight up or down, so its view has no up direction",
                                  viewpoint->name);
     }
     return 0;

@@ -83,12 +83,12 @@ int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t 
             continue;
         const struct orl_surface_label s = orl_scene_label_of(lit_scene->scene, (uint32_t)i);
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                      "the surface '%.100s' of '%.100s' is not by a window of that group: light of "
-                      "several groups is not the sum of theirs then",
+                      "the surface '%.100s' of '%.100s' is not near a window of that group, so "
+                      "light cannot be separated by group",
                       s.name, name);
         orl_error_at(err, s.file, s.line, NULL);
-        orl_error_hint(err, "leave it in the scene, or have so few states that each combination of "
-                            "them can be a run");
+        orl_error_hint(err, "keep it in the scene in all states, or use fewer states, so that each "
+                            "combination can have its own run");
         return ORL_ERR_UNSUPPORTED;
     }
     return 0;

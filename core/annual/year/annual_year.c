@@ -144,10 +144,11 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     if (code < 0)
         return code;
     if (y->hours.n_missing > 0)
-        orl_year_warn(y, "of the weather file %zu %s not measured: no value is given there",
+        orl_year_warn(y,
+                      "in the weather file %zu %s not measured: the results have no values there",
                       y->hours.n_missing, y->hours.n_missing == 1 ? "row was" : "rows were");
     if (y->hours.n_warned > 0)
-        orl_year_warn(y, "in %zu %s with light, of the sky: %s", y->hours.n_warned,
+        orl_year_warn(y, "sky, in %zu %s with light: %s", y->hours.n_warned,
                       y->hours.n_warned == 1 ? "row" : "rows", y->hours.warning);
     return 0;
 }

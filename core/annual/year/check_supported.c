@@ -12,11 +12,10 @@ static int refuse_surface(const struct orl_lit_scene *lit_scene, uint32_t facet,
                           struct orl_error *err, const char *what)
 {
     const struct orl_surface_label label = orl_scene_label_of(lit_scene->scene, facet);
-    orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "a year of light does not follow %s yet, which the surface '%.100s' calls for",
+    orl_error_set(err, ORL_ERR_UNSUPPORTED, "annual jobs do not support %s yet (surface '%.100s')",
                   what, label.name);
     orl_error_at(err, label.file, label.line, NULL);
-    orl_error_hint(err, "run it hour by hour: a job with a list of skies");
+    orl_error_hint(err, "simulate it hour by hour: use a job with a list of skies");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -46,10 +45,10 @@ int orl_annual_check_supported(const struct orl_lit_scene *lit_scene, struct orl
         const int32_t port = orl_lit_scene_port_of(lit_scene, i);
         if (m->kind == ORL_MATERIAL_BSDF && (lit_scene->open || port == ORL_NO_PORT))
             return refuse_surface(lit_scene, i, err,
-                                  "sunlight by BSDFs that are no windows of a closed building");
+                                  "sunlight on BSDFs that are not windows of a closed building");
         has_bsdf_panes = has_bsdf_panes || m->kind == ORL_MATERIAL_BSDF;
         if (orl_function_lobes_any_transmits(m))
-            return refuse_surface(lit_scene, i, err, "what functions or data let through");
+            return refuse_surface(lit_scene, i, err, "transmission by functions or data");
         if (orl_material_deviates(m))
             return refuse_surface(lit_scene, i, err, "refracted sunlight");
         if (!(orl_material_max_mirrored(m, true, 0.5) > strong))
@@ -59,7 +58,7 @@ int orl_annual_check_supported(const struct orl_lit_scene *lit_scene, struct orl
         if (here < 0)
             return refuse_surface(lit_scene, i, err, "sunlight off curved mirrors");
         if (class >= 0 && here != class)
-            return refuse_surface(lit_scene, i, err, "sunlight between mirrors of several planes");
+            return refuse_surface(lit_scene, i, err, "sunlight between mirrors in several planes");
         class = here;
         mirror = i;
     }

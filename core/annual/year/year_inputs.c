@@ -18,14 +18,14 @@ static void warn_of_curved(struct orl_year *y)
         return;
     const struct orl_surface_label label = orl_scene_label_of(y->lit_scene->scene, first);
     orl_year_warn(y,
-                  "sunlight that %zu curved panes or polished surfaces mirror is left out (first: "
-                  "%.100s at %.200s:%d): make them of flat pieces",
+                  "sunlight mirrored by %zu curved panes or polished surfaces is left out (first: "
+                  "%.100s at %.200s:%d): build them of flat pieces",
                   n, label.name, label.file, label.line);
 }
 
 static const char *name_of_window_group(const struct orl_year_overrides *v, size_t window_group)
 {
-    return window_group == v->window_groups->n_groups ? "windows of no group"
+    return window_group == v->window_groups->n_groups ? "windows without a group"
                                                       : v->material_overrides->at[window_group].of;
 }
 
@@ -35,8 +35,8 @@ static int check_window_group(const struct orl_year *y, const size_t *n_ports, s
     const struct orl_year_overrides *v = y->overrides;
     if (n_ports[window_group] == 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "no surface of '%.100s' is a window to the outside: what light it "
-                             "lets in is not told from the rest",
+                             "no surface of '%.100s' is a window to the outside, so its light "
+                             "cannot be separated from the rest",
                              name_of_window_group(v, window_group));
     return v->sun_only ? 0
                        : orl_window_group_check_near(y->lit_scene, (uint32_t)window_group + 1,
@@ -52,10 +52,10 @@ static int check_window_groups(const struct orl_year *y, struct orl_error *err)
         while (used < window_groups->n_groups && !window_groups->used[used])
             used++;
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                      "light has other ways into the building than windows: what comes by '%.100s' "
-                      "is not told from the rest",
+                      "light enters the building other than through windows, so the light of "
+                      "'%.100s' cannot be separated",
                       name_of_window_group(y->overrides, used));
-        orl_error_hint(err, "close the building, or have one window group");
+        orl_error_hint(err, "close the building, or use one window group");
         return ORL_ERR_UNSUPPORTED;
     }
     size_t *n_ports = calloc(window_groups->n_groups + 1, sizeof *n_ports);
@@ -85,7 +85,7 @@ static int make_lit_scene(struct orl_year *y, struct orl_error *err)
         return code;
     warn_of_curved(y);
     if (y->lit_scene->n_emitters > 0)
-        orl_year_warn(y, "the scene's lamps are left out: a year of daylight has no lamps on");
+        orl_year_warn(y, "the scene's lamps are left out: annual jobs simulate daylight only");
     y->lit_scene->n_emitters = 0;
     return 0;
 }
@@ -95,7 +95,7 @@ static int make_lit_scene(struct orl_year *y, struct orl_error *err)
 static int refuse_open(struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "precomputed photons come in by windows: the building is open, or has none");
+                  "precomputed photons need windows: the building is open, or has none");
     orl_error_hint(err, "leave \"technique\" out: paths need no windows");
     return ORL_ERR_UNSUPPORTED;
 }
@@ -103,8 +103,8 @@ static int refuse_open(struct orl_error *err)
 static int refuse_large_map(struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_LIMIT,
-                  "the map of sunlight indoors is too large: photons came to more than %d squares, "
-                  "or left more than %d values there",
+                  "the map of sunlight indoors is too large: it has more than %d texels, or more "
+                  "than %d values",
                   ORL_SUN_MAP_MOST_TEXELS, ORL_SUN_MAP_MOST_ENTRIES);
     orl_error_hint(err, "ask for fewer \"photons\"");
     return ORL_ERR_LIMIT;
@@ -154,8 +154,8 @@ static int make_scene(struct orl_year *y, struct orl_error *err)
         return orl_year_failed(y, code, err);
     if (y->scene.mirrors.n_left_out > 0)
         orl_year_warn(y,
-                      "flat mirrors and panes lie in more planes than a year follows: the sun's "
-                      "reflections in %zu of them, the smallest, are left out",
+                      "flat mirrors and panes lie in too many planes: the sun's reflections in the "
+                      "%zu smallest are left out",
                       y->scene.mirrors.n_left_out);
     return orl_year_is_sun_only(y) ? 0 : make_map(y, err);
 }
@@ -175,8 +175,8 @@ int orl_year_ensure_bsdf_panes(struct orl_year *y, struct orl_error *err)
                                y->request->seed, y->env->run->pool);
     if (code == ORL_ERR_LIMIT)
         return orl_error_set(err, code,
-                             "more than %d kinds of BSDF panes, by material and "
-                             "direction, are too many for a year",
+                             "more than %d kinds of BSDF panes (material and direction) are too "
+                             "many for an annual job",
                              ORL_BSDF_PANE_MOST_KINDS);
     return code < 0 ? orl_year_failed(y, code, err) : 0;
 }
@@ -276,11 +276,11 @@ static int compute_sun_weights(struct orl_year *y, struct orl_annual_cache_entry
         return orl_year_failed(y, code, err);
     if (y->sun_weights.n_lost > 0)
         orl_year_warn(y,
-                      "sunlight of %zu of %zu positions of the sun is left out: it reaches windows "
-                      "past what stands outside, and from no position that is followed indoors%s",
+                      "sunlight of %zu of %zu sun positions is left out: it reaches windows that "
+                      "obstructions block for all simulated positions%s",
                       y->sun_weights.n_lost, y->hours.suns.count,
                       y->request->sun_halvings < ORL_ANNUAL_MOST_HALVINGS
-                          ? "; \"sun_halvings\" follows more"
+                          ? "; raise \"sun_halvings\" to simulate more positions"
                           : "");
     if (entry->must_commit)
         store_sun_weights(y, entry, first_warning);

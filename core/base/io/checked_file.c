@@ -121,8 +121,8 @@ static int map_file(const struct orl_checked_file_kind *kind, const char *path,
         return orl_error_set(err, orl_open_err_of_stored(errno), "cannot open the %s '%s': %s",
                              kind->what, path, orl_open_reason(errno));
     if (fstat(fd, &st) != 0 || st.st_size < ORL_CHECKED_FILE_HEADER) {
-        code =
-            orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' is cut short", kind->what, path);
+        code = orl_error_set(err, ORL_ERR_CORRUPT, "the cached %s '%s' is truncated", kind->what,
+                             path);
     } else {
         const size_t size = (size_t)st.st_size;
         void *const data = mmap(NULL, size, PROT_READ, MAP_SHARED, fd, 0);
@@ -159,19 +159,19 @@ static int check_contents(const struct orl_checked_file_kind *kind,
     const struct header *const h = (const void *)file->data;
     unsigned char sum[ORL_CHECKSUM_BYTES];
     if (memcmp(h->magic, kind->magic, sizeof h->magic) != 0)
-        return orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is no kept %s", path, kind->what);
+        return orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is not a cached %s", path, kind->what);
     if (h->version != kind->version || h->byte_order != byte_order || h->shape != kind->shape)
-        return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a kept %s of another version", path,
+        return orl_error_set(err, ORL_ERR_VERSION, "'%s' is a cached %s of another version", path,
                              kind->what);
     orl_checksum_of(h, offsetof(struct header, of_header), sum);
     if (memcmp(sum, h->of_header, sizeof sum) != 0 || h->size != file->size ||
         memcmp(h->content, content, ORL_CHECKED_FILE_CONTENT) != 0)
         return orl_error_set(err, ORL_ERR_CORRUPT,
-                             "the kept %s '%s' is cut, damaged or of another file", kind->what,
-                             path);
+                             "the cached %s '%s' is truncated, damaged or from another file",
+                             kind->what, path);
     sum_body(file, sum);
     if (memcmp(sum, h->checksum, sizeof sum) != 0)
-        return orl_error_set(err, ORL_ERR_CORRUPT, "the kept %s '%s' fails its checksum",
+        return orl_error_set(err, ORL_ERR_CORRUPT, "the cached %s '%s' fails its checksum",
                              kind->what, path);
     return 0;
 }

@@ -70,7 +70,7 @@ bool orl_files_hint_case(const struct orl_files *files, const char *name, struct
         return false;
     orl_error_hint(err,
                    "there is '%.300s', whose name differs in upper and lower case: rename it, or "
-                   "correct what names it",
+                   "correct the reference",
                    other);
     return true;
 }

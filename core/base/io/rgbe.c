@@ -54,7 +54,8 @@ static int read_resolution(struct orl_rgbe *r, struct orl_error *err)
     const char *rest = read_axis(line, r->order, &r->scanlines);
     rest = rest ? read_axis(rest, r->order + 2, &r->length) : NULL;
     if (!rest || r->order[1] == r->order[3])
-        return orl_rgbe_fail(r, ORL_ERR_SYNTAX, err, "no resolution such as -Y 400 +X 400 is here");
+        return orl_rgbe_fail(r, ORL_ERR_SYNTAX, err,
+                             "a resolution such as -Y 400 +X 400 is expected here");
     if (r->scanlines < 1 || r->length < 1 || r->scanlines > ORL_LIMIT_IMAGE_SIDE ||
         r->length > ORL_LIMIT_IMAGE_SIDE ||
         (uint64_t)r->scanlines * r->length > ORL_LIMIT_IMAGE_PIXELS)
@@ -92,7 +93,7 @@ int orl_rgbe_begin(struct orl_rgbe *rgbe, const char *name, const void *data, si
     if (!orl_is_rgbe(data, size))
         return orl_rgbe_fail(
             rgbe, ORL_ERR_SYNTAX, err,
-            "this is no Radiance picture: it begins with no #?, and has no FORMAT");
+            "this is not a Radiance picture: it does not begin with #?, and has no FORMAT");
     if (*bytes == '#' && !next_line(rgbe, line))
         return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "the picture ends in its header");
     while (next_line(rgbe, line)) {

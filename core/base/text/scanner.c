@@ -61,7 +61,7 @@ static int check_text(const char *name, struct orl_slice text, struct orl_error 
     const unsigned char *const bytes = (const unsigned char *)text.text;
     const size_t size = text.length < LOOKED_AT ? text.length : LOOKED_AT;
     if (is_utf16(bytes, size))
-        return refuse_file(name, err, "the file is text in UTF-16, and UTF-8 is read",
+        return refuse_file(name, err, "the file is UTF-16 text, but only UTF-8 is supported",
                            "save it as UTF-8");
     for (size_t i = 0; i < size; i++)
         if (is_control(bytes[i])) {

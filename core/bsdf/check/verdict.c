@@ -42,12 +42,12 @@ static void judge_components(struct orl_bsdf_check *c)
     for (int front = 0; front < 2; front++) {
         if (!c->info.has[front][0])
             say(c, ORL_BSDF_NOTE,
-                "There is no Reflection %s: seen from the %s, the surface reflects nothing.",
+                "There is no Reflection %s: the surface reflects no light on the %s.",
                 file_side[front], side_name(front));
         if (c->info.dummy[front] != ORL_BSDF_NO_PLACEHOLDER)
             say(c, ORL_BSDF_NOTE,
-                "Transmission %s is no data but %s: it is taken as absent, and the other one "
-                "reversed.",
+                "Transmission %s holds no data but %s: it is ignored, and the other transmission "
+                "is used in reverse.",
                 file_side[front],
                 c->info.dummy[front] == ORL_BSDF_PLACEHOLDER_ZERO
                     ? "all zeros"
@@ -55,12 +55,13 @@ static void judge_components(struct orl_bsdf_check *c)
         else if (!c->info.has[front][1] && c->info.has[!front][1] &&
                  c->extremes[!front][1].mean > 0 && !(c->extremes[front][1].mean > 0))
             say(c, ORL_BSDF_WARNING,
-                "There is no Transmission %s, and isotropic data are not reversed: light from the "
-                "%s is not let through.",
+                "There is no Transmission %s, and isotropic data cannot be reversed: no light from "
+                "the %s is transmitted.",
                 file_side[front], side_name(front));
         else if (!c->info.has[front][1] && c->info.has[!front][1])
             say(c, ORL_BSDF_NOTE,
-                "There is no Transmission %s: it is the other one reversed, by reciprocity.",
+                "There is no Transmission %s: the other transmission is used in reverse, by "
+                "reciprocity.",
                 file_side[front]);
     }
     if (!c->info.has[0][1] && !c->info.has[1][1])
@@ -73,22 +74,20 @@ static void judge_components(struct orl_bsdf_check *c)
 static void judge_values(struct orl_bsdf_check *c)
 {
     if (c->info.colored)
-        say(c, ORL_BSDF_OK, "The file holds colour, and is simulated in colour.");
+        say(c, ORL_BSDF_OK, "The file has colour data and is simulated in colour.");
     if (c->info.color_left_out)
         say(c, ORL_BSDF_WARNING,
-            "Colour is incomplete: %s must both stand beside Visible, in the same cells. What "
-            "lacks "
-            "one comes out grey, its luminance right.",
+            "Colour is incomplete: %s must both be given with Visible, in the same cells. Parts "
+            "without them are grey, with the right luminance.",
             strncmp(c->info.kind, "TensorTree", 10) ? "CIE-X and CIE-Z" : "CIE-u and CIE-v");
     if (c->info.out_of_gamut > 0)
         say(c, ORL_BSDF_NOTE,
-            "%zu values have colours beyond what RGB can show; they are shown as the nearest of "
-            "the "
-            "same luminance.",
+            "%zu values have colours outside the RGB gamut; the nearest colour of the same "
+            "luminance is used.",
             c->info.out_of_gamut);
     if (c->info.skipped_bytes > 0)
         say(c, ORL_BSDF_WARNING,
-            "%zu bytes of text before the XML are passed over: a program's message, maybe. Other "
+            "%zu bytes of text before the XML are ignored, possibly a program's message. Other "
             "programs may refuse the file.",
             c->info.skipped_bytes);
     if (c->info.clamped > 0)
@@ -109,8 +108,8 @@ static void judge_energy(struct orl_bsdf_check *c)
         const struct orl_bsdf_extremes *x = &c->total[front];
         if (x->most > 1 + tolerance)
             say(c, x->most > 1.05 || x->mean > 1 + tolerance ? ORL_BSDF_FAULT : ORL_BSDF_WARNING,
-                "Energy is gained: of light from the %s, theta %.1f, phi %.1f degrees, R + T = "
-                "%.3f. Where it is above 1, values are rescaled to 1 for rendering.",
+                "Energy is gained: for light from the %s, theta %.1f, phi %.1f degrees, R + T = "
+                "%.3f. Values are rescaled for rendering where R + T is above 1.",
                 side_name(front), x->most_theta_deg, x->most_phi_deg, x->most);
     }
     if (above && c->info.has[0][0] && c->info.has[1][0] && c->total_exchanged[0] <= 1 + tolerance &&
@@ -130,11 +129,11 @@ static void judge_share(struct orl_bsdf_check *c, const char *what, double share
     if (share < 0)
         return;
     if (share <= 0.05)
-        say(c, ORL_BSDF_OK, "%s is reciprocal but for %.1f %% of its light.", what, 100 * share);
+        say(c, ORL_BSDF_OK, "%s is reciprocal except for %.1f %% of its light.", what, 100 * share);
     else
         say(c, share > 0.25 ? ORL_BSDF_WARNING : ORL_BSDF_NOTE,
             "%s is not reciprocal: %.0f %% of its light would have to move. Results depend a "
-            "little on which way rays are traced.",
+            "little on the direction in which rays are traced.",
             what, 100 * share);
 }
 
@@ -146,8 +145,8 @@ static void judge_reciprocity(struct orl_bsdf_check *c)
     judge_share(c, "Transmission", c->irreciprocal_transmission);
     if (c->irreciprocal_transmission >= 0 && fabs(out - in) > 0.05 * fmax(out, in))
         say(c, ORL_BSDF_WARNING,
-            "Diffuse light is transmitted %.4f inwards and %.4f outwards; the two must be equal. "
-            "One of the transmissions may be no data.",
+            "The diffuse transmittance is %.4f inwards and %.4f outwards; the two must be equal. "
+            "One of the transmissions may not be real data.",
             out, in);
 }
 
@@ -159,13 +158,13 @@ static void judge_shading(struct orl_bsdf_check *c)
     const double clearly = 0.2 * fmax(above, below);
     if (above < below - clearly)
         say(c, ORL_BSDF_OK,
-            "Light from outside and above passes %.3f, from below %.3f: it shades, so outside and "
-            "up look right.",
+            "The transmittance for light from outside is %.3f from above, %.3f from below: it "
+            "shades, so outside and up look right.",
             above, below);
     else if (below < above - clearly)
         say(c, ORL_BSDF_WARNING,
-            "Light from outside and above passes %.3f, from below only %.3f: for a shading device "
-            "front and back are swapped, or it is upside down.",
+            "The transmittance for light from outside is %.3f from above, only %.3f from below: if "
+            "it is a shading device, front and back are swapped, or it is upside down.",
             above, below);
 }
 
@@ -177,18 +176,18 @@ static void judge_redirection(struct orl_bsdf_check *c)
         return;
     if (fabs(up - down) < 0.1)
         say(c, ORL_BSDF_OK,
-            "Of light from above %.0f %% leaves upwards, of light from below %.0f %% downwards: "
-            "upside down it would do much the same.",
+            "Of the light from above %.0f %% leaves upwards, of the light from below %.0f %% "
+            "downwards: upside down it would behave almost the same.",
             100 * up, 100 * down);
     else if (up > down)
         say(c, ORL_BSDF_OK,
-            "Of light from above %.0f %% leaves upwards, of light from below only %.0f %% "
+            "Of the light from above %.0f %% leaves upwards, of the light from below only %.0f %% "
             "downwards: up (+y) looks right.",
             100 * up, 100 * down);
     else
         say(c, ORL_BSDF_WARNING,
-            "Of light from below %.0f %% leaves downwards, of light from above only %.0f %% "
-            "upwards: it may be upside down.",
+            "Of the light from below %.0f %% leaves downwards, of the light from above only %.0f "
+            "%% upwards: it may be upside down.",
             100 * down, 100 * up);
 }
 
@@ -204,24 +203,23 @@ static void judge_peak(struct orl_bsdf_check *c)
     if (p->share <= 0.01) {
         if (c->info.has[0][1] || c->info.has[1][1])
             say(c, ORL_BSDF_OK,
-                "No light stands out straight through: aBSDF would change nothing.");
+                "There is no peak in the straight-through direction: aBSDF would change nothing.");
         return;
     }
     say(c, ORL_BSDF_NOTE,
-        "Straight through, the sun's disc is smeared over %.*f times its size (%.*f at normal "
-        "incidence): glare (DGP) may come out too low by up to %.3f.",
+        "Straight through, the sun's disc is spread over %.*f times its size (%.*f at normal "
+        "incidence): glare (DGP) may be too low by up to %.3f.",
         decimals_of(p->smear), p->smear, decimals_of(c->normal.smear), c->normal.smear,
         p->dgp_loss);
     if (p->straight > 0)
         say(c, ORL_BSDF_NOTE,
             "At theta %.0f, phi %.0f, %.1f %% of the light goes straight through: the material "
-            "aBSDF "
-            "keeps that part sharp, which is truer if the real pane is clear.",
+            "aBSDF keeps that part sharp, which is more accurate if the real pane is clear.",
             p->theta_deg, p->phi_deg, 100 * p->straight);
     else
         say(c, ORL_BSDF_OK,
-            "What stands out is too broad or too faint to be taken for a straight "
-            "view: aBSDF would change nothing there.");
+            "The peak there is too broad or too faint to count as a clear view: aBSDF would change "
+            "nothing there.");
 }
 
 void orl_bsdf_set_verdicts(struct orl_bsdf_check *check)

@@ -289,8 +289,8 @@ static int run_fit(const struct orl_bsdf_fit_request *request, const struct orl_
                                        : ORL_BSDF_TENSOR_TREE_4;
     if (!isotropic && result->basis == ORL_BSDF_TENSOR_TREE_3)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a tensor tree of rank 3 is of isotropic samples, and incident "
-                             "directions here have several azimuths");
+                             "a tensor tree of rank 3 needs an isotropic sample, but the incident "
+                             "directions have several azimuths");
     result->scans = calloc(data->n_scans, sizeof *result->scans);
     set_levels(request, result->basis, shape_fitting.levels);
     code = result->scans ? shape_all(&shape_fitting, result, err)
@@ -311,7 +311,7 @@ int orl_bsdf_fit(const struct orl_bsdf_fit_request *request, const struct orl_bs
     if (code < 0)
         return code;
     if (request->n_files == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "no file of measurements is named");
+        return orl_error_set(err, ORL_ERR_INVALID, "no measurement file is given");
     orl_thread_pool_set_cancel(env->pool, env->cancel);
     code = run_fit(request, env, &data, &result, err);
     orl_thread_pool_set_cancel(env->pool, NULL);

@@ -35,20 +35,19 @@ void orl_bsdf_fit_request_done(struct orl_bsdf_fit_request *request)
 int orl_bsdf_fit_validate(const struct orl_bsdf_fit_request *r, struct orl_error *err)
 {
     if (r->has_basis && !orl_bsdf_basis_name(r->basis))
-        return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is unknown");
     if (!orl_bsdf_fit_symmetry_name(r->symmetry))
-        return orl_gonio_refuse(err, ORL_ERR_INVALID, "symmetry",
-                                "the symmetry is none that there is");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "symmetry", "the symmetry is unknown");
     const int code = orl_gonio_check_tree(r->resolution, r->cull, err);
     if (code < 0)
         return code;
     if (!(r->grazing_deg >= 0 && r->grazing_deg <= 45))
         return orl_gonio_refuse(err, ORL_ERR_RANGE, "grazing",
-                                "grazing rows are those within 0 to 45 degrees");
+                                "the grazing angle must be from 0 to 45 degrees");
     if (r->has_basis && r->basis == ORL_BSDF_TENSOR_TREE_3 && r->symmetry != ORL_BSDF_FIT_AUTO &&
         r->symmetry != ORL_BSDF_FIT_ISOTROPIC)
         return orl_gonio_refuse(err, ORL_ERR_UNSUPPORTED, "basis",
-                                "a tensor tree of rank 3 is of isotropic samples");
+                                "a tensor tree of rank 3 needs an isotropic sample");
     return 0;
 }
 
@@ -67,10 +66,10 @@ static void say_scans(const struct orl_bsdf_fit_result *f, FILE *out)
         fprintf(out, "Diffuse light from the %s, %s: %.5f", sides[front],
                 t ? "transmitted" : "reflected", f->diffuse[front][t].value);
         if (f->misplaced[front][t] >= 0)
-            fprintf(out, ", error by leaving directions out %.1e; misplaced by that %.2g of it",
+            fprintf(out, ", leave-one-out error %.1e; share misplaced by it %.2g",
                     f->diffuse[front][t].error, f->misplaced[front][t]);
-        fprintf(out, "\n  %zu incident directions to %.4g degrees; beyond it is extrapolated\n",
-                scans, f->theta_most_deg[front][t]);
+        fprintf(out, "\n  %zu incident directions up to %.4g degrees; extrapolated beyond\n", scans,
+                f->theta_most_deg[front][t]);
     }
 }
 
@@ -83,14 +82,14 @@ static char *say_all(const struct orl_bsdf_fit_request *request,
     if (!out)
         return NULL;
     fputs("Fitted to measurements by Oriel " ORL_VERSION
-          ": radial functions on each scan, transport of mass between\nFrom:",
+          ": radial functions on each scan, mass transport between scans\nFrom:",
           out);
     for (size_t i = 0; i < request->n_files; i++)
         fprintf(out, " %s", request->files[i]);
     fprintf(out, "\n%zu rows, %zu left out as outliers; symmetry %s\n", f->rows, f->n_outliers,
             orl_bsdf_fit_symmetry_name(f->symmetry));
     if (orl_bsdf_basis_is_tree(f->basis))
-        fprintf(out, "Cells as one where within %g of their mean\n", request->cull);
+        fprintf(out, "Cells merged where within %g of their mean\n", request->cull);
     say_scans(f, out);
     const bool failed = ferror(out);
     if (fclose(out) == 0 && !failed)

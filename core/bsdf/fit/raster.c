@@ -70,7 +70,7 @@ int orl_fit_raster_make(unsigned levels, struct orl_fit_raster *ret_raster, stru
     s.groups = malloc((s.n_tiles / TILES_GROUPED + 1) * sizeof *s.groups);
     if (!s.x || !s.tiles || !s.groups) {
         orl_fit_raster_done(&s);
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for directions out");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for exit directions");
     }
     s.y = s.x + points;
     s.z = s.y + points;

@@ -11,7 +11,7 @@ static int check_request(const struct orl_bsdf_make_request *to, struct orl_erro
 {
     if (to->accuracy > 0 || to->paths > 0)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a BSDF that is converted takes no paths, and has no accuracy");
+                             "paths and accuracy do not apply when a BSDF is converted");
     return orl_bsdf_make_validate(to, err);
 }
 
@@ -136,10 +136,10 @@ static int check_resolution(const struct orl_bsdf_comparison *lost, bool color, 
     if (worst <= within)
         return 0;
     orl_error_set(err, ORL_ERR_RANGE,
-                  "without any cull %.2g %% of the light is lost or goes elsewhere, by its "
-                  "resolution alone, and %.2g %% is wanted",
+                  "even without a cull, the resolution loses or misplaces %.2g %% of the light; "
+                  "the limit is %.2g %%",
                   100 * worst, 100 * within);
-    orl_error_hint(err, "Ask for a finer resolution, or for more");
+    orl_error_hint(err, "Ask for a finer resolution, or allow a larger loss");
     return ORL_ERR_RANGE;
 }
 
@@ -152,9 +152,9 @@ int orl_bsdf_convert_within(const struct orl_bsdf *bsdf, const char *source,
     const struct trial trial = {bsdf, source, to, env};
     struct orl_bsdf_make_result best = {0};
     if (!orl_bsdf_basis_is_tree(to->basis) || !(within > 0 && within < 1))
-        return orl_error_set(err, ORL_ERR_INVALID,
-                             "a cull is within a share of the light, from above 0 to below 1, and "
-                             "of tensor trees");
+        return orl_error_set(
+            err, ORL_ERR_INVALID,
+            "a limit on the lost light must be above 0 and below 1, and needs a tensor tree");
     *ret_cull_fraction = ORL_BSDF_CULL_FRACTION;
     int code = try_cull(&trial, ORL_BSDF_CULL_FRACTION, &best, ret_lost, err);
     if (code < 0)

@@ -36,7 +36,7 @@ int orl_bsdf_make(const struct orl_bsdf_make_request *request, const struct orl_
     struct orl_bsdf_make_result result = {0};
     int code = orl_bsdf_make_validate(request, err);
     if (code == 0 && request->n_files == 0)
-        code = orl_error_set(err, ORL_ERR_INVALID, "no file of the panel is named");
+        code = orl_error_set(err, ORL_ERR_INVALID, "no panel file is given");
     if (code == 0)
         code = orl_gonio_sample_load(request, env, &sample, err);
     if (code < 0)

@@ -81,9 +81,9 @@ int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err
 {
     if (resolution < 4 || resolution > 128 || (resolution & (resolution - 1)))
         return orl_gonio_refuse(err, ORL_ERR_RANGE, "resolution",
-                                "a resolution is 4, 8, 16, 32, 64 or 128");
+                                "the resolution must be 4, 8, 16, 32, 64 or 128");
     if (!(cull >= 0 && cull <= 1))
-        return orl_gonio_refuse(err, ORL_ERR_RANGE, "cull", "a cull is a share, from 0 to 1");
+        return orl_gonio_refuse(err, ORL_ERR_RANGE, "cull", "the cull must be a share from 0 to 1");
     return 0;
 }
 
@@ -97,28 +97,28 @@ static int validate_tree(const struct orl_bsdf_make_request *r, struct orl_error
         r->symmetry != ORL_BSDF_SYMMETRY_AUTO)
         return orl_gonio_refuse(
             err, ORL_ERR_UNSUPPORTED, "symmetry",
-            "a tensor tree of rank 3 is the same from all azimuths: it has no mirrors");
+            "a tensor tree of rank 3 is isotropic: a mirror symmetry does not apply to it");
     return 0;
 }
 
 int orl_bsdf_make_validate(const struct orl_bsdf_make_request *r, struct orl_error *err)
 {
     if (!orl_bsdf_basis_name(r->basis))
-        return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is none that there is");
+        return orl_gonio_refuse(err, ORL_ERR_INVALID, "basis", "the basis is unknown");
     const uint32_t paths = orl_bsdf_make_paths(r);
     if (paths < ORL_BSDF_MAKE_PATHS_LEAST || paths > ORL_BSDF_MAKE_PATHS_MOST)
         return orl_gonio_refuse(err, ORL_ERR_RANGE, "paths",
-                                "from 16 to 16777216 paths a direction");
+                                "paths must be from 16 to 16777216 per direction");
     if (!(r->accuracy >= 0 && r->accuracy < 1))
         return orl_gonio_refuse(err, ORL_ERR_RANGE, "accuracy",
-                                "an accuracy is above 0 and below 1");
+                                "the accuracy must be above 0 and below 1");
     if (r->accuracy > 0 && (r->paths_most < paths || r->paths_most > ORL_BSDF_MAKE_PATHS_MOST))
         return orl_gonio_refuse(
             err, ORL_ERR_RANGE, "paths_most",
-            "the most paths are no fewer than those to begin with, and at most 16777216");
+            "paths_most must be at least the initial number of paths, and at most 16777216");
     for (int i = 0; r->has_cell && i < 4; i++)
         if (!isfinite(r->cell[i]) || (i % 2 == 1 && !(r->cell[i] > r->cell[i - 1])))
             return orl_gonio_refuse(err, ORL_ERR_RANGE, "cell",
-                                    "a cell is x from, x to, y from, y to, in that order");
+                                    "a cell must be x from, x to, y from, y to, in that order");
     return orl_bsdf_basis_is_tree(r->basis) ? validate_tree(r, err) : 0;
 }

@@ -18,7 +18,7 @@ static void write_sources(const struct orl_gonio_sample *sample, FILE *out)
     fputs("From:", out);
     for (size_t i = 0; i < d->n_files; i++)
         fprintf(out, " %s", d->files[i]);
-    fputs("\nSHA-256 of these, each behind its length: ", out);
+    fputs("\nSHA-256 of these files, each preceded by its length: ", out);
     for (size_t i = 0; i < sizeof d->digest; i++)
         fprintf(out, "%02x", d->digest[i]);
     putc('\n', out);
@@ -29,13 +29,13 @@ static void write_settings(const struct orl_bsdf_make_request *r,
 {
     static const char *const mirrors[] = {"none", "left and right", "up and down", "both"};
     fprintf(out,
-            "Cell, repeated without end: x %.6g to %.6g, y %.6g to %.6g; z %.6g to %.6g\n"
-            "Seed %llu, paths %llu, symmetry %s",
+            "Cell, repeated infinitely: x %.6g to %.6g, y %.6g to %.6g; z %.6g to %.6g\nSeed %llu, "
+            "paths %llu, symmetry %s",
             result->cell[0], result->cell[1], result->cell[2], result->cell[3], result->depth[0],
             result->depth[1], (unsigned long long)r->seed, (unsigned long long)result->paths,
             mirrors[r->symmetry]);
     if (orl_bsdf_basis_is_tree(r->basis))
-        fprintf(out, ", cells as one where within %g of their mean, or %g of the light", r->cull,
+        fprintf(out, ", cells merged where within %g of their mean, or %g of the light", r->cull,
                 r->cull_fraction);
     if (r->accuracy > 0)
         fprintf(out, ", accuracy %g%s", r->accuracy, result->reached ? "" : " (not reached)");
@@ -52,14 +52,14 @@ static void write_error_figures(const struct orl_bsdf_make_result *result, FILE 
                 "%.1e\n",
                 sides[front], s[1].value, s[1].error, s[0].value, s[0].error);
     }
-    fprintf(out,
-            "Largest standard error of values above a hundredth of their part's peak: %.2g of the "
-            "value\n",
-            result->worst);
+    fprintf(
+        out,
+        "Largest relative standard error of values above a hundredth of their part's peak: %.2g\n",
+        result->worst);
     if (result->merge_error > 0)
-        fprintf(out, "Largest that cells joined are off by from their mean, as rms: %.2g of it\n",
+        fprintf(out, "Largest relative rms deviation of merged cells from their mean: %.2g\n",
                 result->merge_error);
-    fprintf(out, "Light given up inside: %.2g", result->lost);
+    fprintf(out, "Light lost inside the panel: %.2g", result->lost);
 }
 
 static void write_conversion(const struct orl_gonio_sample *sample,
@@ -67,7 +67,7 @@ static void write_conversion(const struct orl_gonio_sample *sample,
 {
     fprintf(out, "Converted by Oriel " ORL_VERSION "\nFrom: %s", sample->source);
     if (orl_bsdf_basis_is_tree(r->basis))
-        fprintf(out, "\nCells as one where within %g of their mean, or %g of the light", r->cull,
+        fprintf(out, "\nCells merged where within %g of their mean, or %g of the light", r->cull,
                 r->cull_fraction);
 }
 
@@ -81,11 +81,11 @@ static char *write_provenance(const struct orl_gonio_sample *sample,
     if (!out)
         return NULL;
     if (errors)
-        fputs("Standard errors in place of values: no BSDF. Of these it is said:\n", out);
+        fputs("This file holds standard errors, not a BSDF. The BSDF they belong to:\n", out);
     if (sample->file) {
         write_conversion(sample, request, out);
     } else {
-        fputs("Made of geometry and materials by Oriel " ORL_VERSION "\n", out);
+        fputs("Made from geometry and materials by Oriel " ORL_VERSION "\n", out);
         write_sources(sample, out);
         write_settings(request, result, out);
         write_error_figures(result, out);

@@ -53,7 +53,7 @@ int orl_basis_add_ring(struct orl_basis *basis, double lower_deg, double upper_d
         return orl_error_set(err, ORL_ERR_LIMIT, "angle basis '%s' has more than %d rings",
                              basis->name, ORL_BASIS_RINGS_MAX);
     if (!(cells >= 1 && cells <= ORL_BASIS_CELLS_MAX - basis->n_cells))
-        return orl_error_set(err, ORL_ERR_LIMIT, "angle basis '%s' has no or more than %d cells",
+        return orl_error_set(err, ORL_ERR_LIMIT, "angle basis '%s' has no cells, or more than %d",
                              basis->name, ORL_BASIS_CELLS_MAX);
     if (cells != floor(cells))
         return orl_error_set(err, ORL_ERR_RANGE, "nPhis is not a whole number");

@@ -56,7 +56,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     for (; attributes[0]; attributes += 2)
         if (strcmp(attributes[0], "format") == 0 && strcasecmp(attributes[1], "MGF") != 0)
             fail_at_line(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
-                                          "geometry of the format '%.40s' is not read, but MGF",
+                                          "geometry format '%.40s' is not supported, only MGF",
                                           attributes[1]));
 }
 

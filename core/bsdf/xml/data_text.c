@@ -130,7 +130,7 @@ static int close_branch(struct orl_tree_text *text, struct orl_tree_ref *ret_ref
     const struct orl_brace *brace = &text->open[text->n_open - 1];
     if (brace->n_children != fanout(text))
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "a branch of the tensor tree has %u children where %u belong",
+                             "a branch of the tensor tree has %u children instead of %u",
                              brace->n_children, fanout(text));
     return text->rank == 4 ? orl_tree_branch(text->tree, brace->child, ret_ref, err) : 0;
 }
@@ -141,7 +141,7 @@ static int on_close(struct orl_tree_text *text, struct orl_error *err)
     struct orl_tree_ref ref = orl_tree_leaf(0);
     int code;
     if (text->n_open == 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "'}' without its '{'");
+        return orl_error_set(err, ORL_ERR_SYNTAX, "'}' without a matching '{'");
     code = text->n_grid > 0 ? close_grid(text, &ref, err) : close_branch(text, &ref, err);
     if (code < 0)
         return code;
@@ -244,7 +244,7 @@ static int parse_values(struct orl_matrix_text *text, struct orl_error *err)
         if (text->count == count_values(text->matrix)) {
             orl_error_set(err, ORL_ERR_SYNTAX, "more than the %zu values of the matrix",
                           text->count);
-            orl_error_hint(err, "decimal commas would do that: write 0.5, not 0,5");
+            orl_error_hint(err, "decimal commas may be the cause: write 0.5, not 0,5");
             return ORL_ERR_SYNTAX;
         }
         text->matrix->values[place_of(text)] = orl_bsdf_value(number, &text->matrix->clamped);
@@ -267,7 +267,7 @@ int orl_matrix_text_finish(struct orl_matrix_text *text, struct orl_error *err)
     if (code < 0)
         return code;
     if (text->count != count_values(text->matrix))
-        return orl_error_set(err, ORL_ERR_SYNTAX, "%zu values where the matrix has %zu",
+        return orl_error_set(err, ORL_ERR_SYNTAX, "%zu values instead of the matrix's %zu",
                              text->count, count_values(text->matrix));
     return orl_matrix_finish(text->matrix, err);
 }

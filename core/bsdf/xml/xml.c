@@ -31,7 +31,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
         return;
     element = element_at(r, name);
     if (r->depth == 0 && element != EL_WINDOW) {
-        FAIL(r, ORL_ERR_SYNTAX, "the file is no BSDF: its root is '%.64s', not 'WindowElement'",
+        FAIL(r, ORL_ERR_SYNTAX, "the file is not a BSDF: its root is '%.64s', not 'WindowElement'",
              name);
         return;
     }
@@ -145,11 +145,12 @@ static void refuse_xml(struct orl_xml_reader *r, bool last)
     FAIL(r, error == XML_ERROR_NO_MEMORY ? ORL_ERR_NOMEM : ORL_ERR_SYNTAX, "XML: %s",
          XML_ErrorString(error));
     if (error == XML_ERROR_UNKNOWN_ENCODING)
-        orl_error_hint(r->err, "save the file as UTF-8, and let its first line say so");
+        orl_error_hint(r->err,
+                       "save the file as UTF-8, and declare that encoding in its first line");
     else if (error == XML_ERROR_INVALID_TOKEN)
-        orl_error_hint(r->err, "letters beyond ASCII must be in UTF-8: save the file as UTF-8");
+        orl_error_hint(r->err, "non-ASCII characters must be in UTF-8: save the file as UTF-8");
     else if (last)
-        orl_error_hint(r->err, "the file may be cut short");
+        orl_error_hint(r->err, "the file may be truncated");
 }
 
 /*

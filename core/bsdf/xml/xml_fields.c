@@ -210,7 +210,7 @@ static void read_structure(struct orl_xml_reader *r)
         d->structure = ORL_STRUCTURE_MATRIX;
     else
         FAIL(r, ORL_ERR_UNSUPPORTED,
-             "IncidentDataStructure '%s' is none of TensorTree3, TensorTree4, Columns and Rows",
+             "IncidentDataStructure '%s' is not TensorTree3, TensorTree4, Columns or Rows",
              r->text);
     d->by_rows = !strcasecmp(r->text, "Rows");
 }
@@ -221,7 +221,7 @@ static void read_thickness(struct orl_xml_reader *r)
     if (r->text[0] == '\0')
         return;
     if (orl_number_parse(r->text, r->text_length, &value, r->err) < 0 || value < 0) {
-        FAIL(r, ORL_ERR_RANGE, "thickness '%s' is not a number of at least 0", r->text);
+        FAIL(r, ORL_ERR_RANGE, "thickness '%s' is not a number from 0 up", r->text);
         return;
     }
     r->document->thickness_m = value * r->thickness_unit;
@@ -248,7 +248,7 @@ static bool is_given(struct orl_xml_reader *r)
     if (r->channel < 0 || !*given_flag(&r->document->parts[r->part], r->channel))
         return false;
     FAIL(r, ORL_ERR_SYNTAX, "%s is given twice for %s", orl_component_names[r->part],
-         r->channel == 0 ? "Visible" : "the same channel of colour");
+         r->channel == 0 ? "Visible" : "the same colour channel");
     return true;
 }
 
@@ -274,8 +274,8 @@ static void read_basis_name(struct orl_xml_reader *r, enum orl_tree_axis axis)
     }
     r->have_basis[axis] = orl_basis_standard(r->text, &r->basis[axis]) == 0;
     if (!r->have_basis[axis])
-        FAIL(r, ORL_ERR_UNSUPPORTED, "angle basis '%s' is neither defined here nor a standard one",
-             r->text);
+        FAIL(r, ORL_ERR_UNSUPPORTED,
+             "angle basis '%s' is neither defined in the file nor a standard one", r->text);
 }
 
 static void add_ring(struct orl_xml_reader *r)
@@ -296,7 +296,7 @@ static int begin_tree(struct orl_xml_reader *r, struct orl_component *component)
     struct orl_iso *iso = k < 0 ? &component->iso : &component->chroma.iso[k];
     int code;
     if (!r->tree_basis)
-        return orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without its AngleBasis");
+        return orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without an AngleBasis");
     if (r->document->structure == ORL_STRUCTURE_TREE4) {
         orl_tree_text_init(&r->tree_text, tree);
         tree->eval_only = k >= 0;
@@ -314,7 +314,7 @@ static int begin_matrix(struct orl_xml_reader *r, struct orl_component *componen
         r->channel == 0 ? &component->matrix : &component->chroma.matrix[r->channel - 1];
     if (!r->have_basis[0] || !r->have_basis[1])
         return orl_error_set(r->err, ORL_ERR_SYNTAX,
-                             "a matrix without its ColumnAngleBasis and RowAngleBasis");
+                             "a matrix without ColumnAngleBasis and RowAngleBasis");
     orl_matrix_text_init(&r->matrix_text, matrix, r->document->by_rows);
     return orl_matrix_init(matrix, &r->basis[0], &r->basis[1], r->err);
 }
@@ -327,7 +327,7 @@ static void begin_data(struct orl_xml_reader *r)
     if (r->channel < 0)
         return;
     if (r->part < 0) {
-        FAIL(r, ORL_ERR_SYNTAX, "ScatteringData before its WavelengthDataDirection");
+        FAIL(r, ORL_ERR_SYNTAX, "ScatteringData before WavelengthDataDirection");
         return;
     }
     if (is_given(r))
@@ -495,7 +495,8 @@ static void read_tree_basis(struct orl_xml_reader *r)
 {
     r->tree_basis = !strcasecmp(r->text, "LBNL/Shirley-Chiu");
     if (r->channel >= 0 && !r->tree_basis)
-        FAIL(r, ORL_ERR_UNSUPPORTED, "angle basis '%s' of a tensor tree", r->text);
+        FAIL(r, ORL_ERR_UNSUPPORTED, "angle basis '%s' is not supported for a tensor tree",
+             r->text);
 }
 
 void orl_xml_end(struct orl_xml_reader *r, enum orl_xml_element element)

@@ -44,7 +44,7 @@ static int visit_term(struct survey *s, struct orl_term *node)
     int code = 0;
     if (++c->functions->work > ORL_FUNCTION_WORK)
         return orl_error_set(c->err, ORL_ERR_LIMIT,
-                             "all functions together are too large to be compiled");
+                             "all functions together are too large to compile");
     if (node->kind == ORL_NODE_INPUT && !is_fixed(c, node->index))
         c->bodies[s->user]->open = true;
     else if (node->kind == ORL_NODE_INPUT)

@@ -14,8 +14,8 @@ static int report_undefined(struct orl_compiler *c, const struct orl_term *node,
 {
     const bool called = node->kind == ORL_NODE_CALL;
     if (!called && (node->definition->function.root || orl_builtin_named(name) >= 0)) {
-        orl_error_set(c->err, ORL_ERR_SYNTAX, "'%.100s' is a function, and has no value by itself",
-                      name);
+        orl_error_set(c->err, ORL_ERR_SYNTAX,
+                      "'%.100s' is a function and has no value without arguments", name);
         orl_error_hint(c->err, "give it arguments: %.100s(...)", name);
         return orl_emit_locate_error(c, node->line, ORL_ERR_SYNTAX);
     }
@@ -123,9 +123,9 @@ static int check_functions(struct orl_compiler *c, const struct orl_term *node,
             return code;
         if (argument.kind != ORL_ARGUMENT_CODE)
             continue;
-        orl_error_set(c->err, ORL_ERR_SYNTAX, "argument %u of %.100s() has to be a function", i + 1,
+        orl_error_set(c->err, ORL_ERR_SYNTAX, "argument %u of %.100s() must be a function", i + 1,
                       callee->name);
-        orl_error_hint(c->err, "give it a function's name, without parentheses");
+        orl_error_hint(c->err, "write a function's name, without parentheses");
         return orl_emit_locate_error(c, node->line, ORL_ERR_SYNTAX);
     }
     return 0;
@@ -230,8 +230,9 @@ static int emit_arg(struct orl_compiler *c, uint32_t slot, const struct orl_term
         return orl_emit_number(c, slot, (double)n);
     if (wanted >= 1 && wanted <= (double)n)
         return orl_emit_number(c, slot, c->request->arguments[(size_t)wanted - 1]);
-    orl_error_set(c->err, ORL_ERR_RANGE, "argument %.0f is asked for, %zu are given", wanted, n);
-    orl_error_hint(c->err, "give the primitive the real arguments that its function file wants");
+    orl_error_set(c->err, ORL_ERR_RANGE, "the function uses argument %.0f, but only %zu are given",
+                  wanted, n);
+    orl_error_hint(c->err, "give the primitive the real arguments that its function file needs");
     return orl_emit_locate_error(c, node->line, ORL_ERR_RANGE);
 }
 
@@ -251,9 +252,9 @@ static int emit_builtin(struct orl_compiler *c, uint32_t slot, const struct orl_
         return emit_select(c, slot, node);
     uint32_t n = orl_builtins[which].is_variadic ? node->n_args : orl_builtins[which].min_args;
     if (n > ORL_FUNCTION_PARAMETERS) {
-        orl_error_set(c->err, ORL_ERR_LIMIT, "%s() of more than %d arguments", name,
+        orl_error_set(c->err, ORL_ERR_LIMIT, "%s() has more than %d arguments", name,
                       ORL_FUNCTION_PARAMETERS);
-        orl_error_hint(c->err, "%s() of several calls of it is the same", name);
+        orl_error_hint(c->err, "nest several calls of %s() instead", name);
         return orl_emit_locate_error(c, node->line, ORL_ERR_LIMIT);
     }
     int code = 0;

@@ -9,7 +9,7 @@
 
 int orl_compiler_no_memory(struct orl_compiler *c)
 {
-    return orl_error_set(c->err, ORL_ERR_NOMEM, "no memory for a program");
+    return orl_error_set(c->err, ORL_ERR_NOMEM, "out of memory for a program");
 }
 
 int orl_emit_locate_error(struct orl_compiler *c, int line, int code)
@@ -26,9 +26,9 @@ int orl_emit_operation(struct orl_compiler *c, uint32_t slot, enum orl_operation
 {
     struct orl_segment *const segment = &c->segments[slot];
     if (c->n_instructions >= ORL_FUNCTION_INSTRUCTIONS) {
-        orl_error_set(c->err, ORL_ERR_LIMIT, "functions come to more than %lu instructions",
+        orl_error_set(c->err, ORL_ERR_LIMIT, "functions have more than %lu instructions",
                       ORL_FUNCTION_INSTRUCTIONS);
-        orl_error_hint(c->err, "tables belong in data files");
+        orl_error_hint(c->err, "put tables into data files");
         return orl_emit_locate_error(c, 0, ORL_ERR_LIMIT);
     }
     if (!orl_array_reserve(&segment->code, &segment->room, segment->n, sizeof *segment->code))
@@ -137,7 +137,7 @@ int orl_emit_waiting(struct orl_compiler *c, size_t base)
         c->err = err;
     }
     if (is_fatal(code))
-        return orl_error_set(err, code, "functions are too large to be compiled");
+        return orl_error_set(err, code, "functions are too large to compile");
     return 0;
 }
 
@@ -190,7 +190,7 @@ static int fold_constant(struct orl_compiler *c, const struct orl_term *node, bo
     free(c->segments[slot].code);
     c->n_segments--;
     if (is_fatal(code))
-        return orl_error_set(err, code, "functions are too large to be compiled");
+        return orl_error_set(err, code, "functions are too large to compile");
     return 0;
 }
 

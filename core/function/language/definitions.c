@@ -137,7 +137,7 @@ int orl_definitions_resolve(struct orl_functions *functions, int context, const 
     if (resolved.kind == ORL_NODE_NAME && !found)
         found = orl_definitions_at(functions, context, name, length);
     if (resolved.kind == ORL_NODE_NAME && !found)
-        return orl_error_set(err, ORL_ERR_NOMEM, "no memory for definitions");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for definitions");
     resolved.definition = found;
     *ret_resolved = resolved;
     return 0;

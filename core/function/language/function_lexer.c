@@ -41,8 +41,8 @@ static int skip_comment(struct orl_function_lexer *lexer, struct orl_error *err)
     size_t depth = 0;
     do {
         if (lexer->at == lexer->length)
-            return report_fault(lexer, began, err, "a comment of a function file does not end",
-                                "each { needs a }");
+            return report_fault(lexer, began, err, "a comment of a function file is not closed",
+                                "end each { with a }");
         const char c = lexer->text[lexer->at++];
         depth += c == '{';
         depth -= c == '}';
@@ -94,8 +94,8 @@ static int take_number(struct orl_function_lexer *lexer, struct orl_error *err)
     lexer->word = text + begin;
     lexer->word_length = lexer->at - begin;
     if (orl_number_read(lexer->word, lexer->word_length, &lexer->number) != ORL_NUMBER_OK)
-        return report_fault(lexer, lexer->line, err, "a number of a function file is not one",
-                            "numbers are written like 12, .5 or 1.5e-3");
+        return report_fault(lexer, lexer->line, err, "a number of a function file is invalid",
+                            "write numbers like 12, .5 or 1.5e-3");
     return 0;
 }
 
@@ -145,10 +145,10 @@ int orl_function_lexer_expected(const struct orl_function_lexer *lexer, const ch
     if (lexer->kind == ORL_FUNCTION_TOKEN_END)
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not the end of the text", what);
     else if (lexer->word[0] < ' ' || lexer->word[0] > '~') /* errors must be UTF-8 */
-        orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not a byte of no meaning", what);
+        orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not an invalid character", what);
     else
         orl_error_set(err, ORL_ERR_SYNTAX, "%s is expected, not '%.*s'", what, length, lexer->word);
     orl_error_at(err, lexer->file[0] ? lexer->file : NULL, lexer->line, NULL);
-    orl_error_hint(err, "definitions are NAME = EXPRESSION; or NAME(A, B) = EXPRESSION;");
+    orl_error_hint(err, "write definitions as NAME = EXPRESSION; or NAME(A, B) = EXPRESSION;");
     return ORL_ERR_SYNTAX;
 }

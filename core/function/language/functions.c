@@ -76,10 +76,10 @@ int orl_functions_define(struct orl_functions *functions, int context, const cha
                          const char *text, size_t length, struct orl_error *err)
 {
     if (length > ORL_FUNCTION_TEXT - functions->text_bytes) {
-        orl_error_set(err, ORL_ERR_LIMIT, "function files are longer than %lu bytes together",
+        orl_error_set(err, ORL_ERR_LIMIT, "all function files together are longer than %lu bytes",
                       ORL_FUNCTION_TEXT);
         orl_error_at(err, file, line, NULL);
-        orl_error_hint(err, "tables belong in data files");
+        orl_error_hint(err, "put tables into data files");
         return ORL_ERR_LIMIT;
     }
     functions->text_bytes += length;
@@ -117,7 +117,7 @@ static int read_file(struct orl_functions *functions, const struct orl_files *fi
         return orl_functions_define(functions, context, NULL, 0, text, strlen(text), err);
     if (code == ORL_ERR_NOT_FOUND) {
         orl_error_set(err, code, "there is no function file '%.200s'", name);
-        orl_error_hint(err, "put it beside the scene, by this name, or into a folder of RAYPATH");
+        orl_error_hint(err, "put it under this name beside the scene, or into a folder of RAYPATH");
     }
     return code;
 }
@@ -140,14 +140,14 @@ int orl_functions_load(struct orl_functions *functions, const struct orl_files *
     }
     name_context(name, context);
     if (!add_context(functions, context, ""))
-        return orl_error_set(err, ORL_ERR_NOMEM, "no memory for definitions");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for definitions");
     const size_t made = functions->n_contexts - 1;
     code = read_file(functions, files, name, (int)made, err);
     if (code < 0)
         return code;
     functions->contexts[made].file = orl_arena_copy_text(functions->arena, name, strlen(name));
     if (!functions->contexts[made].file)
-        return orl_error_set(err, ORL_ERR_NOMEM, "no memory for definitions");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for definitions");
     *ret_context = (int)made;
     return 0;
 }

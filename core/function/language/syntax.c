@@ -21,7 +21,7 @@ struct parser {
 
 static int no_memory(const struct parser *p)
 {
-    return orl_error_set(p->err, ORL_ERR_NOMEM, "no memory for definitions");
+    return orl_error_set(p->err, ORL_ERR_NOMEM, "out of memory for definitions");
 }
 
 static bool is_sign(const struct parser *p, char sign)
@@ -99,7 +99,7 @@ static int enter_level(struct parser *p)
     orl_error_set(p->err, ORL_ERR_LIMIT, "an expression is nested deeper than %d levels",
                   ORL_FUNCTION_NESTING);
     orl_error_at(p->err, p->file[0] ? p->file : NULL, p->lexer.line, NULL);
-    orl_error_hint(p->err, "give parts of it names of their own");
+    orl_error_hint(p->err, "define its parts under separate names");
     return ORL_ERR_LIMIT;
 }
 

@@ -266,9 +266,9 @@ static void warn_site(const struct orl_sky_request *request, struct orl_text *te
 {
     const double hours = orl_sun_hours_apart(request->longitude_deg / 15.0, request->time_zone_h);
     if (request->time_given && fabs(hours) > 3.0)
-        orl_text_warn(text,
-                      "%.1f hours lie between longitude and time zone (both are counted east)",
-                      fabs(hours));
+        orl_text_warn(
+            text, "longitude and time zone differ by %.1f hours (both count positive to the east)",
+            fabs(hours));
 }
 
 static bool needs_sun(const struct orl_sky *pattern)
@@ -319,9 +319,9 @@ static void replace_missing_gradation(struct orl_sky_numbers *numbers, bool by_f
     numbers->black = !by_flux;
     if (by_flux)
         numbers->pattern.a[0] = 1;
-    orl_text_warn(text, by_flux ? "the model of the sky has no answer here: it is taken without "
-                                  "its change from zenith to horizon"
-                                : "the model of the sky has no answer here: it is black");
+    orl_text_warn(text, by_flux ? "the sky model gives no valid values here: the sky is used "
+                                  "without its change from zenith to horizon"
+                                : "the sky model gives no valid values here: the sky is black");
 }
 
 /* Warns that the sun is below the horizon, and how much of the requested light is left out. */
@@ -428,8 +428,8 @@ static void limit_low_sun(const struct orl_weather *weather, const struct orl_we
         orl_daylight_altitude_of_row(weather, row) > low_deg)
         return;
     orl_text_warn(text,
-                  "line %d of the weather file: %g %s of direct light from a low sun are taken as "
-                  "%g, the most that the sun has",
+                  "line %d of the weather file: %g %s of direct light from a low sun are reduced "
+                  "to %g, the maximum for sunlight",
                   row->line, request->first, lux ? "lx" : "W/m2", most);
     request->first = most;
 }
@@ -448,7 +448,8 @@ static int fill_request_from_row(const struct orl_weather *weather,
         return ORL_ERR_RANGE;
     }
     if (row->direct < 0 || row->diffuse < 0)
-        orl_text_warn(text, "line %d of the weather file: negative light is taken as 0", row->line);
+        orl_text_warn(text, "line %d of the weather file: a negative value is read as 0",
+                      row->line);
     request->model = ORL_SKY_BY_PEREZ;
     request->time_given = true;
     request->year = row->year;
@@ -466,8 +467,9 @@ static int fill_request_from_row(const struct orl_weather *weather,
     const int code = orl_daylight_check(request, err);
     if (code < 0) {
         orl_error_at(err, NULL, row->line, NULL);
-        orl_error_hint(err, "correct the row; if others are like it, the file's light is not in %s",
-                       weather->units == ORL_WEATHER_NORMAL_LX ? "lx" : "W/m2");
+        orl_error_hint(
+            err, "correct the row; if other rows are similar, the file's values are not in %s",
+            weather->units == ORL_WEATHER_NORMAL_LX ? "lx" : "W/m2");
     }
     return code;
 }
@@ -486,7 +488,7 @@ static int request_of_row(const struct orl_sky_request *request, const struct or
     *ret_request = *request;
     const int code = fill_request_from_row(weather, row, ret_request, text, err);
     if (code == 0 && fabs(row->hour - request->hour) > 1e-6)
-        orl_text_warn(text, "the weather file's row for hour %g is taken for hour %g", row->hour,
+        orl_text_warn(text, "the weather file's row for hour %g is used for hour %g", row->hour,
                       request->hour);
     return code;
 }

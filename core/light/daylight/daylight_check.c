@@ -15,7 +15,7 @@ static int check_ranges(const struct range *ranges, size_t count, struct orl_err
     for (size_t i = 0; i < count; i++) {
         const struct range *r = &ranges[i];
         if (!(r->value >= r->low && r->value <= r->high)) {
-            orl_error_set(err, ORL_ERR_RANGE, "the sky's %s is %g, and must lie between %g and %g",
+            orl_error_set(err, ORL_ERR_RANGE, "the sky's %s is %g; it must lie between %g and %g",
                           r->name, r->value, r->low, r->high);
             orl_error_at(err, NULL, 0, "sky");
             return ORL_ERR_RANGE;
@@ -67,14 +67,14 @@ static int check_sun(const struct orl_sky_request *r, bool needed, struct orl_er
                                    {"sun_azimuth", r->sun_azimuth_deg, -360, 360}};
     if (r->sun_given && r->time_given)
         return set_invalid_error(
-            err, "the sky's sun is given twice: by its place, and by time and site");
+            err, "the sky's sun is given twice: by its angles, and by time and site");
     if (r->sun_given)
         return check_ranges(angles, 2, err);
     if (r->time_given)
         return check_time(r, err);
     if (!needed)
         return 0;
-    set_invalid_error(err, "the sky's sun has no place");
+    set_invalid_error(err, "the sky's sun has no position");
     orl_error_hint(err, "give month, day, hour, latitude, longitude and time_zone, or sun_altitude "
                         "and sun_azimuth");
     return ORL_ERR_INVALID;
@@ -106,7 +106,7 @@ static int check_perez(const struct orl_sky_request *r, struct orl_error *err)
         ranges[1] = (struct range){"brightness", r->second, 0.01, 0.6};
         break;
     default:
-        return set_invalid_error(err, "a Perez sky cannot be made from that");
+        return set_invalid_error(err, "a Perez sky cannot be made from these inputs");
     }
     const int code = check_ranges(ranges, count, err);
     return code < 0 ? code : check_sun(r, true, err);
@@ -119,10 +119,10 @@ static int check_cie(const struct orl_sky_request *r, struct orl_error *err)
                                    {"direct_normal_lx", r->direct_normal_lx, -1, 200000},
                                    {"brightness", r->first, 0, 1e6}};
     if (!even && r->cie_type != ORL_SKY_CLEAR && r->cie_type != ORL_SKY_INTERMEDIATE)
-        return set_invalid_error(err, "the sky is of no known CIE type");
+        return set_invalid_error(err, "the sky's CIE type is unknown");
     if (r->input != ORL_SKY_TYPICAL && r->input != ORL_SKY_ZENITH_CD_M2 &&
         r->input != ORL_SKY_DIFFUSE_LX)
-        return set_invalid_error(err, "a CIE sky cannot be made from that");
+        return set_invalid_error(err, "a CIE sky cannot be made from these inputs");
     if (even && r->direct_normal_lx > 0)
         return set_invalid_error(err, "an overcast or uniform sky has no sun");
     const int code = check_ranges(ranges, sizeof ranges / sizeof *ranges, err);

@@ -51,7 +51,7 @@ static int read_number(struct reader *reader, struct orl_slice field, const char
         return code;
     if (!(value >= low && value <= high))
         return orl_scanner_fail(&reader->scanner, ORL_ERR_RANGE, reader->err,
-                                "%s is %g, and must lie between %g and %g", what, value, low, high);
+                                "%s is %g; it must lie between %g and %g", what, value, low, high);
     *ret_value = value;
     return 0;
 }
@@ -82,7 +82,7 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     if (code < 0)
         return code;
     if (month != floor(month) || day != floor(day))
-        return fail_at_line(reader, ORL_ERR_SYNTAX, "month and day are whole numbers");
+        return fail_at_line(reader, ORL_ERR_SYNTAX, "month and day must be whole numbers");
     row.month = (int)month;
     row.day = (int)day;
     if (reader->weather.units == ORL_WEATHER_NORMAL_LX) /* lux may exceed 9999 */
@@ -108,7 +108,8 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
 {
     struct orl_weather *weather = &reader->weather;
     if (weather->n_rows >= ORL_LIMIT_WEATHER_ROWS)
-        return fail_at_line(reader, ORL_ERR_LIMIT, "there are more rows than a year has minutes");
+        return fail_at_line(reader, ORL_ERR_LIMIT,
+                            "the file has more rows than a year has minutes");
     if (weather->n_rows == reader->room) {
         const size_t room = reader->room ? 2 * reader->room : 1024;
         void *grown = realloc(weather->rows, room * sizeof *weather->rows);
@@ -197,16 +198,17 @@ static int read_periods(struct reader *reader, struct orl_slice line)
     int code;
     if (!orl_slice_take_cell(&line, ',', &field) || !orl_slice_take_cell(&line, ',', &field) ||
         !orl_slice_take_cell(&line, ',', &field))
-        return fail_at_line(reader, ORL_ERR_SYNTAX, "DATA PERIODS ends before the records an hour");
+        return fail_at_line(reader, ORL_ERR_SYNTAX,
+                            "DATA PERIODS ends before the number of records per hour");
     if (orl_slice_take_cell(&line, ',', &name) && orl_slice_take_cell(&line, ',', &weekday) &&
         orl_slice_take_cell(&line, ',', &date))
         reader->weather.first_weekday = weekday_of_new_year(weekday, date, &reader->first_date);
-    code = read_number(reader, field, "the records an hour", 1, 60, &an_hour);
+    code = read_number(reader, field, "the number of records per hour", 1, 60, &an_hour);
     if (code == 0 && an_hour != floor(an_hour))
-        return fail_at_line(reader, ORL_ERR_RANGE, "the records an hour are no whole number");
-    if (code == 0 && fmod(60, an_hour) != 0)
         return fail_at_line(reader, ORL_ERR_RANGE,
-                            "the records an hour are no whole number of minutes");
+                            "the number of records per hour is not a whole number");
+    if (code == 0 && fmod(60, an_hour) != 0)
+        return fail_at_line(reader, ORL_ERR_RANGE, "the number of records per hour must divide 60");
     reader->an_hour = code == 0 ? (int)an_hour : 1;
     return code;
 }
@@ -225,7 +227,7 @@ static int set_row_middle(struct reader *reader, struct orl_weather_row *row)
     if (reader->n_of_hour < reader->an_hour)
         return 0;
     return orl_scanner_fail(&reader->scanner, ORL_ERR_RANGE, reader->err,
-                            "the hour has more than the %d rows that DATA PERIODS give it",
+                            "the hour has more than the %d rows that DATA PERIODS states",
                             reader->an_hour);
 }
 
@@ -248,7 +250,7 @@ static int check_year(struct reader *reader, const struct orl_weather_row *row)
                       "the file has rows of %d and of %d for month %d, day %d, hour %g", *year,
                       row->year, row->month, row->day, row->hour);
         orl_error_at(reader->err, reader->scanner.name, reader->scanner.line, NULL);
-        orl_error_hint(reader->err, "say which of them count by \"year\", as \"year\": %d", *year);
+        orl_error_hint(reader->err, "choose one with \"year\", for example \"year\": %d", *year);
         return ORL_ERR_RANGE;
     }
     if (row->year == 0)
@@ -270,7 +272,7 @@ static int check_fields(struct reader *reader, struct orl_slice rest)
         if (n >= EPW_FIELDS && rest.text[i] != ',') {
             fail_at_line(reader, ORL_ERR_SYNTAX,
                          "the row has more than the 35 fields of an EPW file");
-            orl_error_hint(reader->err, "decimal commas would do that: write 21.5, not 21,5");
+            orl_error_hint(reader->err, "decimal commas may cause this: write 21.5, not 21,5");
             return ORL_ERR_SYNTAX;
         }
     }
@@ -299,8 +301,8 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     const struct orl_slice five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
     code = read_row(reader, five, 1, 24, &row);
     if (code < 0 && is_zero(fields[3]))
-        orl_error_hint(reader->err, "an EPW file's rows are of the hours 1 to 24, which are their "
-                                    "intervals' ends: add 1 to the hours");
+        orl_error_hint(reader->err, "rows of an EPW file have hours from 1 to 24, the ends of "
+                                    "their intervals: add 1 to the hours");
     if (code < 0)
         return code;
     row.year = year_of(fields[0]);
@@ -349,7 +351,7 @@ static int read_wea_header(struct reader *reader)
         int code;
         if (!next_line(reader, &line) || !orl_slice_begins_nocase(line, keys[i].key))
             return orl_scanner_fail(&reader->scanner, ORL_ERR_SYNTAX, reader->err,
-                                    "'%s' and its value are expected here", keys[i].key);
+                                    "expected '%s' and its value here", keys[i].key);
         value =
             (struct orl_slice){line.text + strlen(keys[i].key), line.length - strlen(keys[i].key)};
         code = read_number(reader, orl_slice_trim(value), keys[i].key, keys[i].low, keys[i].high,
@@ -358,7 +360,7 @@ static int read_wea_header(struct reader *reader)
             return code;
     }
     if (values[WEA_UNITS] != floor(values[WEA_UNITS]))
-        return fail_at_line(reader, ORL_ERR_RANGE, "weather_data_file_units is 1, 2 or 3");
+        return fail_at_line(reader, ORL_ERR_RANGE, "weather_data_file_units must be 1, 2 or 3");
     reader->weather.latitude_deg = values[WEA_LATITUDE];
     reader->weather.longitude_deg = -values[WEA_LONGITUDE];
     reader->weather.time_zone_h = -values[WEA_TIME_ZONE] / 15.0;
@@ -374,8 +376,9 @@ static int read_wea_row(struct reader *reader, struct orl_slice line)
     for (int i = 0; i < 5; i++) {
         fields[i] = orl_slice_take_word(&line);
         if (fields[i].length == 0)
-            return fail_at_line(reader, ORL_ERR_SYNTAX,
-                                "a row is: month, day, hour, direct and diffuse light");
+            return fail_at_line(
+                reader, ORL_ERR_SYNTAX,
+                "a row has five values: month, day, hour, direct and diffuse light");
     }
     code = read_row(reader, fields, 0, 25, &row);
     return code < 0 ? code : keep_row(reader, &row);
@@ -387,8 +390,8 @@ static int read_wea(struct reader *reader)
     int code = read_wea_header(reader);
     if (code == 0 && reader->year != 0) {
         fail_at_line(reader, ORL_ERR_INVALID,
-                     "\"year\" is given, and rows of WEA files have no year");
-        orl_error_hint(reader->err, "leave \"year\" out, or take the EPW file");
+                     "\"year\" is given, but rows of WEA files have no year");
+        orl_error_hint(reader->err, "leave \"year\" out, or use the EPW file");
         return ORL_ERR_INVALID;
     }
     while (code == 0 && next_line(reader, &line))
@@ -445,9 +448,9 @@ static int refuse_year(struct reader *reader)
     if (reader->last_year == 0)
         return orl_error_set(
             reader->err, ORL_ERR_RANGE,
-            "the file has no rows of %d: its rows have no year; leave \"year\" out", reader->year);
+            "the file has no rows for %d: its rows have no year; leave \"year\" out", reader->year);
     return orl_error_set(reader->err, ORL_ERR_RANGE,
-                         "the file has no rows of %d: its rows are of %d to %d", reader->year,
+                         "the file has no rows for %d: its years are %d to %d", reader->year,
                          reader->first_year, reader->last_year);
 }
 
@@ -493,22 +496,23 @@ static bool is_tmy2(struct orl_slice line)
 
 static int refuse_head(struct reader *reader, struct orl_slice line)
 {
-    static const char convert[] = "take the EPW file of the place, or convert this one to EPW";
+    static const char convert[] = "use an EPW file of the site, or convert this file to EPW";
     fail_at_line(reader, ORL_ERR_SYNTAX,
                  "a weather file begins with LOCATION (EPW) or place (WEA)");
     if (orl_slice_begins_nocase(line, "LOCATION;"))
-        orl_error_hint(reader->err, "this EPW file has semicolons: save it with commas between its "
-                                    "fields and points in its numbers");
+        orl_error_hint(reader->err, "this EPW file has semicolons: save it with commas between "
+                                    "fields and with decimal points");
     else if (orl_slice_begins_nocase(line, "Latitude (decimal degrees)"))
-        orl_error_hint(reader->err, "this is a table of PVGIS, which has years as EPW files, too");
+        orl_error_hint(reader->err,
+                       "this is a PVGIS table: PVGIS also offers the data as an EPW file");
     else if (orl_slice_begins_nocase(line, "Source,Location ID,"))
-        orl_error_hint(reader->err, "this is a table of NSRDB: %s", convert);
+        orl_error_hint(reader->err, "this is an NSRDB table: %s", convert);
     else if (is_tmy2(line))
-        orl_error_hint(reader->err, "this is a file of TMY2: %s", convert);
+        orl_error_hint(reader->err, "this is a TMY2 file: %s", convert);
     else if (next_line(reader, &line) && orl_slice_begins_nocase(line, "Date (MM/DD/YYYY),"))
-        orl_error_hint(reader->err, "this is a table of TMY3: %s", convert);
+        orl_error_hint(reader->err, "this is a TMY3 table: %s", convert);
     else
-        orl_error_hint(reader->err, "this is another form of file: %s", convert);
+        orl_error_hint(reader->err, "this file format is not supported: %s", convert);
     return ORL_ERR_SYNTAX;
 }
 

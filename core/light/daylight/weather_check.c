@@ -139,16 +139,16 @@ static bool describe_numbers(const struct orl_time_shift *shift, char *text, siz
     if (!(least > usual * global))
         return false;
     snprintf(text, size,
-             "the weather file's numbers contradict each other: its global irradiance is not "
-             "diffuse plus direct normal times the sine of the sun's altitude (%.3g W/m2 off in "
-             "rows with direct light, %.0f %% of it), whatever the time. %s. What is used is its "
-             "direct normal and its diffuse irradiance",
+             "the weather file's numbers contradict each other: at no time shift is its global "
+             "irradiance diffuse plus direct normal times the sine of the sun's altitude (%.3g "
+             "W/m2 off in rows with direct light, %.0f %% of it). %s. Its direct normal and "
+             "diffuse irradiance are used",
              least, 100 * least / global,
              shift->diffuse_w_m2 < close * global ? "Its diffuse irradiance is 0 by day"
              : shift->horizontal_w_m2 < close * global
-                 ? "It is diffuse plus direct: its direct irradiance seems to be that of the "
-                   "horizontal, not normal to the sun"
-                 : "Look for a file of another source");
+                 ? "It is diffuse plus direct: its direct irradiance seems to be horizontal, not "
+                   "normal to the sun"
+                 : "Look for a file from another source");
     return true;
 }
 
@@ -159,16 +159,16 @@ bool orl_time_shift_describe(const struct orl_time_shift *shift, char *text, siz
         return describe_numbers(shift, text, size);
     if (shift->doubtful)
         snprintf(text, size,
-                 "the weather file's direct irradiance was made for a sun that is %.0f minutes %s "
-                 "than its times say (%.2g W/m2 off, and %.2g by the file's times), its global "
-                 "irradiance was not: times are taken as they are, direct light is uncertain",
+                 "the weather file's direct irradiance fits a sun %.0f minutes %s than its times "
+                 "(%.2g W/m2 off, and %.2g by the file's times), but its global irradiance does "
+                 "not. The times are used unchanged; direct light is uncertain",
                  60 * fabs(shift->shift_h), way, shift->least_w_m2, shift->off_w_m2);
     else
         snprintf(
             text, size,
             "the weather file's times seem %.0f minutes too %s: its global irradiance is diffuse "
-            "plus direct for a sun that is so much %s (%.2g W/m2 off, and %.2g by the file's "
-            "times). If so, write the time zone %.4g, not %.4g, into the file's LOCATION",
+            "plus direct for a sun that much %s (%.2g W/m2 off, and %.2g by the file's times). If "
+            "so, change the time zone in the file's LOCATION to %.4g, from %.4g",
             60 * fabs(shift->shift_h), shift->shift_h > 0 ? "early" : "late", way,
             shift->least_w_m2, shift->off_w_m2, shift->time_zone_h, shift->file_time_zone_h);
     return true;
@@ -240,17 +240,17 @@ bool orl_night_light_describe(const struct orl_night_light *night, char *text, s
         return false;
     if (night->cause == ORL_NIGHT_LONGITUDE || night->cause == ORL_NIGHT_TIME_ZONE)
         snprintf(why, sizeof why,
-                 "Likely cause: the sign of the %s (EPW counts east, WEA west): with the other "
+                 "Likely cause: the sign of the %s (EPW counts east, WEA west): with the opposite "
                  "sign the sun is up",
                  night->cause == ORL_NIGHT_LONGITUDE ? "longitude" : "time zone");
     else if (night->cause == ORL_NIGHT_SHIFT)
         snprintf(why, sizeof why,
-                 "Likely cause: times are %g h too %s (rows by the end or the beginning of their "
-                 "interval, summer time, or PVGIS's irradiance offset)",
+                 "Likely cause: times are %g h too %s (times of the end or start of intervals, "
+                 "summer time, or PVGIS's irradiance offset)",
                  fabs(night->shift_h), night->shift_h > 0 ? "early" : "late");
     snprintf(text, size,
-             "in %zu %s of the weather file (%.4g h) the sun is below the horizon, and there is "
-             "light: %.4g %s of %.4g (%.2g %%) are left out. %s",
+             "in %zu %s of the weather file (%.4g h) there is light although the sun is below the "
+             "horizon: %.4g %s of %.4g (%.2g %%) are left out. %s",
              night->n_rows, night->n_rows == 1 ? "row" : "rows", night->hours, night->lost, unit,
              night->total, 100 * night->lost / night->total, why);
     return true;

@@ -89,11 +89,10 @@ static int refuse_same_times(const char *name, const struct orl_weather_row *fir
                              const struct orl_weather_row *second, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_RANGE,
-                  "lines %d and %d are of the same time: month %d, day %d, hour %g", first->line,
+                  "lines %d and %d have the same time: month %d, day %d, hour %g", first->line,
                   second->line, first->month, first->day, first->hour);
     orl_error_at(err, name, second->line, NULL);
-    orl_error_hint(err, "leave one row for each time in the file: if it has several years, those "
-                        "of one");
+    orl_error_hint(err, "keep one row for each time; if the file has several years, keep one year");
     return ORL_ERR_RANGE;
 }
 

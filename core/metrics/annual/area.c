@@ -299,14 +299,14 @@ static int check_figure(const struct orl_annual_figure *figure, const struct orl
                         struct orl_error *err)
 {
     if (rows->n_sensors == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "there are no sensors to make a figure of");
+        return orl_error_set(err, ORL_ERR_INVALID, "there are no sensors to evaluate");
     if (figure->metric.kind == ORL_METRIC_DIRECT_HOURS && !rows->direct_lx)
-        return orl_error_set(err, ORL_ERR_INVALID, "the direct sun is not known by itself");
+        return orl_error_set(err, ORL_ERR_INVALID, "direct sunlight was not computed separately");
     if (figure->metric.kind == ORL_METRIC_DF && !rows->overcast_lx)
-        return orl_error_set(err, ORL_ERR_INVALID, "the light of an overcast sky is not known");
+        return orl_error_set(err, ORL_ERR_INVALID, "the light of an overcast sky was not computed");
     if (figure->aggregate == ORL_AGGREGATE_SHARE && !orl_annual_is_monotonic(figure->metric.kind))
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a share of the area is told of metrics that grow with the light");
+                             "a share of the area needs a metric that grows with the light");
     return 0;
 }
 

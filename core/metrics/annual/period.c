@@ -16,10 +16,10 @@ int orl_annual_steps_check(const struct orl_annual_steps *steps, struct orl_erro
     if (steps->per_hour >= 1 && steps->per_hour <= MOST_STEPS_AN_HOUR &&
         (steps->count == YEAR_H * steps->per_hour || steps->count == LEAP_YEAR_H * steps->per_hour))
         return 0;
-    return orl_error_set(err, ORL_ERR_RANGE,
-                         "%u steps, %u an hour, are no year: it has %d hours, or %d with 29 "
-                         "February",
-                         steps->count, steps->per_hour, YEAR_H, LEAP_YEAR_H);
+    return orl_error_set(
+        err, ORL_ERR_RANGE,
+        "%u steps, %u per hour, are not a year: it has %d hours, or %d with 29 February",
+        steps->count, steps->per_hour, YEAR_H, LEAP_YEAR_H);
 }
 
 struct orl_calendar_day orl_calendar_day_of(const struct orl_annual_steps *steps, uint32_t step)
@@ -164,7 +164,7 @@ static int find_resolution(struct occupancy_reader *r, double hour)
 {
     const double per_hour = hour > 0 && hour < 0.5 ? round(0.5 / hour) : 1;
     if (per_hour != 1 && per_hour != r->steps->per_hour)
-        return report_line_error(r, ORL_ERR_RANGE, "the file's steps are not those of the year");
+        return report_line_error(r, ORL_ERR_RANGE, "the file's time steps differ from the year's");
     r->lines.per_hour = (uint32_t)per_hour;
     r->lines.count = r->steps->count / r->steps->per_hour * (uint32_t)per_hour;
     return 0;
@@ -180,9 +180,9 @@ static int check_time(struct occupancy_reader *r, const double values[MOST_FIELD
     if (values[0] == day.month && values[1] == day.day &&
         fabs(values[2] - middle) <= 0.5 / r->lines.per_hour + 1e-6)
         return 0;
-    report_line_error(r, ORL_ERR_RANGE, "this is not the time of the line");
-    orl_error_hint(r->err, "%d,%d,%g is wanted here: month, day, hour of the middle", day.month,
-                   day.day, middle);
+    report_line_error(r, ORL_ERR_RANGE, "the line has the wrong time");
+    orl_error_hint(r->err, "%d,%d,%g is expected here: month, day, hour at the middle of the step",
+                   day.month, day.day, middle);
     return ORL_ERR_RANGE;
 }
 
@@ -237,7 +237,7 @@ static int read_line(struct occupancy_reader *r, struct orl_slice line)
         return n;
     if (n != 1 && n != MOST_FIELDS)
         return report_line_error(r, ORL_ERR_SYNTAX,
-                                 "one number is wanted, or \"month,day,hour,value\"");
+                                 "one number is expected, or \"month,day,hour,value\"");
     if (r->fields != 0 && n != r->fields)
         return report_line_error(r, ORL_ERR_SYNTAX,
                                  "lines of one number and \"month,day,hour,value\" are mixed");
@@ -260,10 +260,10 @@ static void expand_hours(unsigned char *marks, const struct orl_annual_steps *st
 
 static int report_line_count(const struct occupancy_reader *r)
 {
-    orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, and the year %u steps", r->count,
-                  r->steps->count);
+    orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, but the year has %u steps",
+                  r->count, r->steps->count);
     orl_error_at(r->err, r->scanner.name, 0, NULL);
-    orl_error_hint(r->err, "a line for each hour of the weather file's year is wanted: %u",
+    orl_error_hint(r->err, "give one line per hour of the weather file's year: %u",
                    r->steps->count / r->steps->per_hour);
     return ORL_ERR_RANGE;
 }

@@ -131,9 +131,8 @@ int orl_annual_rules_find(const char *name, const struct orl_annual_rule **ret_f
         count++;
     if (count == 0 || length == 0) {
         orl_error_set(err, ORL_ERR_NOT_FOUND, "there are no rules named '%s'", name);
-        orl_error_hint(err,
-                       "there are \"EN 17037\", \"LEED\", \"WELL L01\", \"WELL L06\", \"BREEAM "
-                       "offices\", ..., and longer ones for one of them");
+        orl_error_hint(err, "there are \"EN 17037\", \"LEED\", \"WELL L01\", \"WELL L06\", "
+                            "\"BREEAM offices\", ..., and longer names for single rules");
         return ORL_ERR_NOT_FOUND;
     }
     *ret_first = &rules[first];

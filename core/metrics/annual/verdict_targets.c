@@ -16,8 +16,8 @@ struct target_parser {
 
 static int report_wanted(const struct target_parser *r, const char *what)
 {
-    orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': %s is wanted %s%s%s", r->text, what,
-                  *r->at ? "at '" : "at its end", r->at, *r->at ? "'" : "");
+    orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': %s is expected %s%s%s", r->text, what,
+                  *r->at ? "before '" : "at the end", r->at, *r->at ? "'" : "");
     orl_error_hint(r->err, "write for instance \"sDA300/50 >= 55 %%\", \"ASE1000,250 <= 10 %%\", "
                            "\"DA300 of office >= 60 %%\"");
     return ORL_ERR_SYNTAX;
@@ -106,7 +106,7 @@ static int read_factor(struct target_parser *r, struct orl_annual_figure *figure
     if (figure->aggregate != ORL_AGGREGATE_SHARE || !take_number(r, &number))
         return 0;
     if (!(number > 0))
-        return report_wanted(r, "a daylight factor above 0 % before what stands");
+        return report_wanted(r, "a daylight factor above 0 %");
     const bool lux = take_word(r, "lx");
     figure->metric.low_lx = lux ? number : 0;
     figure->least = lux ? 0 : number;
@@ -134,13 +134,12 @@ static int read_numbers(struct target_parser *r, struct orl_annual_figure *figur
     if (code < 0)
         return code;
     if (!(metric->low_lx > 0) && metric->kind != ORL_METRIC_DIRECT_HOURS)
-        return report_wanted(r, "an illuminance above 0 lx before what stands");
+        return report_wanted(r, "an illuminance above 0 lx");
     if (range && metric->high_lx < metric->low_lx)
-        return report_wanted(r,
-                             "a range from the lower to the higher illuminance before what stands");
+        return report_wanted(r, "a range from the lower to the higher illuminance");
     if (metric->kind == ORL_METRIC_DA && figure->aggregate == ORL_AGGREGATE_SHARE &&
         figure->least > 100)
-        return report_wanted(r, "a share of the hours, in percent, before what stands");
+        return report_wanted(r, "a share of the hours, at most 100 %,");
     return 0;
 }
 
@@ -186,16 +185,16 @@ static int read_figure(struct target_parser *r, struct orl_annual_target *target
             r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
     target->figure = (struct orl_annual_figure){kind->aggregate, kind->metric, kind->least};
     if (least && kind->aggregate == ORL_AGGREGATE_SHARE)
-        return orl_error_set(r->err, ORL_ERR_SYNTAX, "'%s': a share of the area has no least one",
-                             r->text);
+        return orl_error_set(r->err, ORL_ERR_SYNTAX,
+                             "'%s': \"least\" does not apply to a share of the area", r->text);
     int code = read_numbers(r, &target->figure);
     if (least)
         target->figure.aggregate = ORL_AGGREGATE_LEAST;
     if (code == 0 && take_word(r, "of mean")) {
         if (kind->aggregate == ORL_AGGREGATE_SHARE || least)
-            return orl_error_set(r->err, ORL_ERR_SYNTAX,
-                                 "'%s': the mean over the area has no share and no least one",
-                                 r->text);
+            return orl_error_set(
+                r->err, ORL_ERR_SYNTAX,
+                "'%s': \"of mean\" does not apply to a share of the area or to \"least\"", r->text);
         target->figure.aggregate = ORL_AGGREGATE_OF_MEAN;
     }
     if (code == 0 && kind->metric.kind != ORL_METRIC_DF)
@@ -222,7 +221,7 @@ int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metr
         read_when(&r, &figure.metric.when);
     skip_space(&r);
     if (*r.at)
-        return report_wanted(&r, "nothing more");
+        return report_wanted(&r, "the end");
     *ret_metric = figure.metric;
     return 0;
 }
@@ -258,19 +257,19 @@ static int read_bound(struct target_parser *r, struct orl_annual_target *target)
     if (!take_number(r, &target->bound))
         return report_wanted(r, "a number");
     const bool said = take_word(r, unit);
-    snprintf(what, sizeof what, "nothing more than the unit %s", unit);
+    snprintf(what, sizeof what, "the end, or the unit %s,", unit);
     skip_space(r);
     if (*r->at)
         return report_wanted(r, what);
     if (strcmp(unit, "%") != 0)
         return 0;
     if (target->bound > 100)
-        return orl_error_set(r->err, ORL_ERR_RANGE, "'%s': %g %% is more than there is", r->text,
-                             target->bound);
+        return orl_error_set(r->err, ORL_ERR_RANGE, "'%s': %g %% is too large: the limit is 100",
+                             r->text, target->bound);
     if (!said && target->bound > 0 && target->bound < 1) {
         orl_error_set(r->err, ORL_ERR_RANGE, "'%s': is that %g %% or %g %%?", r->text,
                       target->bound, 100 * target->bound);
-        orl_error_hint(r->err, "write the %% behind the number");
+        orl_error_hint(r->err, "write %% after the number");
         return ORL_ERR_RANGE;
     }
     return 0;
@@ -282,7 +281,7 @@ int orl_annual_target_parse(const char *text, struct orl_annual_target *ret_targ
     struct target_parser r = {.text = text, .at = text, .err = err};
     struct orl_annual_target target = {.grid = ""};
     if (strlen(text) >= ORL_TARGET_TEXT)
-        return orl_error_set(err, ORL_ERR_LIMIT, "a target has less than %d letters",
+        return orl_error_set(err, ORL_ERR_LIMIT, "a target must have fewer than %d characters",
                              ORL_TARGET_TEXT);
     snprintf(target.text, sizeof target.text, "%s", text);
     int code = read_figure(&r, &target);

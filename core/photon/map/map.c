@@ -124,7 +124,7 @@ static int check_absent(const struct orl_photon_map *map, const char *path, stru
         for (uint64_t c = nodes - last * ORL_MAP_FANOUT; c < ORL_MAP_FANOUT; c++)
             if (map->levels[i][last].normal_bins[c] != 0)
                 return orl_error_set(err, ORL_ERR_CORRUPT,
-                                     "the boxes of photon map '%s' are damaged", path);
+                                     "the bounding boxes of photon map '%s' are damaged", path);
         nodes = l.groups[i];
     }
     return 0;

@@ -286,9 +286,9 @@ static int create_file(struct writer *w, const char *path, int *ret_fd, struct o
         why == 0 ? mmap(NULL, w->size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
     if (file == MAP_FAILED) {
         const int cause = why ? why : errno;
-        const int code =
-            orl_error_set(err, orl_err_of_errno(cause), "no room for a photon map of %zu bytes: %s",
-                          (size_t)w->size, strerror(cause));
+        const int code = orl_error_set(err, orl_err_of_errno(cause),
+                                       "no disk space for a photon map of %zu bytes: %s",
+                                       (size_t)w->size, strerror(cause));
         close(fd);
         return code;
     }

@@ -363,7 +363,7 @@ int orl_shoot(const struct orl_shoot_env *env, struct orl_shot shots[ORL_SHOT_KI
     if (code == ORL_ERR_CANCELLED)
         orl_error_set(err, code, "cancelled while tracing photons");
     else if (code == ORL_ERR_CORRUPT)
-        orl_error_set(err, code, "a photon map stops where none does");
+        orl_error_set(err, code, "the photon map to extend ends at an impossible point");
     else if (code < 0)
         orl_error_set(err, code, "out of memory for photons");
     return code;

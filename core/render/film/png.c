@@ -212,7 +212,8 @@ static int code_picture(struct orl_apng *apng, const unsigned char *rgb, struct 
 int orl_apng_put_poster(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
 {
     if (apng->poster || apng->added > 0)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "an animation's poster comes first, and once");
+        return orl_error_set(err, ORL_ERR_INTERNAL,
+                             "an animation's poster must come first, and only once");
     apng->poster = true;
     apng->plain = true;
     return code_picture(apng, rgb, err);
@@ -221,7 +222,8 @@ int orl_apng_put_poster(struct orl_apng *apng, const unsigned char *rgb, struct 
 int orl_apng_add(struct orl_apng *apng, const unsigned char *rgb, struct orl_error *err)
 {
     if (apng->added == apng->frames)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "an animation has more frames than it said");
+        return orl_error_set(err, ORL_ERR_INTERNAL,
+                             "an animation has more frames than its header states");
     apng->plain = apng->added == 0 && !apng->poster;
     write_control(apng);
     const int code = code_picture(apng, rgb, err);
@@ -310,7 +312,7 @@ static int add_frame(struct orl_apng *apng, const char *path, const struct frame
         return code;
     code = frame.width == first->width && frame.height == first->height
                ? orl_apng_add(apng, frame.rgb, err)
-               : orl_error_set(err, ORL_ERR_RANGE, "'%s' is of another size", path);
+               : orl_error_set(err, ORL_ERR_RANGE, "'%s' has another size", path);
     free(frame.rgb);
     return code;
 }

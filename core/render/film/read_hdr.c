@@ -30,14 +30,14 @@ static int take_exposure(struct reading *r, const struct orl_rgbe *rgbe, const c
         e[i] = strtod(text, &end);
         if (end == text || !(e[i] > 0) || !isfinite(e[i]))
             return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
-                                 "the header's exposure is no number above 0");
+                                 "the header's exposure must be a number above 0");
         text = end;
     }
     for (int i = 0; i < 3; i++)
         r->exposure[i] *= e[channels == 1 ? 0 : i];
     if (!isnormal(r->exposure[0]) || !isnormal(r->exposure[1]) || !isnormal(r->exposure[2]))
         return orl_rgbe_fail(rgbe, ORL_ERR_RANGE, err,
-                             "the header's exposures together are out of range");
+                             "the product of the header's exposures is out of range");
     return 0;
 }
 
@@ -56,7 +56,7 @@ static int take_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
         if (!starts_with(rest, "32-bit_rle_rgbe", &rest)) {
             code = orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
                                  "the picture's FORMAT is not 32-bit_rle_rgbe");
-            orl_error_hint(err, "ra_xyze -r makes one of XYZE");
+            orl_error_hint(err, "convert an XYZE picture with ra_xyze -r");
         }
     }
     if (starts_with(line, "VIEW=", &rest)) {
@@ -79,7 +79,7 @@ static int decode_pixels(struct reading *r, const unsigned char (*pixels)[4], st
         film->errors[i] = NAN;
         if (!isfinite(rgb[0]) || !isfinite(rgb[1]) || !isfinite(rgb[2]))
             return orl_rgbe_fail(&r->rgbe, ORL_ERR_RANGE, err,
-                                 "by its exposure a pixel is beyond measure");
+                                 "a pixel divided by the exposure is too large");
     }
     return 0;
 }

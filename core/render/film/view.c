@@ -41,7 +41,7 @@ static const char *parse_numbers(const char *text, const char *option, double *v
             orl_error_set(err, ORL_ERR_SYNTAX, "view option %s: '%s' is not a finite number",
                           option, word);
             if (orl_slice_is_decimal_comma((struct orl_slice){word, strlen(word)}))
-                orl_error_hint(err, "this is a decimal comma: write a point");
+                orl_error_hint(err, "this is a decimal comma: write a decimal point");
             return NULL;
         }
     }
@@ -52,7 +52,7 @@ static int set_type(struct orl_view *view, const char *word, struct orl_error *e
 {
     const char type = word[3];
     if (type == '\0' || word[4] != '\0' || !strchr("vlahsc", type)) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "view type '%s' is not known here", word);
+        orl_error_set(err, ORL_ERR_SYNTAX, "view type '%s' is not supported", word);
         orl_error_hint(err, "use -vtv, -vtl, -vta, -vth, -vts or -vtc");
         return err ? err->code : ORL_ERR_SYNTAX;
     }
@@ -107,7 +107,7 @@ static int set_image_axes(struct orl_view *view, struct orl_error *err)
     if (code < 0)
         return code;
     if (view->fore < 0 || (view->aft > 0 && view->aft <= view->fore))
-        return orl_error_set(err, ORL_ERR_RANGE, "view clipping -vo and -va make no sense");
+        return orl_error_set(err, ORL_ERR_RANGE, "view clipping -vo and -va are invalid");
     right = orl_normalize(right);
     above = orl_cross(right, view->direction);
     if (view->type == 'v') {

@@ -43,7 +43,7 @@ static int folder_acquire(void *ctx, const char *kind, const char *key, atomic_b
     int code = 0;
     (void)cancel; /* no other process builds in this folder, so that there is nothing to wait for */
     if (mkdir(state->folder, 0777) != 0 && errno != EEXIST)
-        return orl_error_set(err, orl_err_of_errno(errno), "cannot make the map folder '%s': %s",
+        return orl_error_set(err, orl_err_of_errno(errno), "cannot create the map folder '%s': %s",
                              state->folder, strerror(errno));
     code = map_path(state, kind, key, "", ret_path, err);
     if (code < 0)
@@ -69,7 +69,7 @@ static int folder_commit(void *ctx, const struct orl_map_info *info, struct orl_
     if (code == 0)
         code = map_path(state, info->kind, info->key, "", to, err);
     if (code == 0 && rename(from, to) != 0)
-        code = orl_error_set(err, orl_err_of_errno(errno), "cannot keep the map '%s': %s", to,
+        code = orl_error_set(err, orl_err_of_errno(errno), "cannot store the map '%s': %s", to,
                              strerror(errno));
     return code;
 }

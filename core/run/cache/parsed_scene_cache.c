@@ -58,7 +58,7 @@ static int make_and_store(struct orl_run_state *state, const struct orl_file_cac
         store->release(store->ctx, entry->kind, entry->key);
     } else {
         store->abandon(store->ctx, entry->kind, entry->key);
-        orl_run_warn(state, "the %s '%s' could not be kept for later jobs: %s", entry->what,
+        orl_run_warn(state, "the %s '%s' could not be cached for later jobs: %s", entry->what,
                      entry->name, why.message);
     }
     return 0;
@@ -88,8 +88,7 @@ static int orl_file_cache_get(struct orl_run_state *state, const struct orl_file
             return code;
         }
         if (code != ORL_ERR_VERSION || !entry->may_be_outdated)
-            orl_run_warn(state,
-                         "the %s '%s' was kept, but damaged or out of date: it is read again",
+            orl_run_warn(state, "the cached %s '%s' is damaged or out of date: it is read again",
                          entry->what, entry->name);
         store->abandon(store->ctx, entry->kind, entry->key);
     }
@@ -134,7 +133,7 @@ static int check_content(const struct request *r, struct orl_error *err)
     orl_sha256(r->xml->data, r->xml->size, content);
     if (memcmp(content, r->content, sizeof content) == 0)
         return 0;
-    return orl_error_set(err, ORL_ERR_CORRUPT, "the file is damaged in the store");
+    return orl_error_set(err, ORL_ERR_CORRUPT, "the stored file is damaged");
 }
 
 static int make_bsdf(void *ctx, struct orl_error *err)

@@ -61,22 +61,21 @@ static void warn_of_proxies(struct orl_run_state *state)
     const struct orl_scene *scene = state->scene;
     const struct orl_proxy_pairing *pairings[] = {&scene->paired, &scene->not_paired};
     if (scene->proxies && scene->n_hidden == 0)
-        orl_run_warn(state,
-                     "there are BSDFs with a thickness, but no surface lies within it behind "
-                     "them: views see nothing in their place");
+        orl_run_warn(state, "there are BSDFs with a thickness, but no surface lies within this "
+                            "thickness behind them: views show nothing there");
     for (int i = 0; i < 2; i++) {
         const struct orl_proxy_pairing *p = pairings[i];
         if (p->count == 0)
             continue;
         orl_run_warn(state,
-                     "the BSDFs '%s' and '%s' face away from each other %.4g apart, and are up to "
+                     "the BSDFs '%s' and '%s' face away from each other, are %.4g apart and up to "
                      "%.4g thick: %s%s",
                      orl_scene_name_of(scene, p->facets[0]), orl_scene_name_of(scene, p->facets[1]),
                      p->apart, p->thick,
-                     i == 0
-                         ? "they are taken to stand for the same geometry, and scatter light once"
-                         : "they are taken as two, which scatter light one after the other; if "
-                           "they stand for the same geometry, make them thicker",
+                     i == 0 ? "they are treated as one system that represents the same geometry, "
+                              "and scatter light once"
+                            : "they are treated as two systems that scatter light one after the "
+                              "other; if they represent the same geometry, make them thicker",
                      p->count > 1 ? " (and others)" : "");
     }
 }
@@ -107,7 +106,7 @@ static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
                            const struct orl_vec3 *places, size_t n)
 {
     static const char mend[] = "write 'void' as the first of its modifiers, or make the rooms' "
-                               "surfaces look into the rooms";
+                               "surfaces face into the rooms";
     const struct orl_scene *const scene = state->scene;
     uint32_t material, facet;
     orl_lining_of(scene->geometry, antimatter, &material, &facet);
@@ -115,18 +114,18 @@ static void warn_of_lining(struct orl_run_state *state, size_t antimatter,
     const struct orl_surface_label at = orl_scene_label_of(scene, facet);
     if (orl_lining_is_omitted(scene->geometry, antimatter))
         orl_run_warn(state,
-                     "the lining of the antimatter '%.100s' ('%.100s' in %.200s:%d) is left away: "
-                     "windows in it look on it, as where rooms' surfaces look out of the rooms, "
-                     "which makes matter of them; to be sure, %s",
+                     "the lining of the antimatter '%.100s' ('%.100s' in %.200s:%d) is left out, "
+                     "because windows face it: the rooms' surfaces may face outwards, so that "
+                     "rooms count as matter; to be sure, %s",
                      name, at.name, at.file, at.line, mend);
     for (size_t i = 0; i < n; i++) {
         if (!orl_lining_matter_contains(scene->geometry, antimatter, places[i]))
             continue;
         const struct orl_vec3 p = orl_add(places[i], scene->geometry->center);
         orl_run_warn(state,
-                     "the antimatter '%.100s' ('%.100s' in %.200s:%d) takes the place (%.6g %.6g "
-                     "%.6g) for the inside of what it cuts: if that is a room, the lining stands "
-                     "in it, and results are wrong there; %s",
+                     "the antimatter '%.100s' ('%.100s' in %.200s:%d) treats the point (%.6g %.6g "
+                     "%.6g) as inside the matter that it cuts: if that is a room, the lining "
+                     "stands in it, and results there are wrong; %s",
                      name, at.name, at.file, at.line, p.x, p.y, p.z, mend);
         return;
     }

@@ -131,7 +131,7 @@ int orl_word_file_write(const char *path, struct orl_word_file_info *file_info, 
 
 static int report_damage(const char *path, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is cut, damaged or of something else", path);
+    orl_error_set(err, ORL_ERR_CORRUPT, "'%s' is truncated, damaged or not a cache file", path);
     return ORL_ERR_CORRUPT;
 }
 
@@ -142,7 +142,7 @@ static int check_header(const char *path, const struct header *h, uint64_t bytes
     if (memcmp(h->magic, "ORIELKP", sizeof h->magic) != 0)
         return report_damage(path, err);
     if (h->version != VERSION || h->byte_order != BYTE_ORDER_MARK) {
-        orl_error_set(err, ORL_ERR_VERSION, "'%s' is of another version", path);
+        orl_error_set(err, ORL_ERR_VERSION, "'%s' has another version", path);
         return ORL_ERR_VERSION;
     }
     orl_checksum_of(h, offsetof(struct header, of_header), sum);

@@ -342,10 +342,10 @@ static void warn_of_worst(struct orl_run_state *state, const struct compared *wo
     const enum orl_technique technique = r->plan.technique;
     const struct orl_plain_group *group = worst->group;
     orl_run_warn(state,
-                 "cross-check: plain path tracing finds %.2g times the light that technique %s has "
-                 "found at %zu sensor%s from sensors[%zu] on, beyond the errors of both; the "
-                 "difference is most like the %s. Intervals of %zu sensor%s are widened to include "
-                 "it. Compare with technique %s",
+                 "cross-check: plain path tracing finds %.2g times the light that technique %s "
+                 "finds at %zu sensor%s from sensors[%zu] on, more than the errors of both "
+                 "explain; the difference resembles the %s. Intervals of %zu sensor%s are widened "
+                 "to include it. Compare with technique %s",
                  ratio_of(worst), orl_technique_name(technique), group->count,
                  orl_plural(group->count), group->first,
                  orl_light_class_name(r->cross_check.differs_in), r->cross_check.sensors_off,

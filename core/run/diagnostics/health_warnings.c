@@ -37,22 +37,21 @@ static int fail_dark(const struct orl_run_state *state, struct orl_error *err)
     if (result->n_views == 0 && result->n_sensors == 1)
         snprintf(what, sizeof what, "the only sensor is at 0 lx");
     else if (result->n_views == 0)
-        snprintf(what, sizeof what, "every one of the %zu sensors is at 0 lx", result->n_sensors);
+        snprintf(what, sizeof what, "all %zu sensors are at 0 lx", result->n_sensors);
     else if (result->n_sensors == 0 && result->n_views == 1)
         snprintf(what, sizeof what, "the only view is black");
     else if (result->n_sensors == 0)
-        snprintf(what, sizeof what, "every one of the %zu views is black", result->n_views);
+        snprintf(what, sizeof what, "all %zu views are black", result->n_views);
     else
         snprintf(what, sizeof what, "all sensors (%zu) and views (%zu) are black",
                  result->n_sensors, result->n_views);
     orl_error_set(err, ORL_ERR_UNLIT, "%s: %s", what,
                   lit ? "none of the scene's light reaches them"
-                      : "the scene has no light that is simulated, no sky, sun or lamp");
-    orl_error_hint(
-        err, "%s; where darkness is right, the job says \"dark\": \"expected\"",
-        lit ? "They may lie inside a solid, face a surface, or be walled in: see whether "
-              "windows are open to the outside and normals face the room"
-            : "Give the job a \"sky\" (of a project: --sky), or the scene lights");
+                      : "the scene has no simulated light: no sky, sun or lamp");
+    orl_error_hint(err, "%s; if darkness is correct, set \"dark\": \"expected\" in the job",
+                   lit ? "They may lie inside a solid, face a surface, or be walled in: check that "
+                         "windows are open to the outside and normals face the room"
+                       : "Add a \"sky\" to the job (--sky for a project), or lights to the scene");
     return ORL_ERR_UNLIT;
 }
 
@@ -66,12 +65,12 @@ int orl_run_diagnose_dark(struct orl_run_state *state, struct orl_error *err)
         return fail_dark(state, err);
     if (dark.sensors > 0)
         orl_run_warn(state,
-                     "%zu of %zu sensors %s at 0 lx, the first of them sensors[%zu]: no light was "
-                     "found there, as inside a solid; the others are not touched by that",
+                     "%zu of %zu sensors %s at 0 lx, the first is sensors[%zu]: no light was found "
+                     "there, for example inside a solid; the other sensors are not affected",
                      dark.sensors, result->n_sensors, dark.sensors == 1 ? "is" : "are",
                      dark.first_sensor);
     if (dark.views > 0)
-        orl_run_warn(state, "%zu of %zu views %s black, the first of them '%s'", dark.views,
+        orl_run_warn(state, "%zu of %zu views %s black, the first is '%s'", dark.views,
                      result->n_views, dark.views == 1 ? "is" : "are",
                      result->views[dark.first_view].name);
     return 0;
@@ -112,10 +111,10 @@ void orl_run_count_scene_faults(struct orl_run_state *state, const struct orl_sc
         h->bsdf_clamped += info.clamped;
         h->bsdf_rescaled += most > 1;
         if (info.skipped_bytes > 0)
-            orl_run_warn(state,
-                         "BSDF '%.100s': its file has %zu bytes of text before the XML, which are "
-                         "passed over",
-                         m->name, info.skipped_bytes);
+            orl_run_warn(
+                state,
+                "BSDF '%.100s': its file has %zu bytes of text before the XML, which are skipped",
+                m->name, info.skipped_bytes);
         if (most > 1 + tolerance)
             orl_run_warn(state,
                          "BSDF '%.100s': reflectance and transmittance add up to %.3f for some "
@@ -194,15 +193,16 @@ static void diagnose_view(struct orl_run_state *state, const char *name,
         return;
     if (orl_find_surface_contact(lit_scene->geometry, query_point.point, &touch)) {
         const struct orl_surface_label label = orl_scene_label_of(lit_scene->scene, touch.facet);
-        orl_run_warn_once(state,
-                          "view '%s': the eye lies on a surface, '%.100s' (%.100s:%d), %.2g m from "
-                          "it: which side it sees is chance; move the eye at least %.1g m away "
-                          "from the surface",
-                          name, label.name, label.file, label.line, touch.distance,
-                          clear_of_surfaces * orl_geometry_resolution(lit_scene->geometry));
+        orl_run_warn_once(
+            state,
+            "view '%s': the viewpoint lies on a surface, '%.100s' (%.100s:%d), %.2g m from it: the "
+            "side that it sees is random; move the viewpoint at least %.1g m away from the surface",
+            name, label.name, label.file, label.line, touch.distance,
+            clear_of_surfaces * orl_geometry_resolution(lit_scene->geometry));
     } else if (!orl_light_reaches(lit_scene, &query_point, 1, VIEW_PATHS, state->env->pool)) {
         orl_run_warn_once(
-            state, "view '%s': no light reaches the eye: it may be inside a solid or a wall", name);
+            state, "view '%s': no light reaches the viewpoint: it may be inside a solid or a wall",
+            name);
     }
 }
 
@@ -232,18 +232,19 @@ static void warn_of_leaks(struct orl_run_state *state, const struct orl_health *
     if (!(lost > many_leaks))
         return;
     if (orl_dot(d, d) > 0)
-        snprintf(place, sizeof place,
-                 "; one got out from (%.6g %.6g %.6g) towards (%.4f %.4f %.4f)", p.x, p.y, p.z, d.x,
-                 d.y, d.z);
+        snprintf(place, sizeof place, "; one left from (%.6g %.6g %.6g) towards (%.4f %.4f %.4f)",
+                 p.x, p.y, p.z, d.x, d.y, d.z);
     if (lost < grave_leaks)
         snprintf(verdict, sizeof verdict,
-                 "the results are good: what is lost is about %.2g %% of the light", 100 * lost);
+                 "the results are good: about %.2g %% of the light is lost", 100 * lost);
     else
         snprintf(verdict, sizeof verdict,
-                 "the results are not good near the gap: %.2g %% of the rays are lost, and what "
-                 "comes in there is not simulated",
+                 "the results are not good near the gap: %.2g %% of the rays are lost, and light "
+                 "that enters there is not simulated",
                  100 * lost);
-    orl_run_warn(state, "%llu of %llu rays left the building by no window: it is not closed%s; %s",
+    orl_run_warn(state,
+                 "%llu of %llu rays left the building, but not through a window: the building is "
+                 "not closed%s; %s",
                  leaked, rays, place, verdict);
 }
 
@@ -256,11 +257,10 @@ static void warn_of_sparse(struct orl_run_state *state, const struct orl_health 
     if (!(sparse > many_sparse))
         return;
     orl_run_warn(
-        state, "%.0f %% of the density estimates rest on fewer than 8 photons: %s", 100 * sparse,
-        shown ? "the results are not good there, they err by a third or more; more photons "
-                "would mend that"
-              : "each value averages over many, and is as good as its stated error says; "
-                "more photons would make it better");
+        state, "%.0f %% of the density estimates use fewer than 8 photons: %s", 100 * sparse,
+        shown ? "results there are not good, with errors of a third or more; use more photons"
+              : "each value is the mean of many estimates, so its stated error is valid; more "
+                "photons would reduce it");
 }
 
 void orl_run_diagnose_health(struct orl_run_state *state)
@@ -270,20 +270,19 @@ void orl_run_diagnose_health(struct orl_run_state *state)
         h->leak_from = orl_add(h->leak_from, state->lit_scene->geometry->center);
     warn_of_leaks(state, h);
     if (h->non_finite > 0)
-        orl_run_warn(state,
-                     "%llu values were no finite numbers and count as black: results near "
-                     "them are too low",
-                     (unsigned long long)h->non_finite);
+        orl_run_warn(
+            state, "%llu values were not finite and count as black: results near them are too low",
+            (unsigned long long)h->non_finite);
     if (h->flux_capped_w > much_flux * h->flux_w)
         orl_run_warn(state,
                      "%.3g %% of the light was lost to the bounce limit, with %llu of %llu "
-                     "photons: surfaces that absorb next to nothing come out too dark",
+                     "photons: surfaces that absorb almost no light are too dark",
                      100 * h->flux_capped_w / h->flux_w, (unsigned long long)h->photons_capped,
                      (unsigned long long)h->photons);
     if (share_of(h->paths_capped, h->paths) > many_paths)
         orl_run_warn(state,
-                     "%.3g %% of the paths from sensors and views were cut at the bounce "
-                     "limit: results are too low, by less than that",
+                     "%.3g %% of the paths from sensors and views were cut at the bounce limit: "
+                     "results are too low, but by a smaller share",
                      100 * share_of(h->paths_capped, h->paths));
     if (share_of(h->bsdf_clamped, h->bsdf_values) > many_values)
         orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",

@@ -153,9 +153,8 @@ static int diagnose_sensors(struct orl_run_state *state, const struct orl_shoot_
         orl_run_warn(
             state,
             "%zu of %zu sensors lack light of %s, which the backward technique finds by chance "
-            "only; "
-            "sensors[%zu] lacks about %.3g lx, %.2g %% of its light. Intervals are widened to "
-            "include it. Photons find it: use technique gather, or leave the technique to the plan",
+            "only; sensors[%zu] lacks about %.3g lx, %.2g %% of its light. Intervals are widened "
+            "to include it. Photons find this light: use technique gather, or let the plan choose",
             missed_light.sensors, state->n_sensors, missed_class_text(state), missed_light.worst,
             missed_light.lx, 100 * missed_light.share);
     return code;
@@ -167,12 +166,11 @@ static int diagnose_views(struct orl_run_state *state, const struct orl_shoot_en
     struct orl_photon_pilot pilot;
     const int code = orl_photon_pilot_run(env, NULL, NULL, &pilot, err);
     if (code == 0 && pilot.share * pilot.contrast > tolerable_of_view)
-        orl_run_warn(
-            state,
-            "views lack light of %s, which the backward technique finds by chance only; that "
-            "is %.2g %% of all light, and %.2g %% of it where it lands. Photons find it: "
-            "use technique gather, or leave the technique to the plan",
-            missed_class_text(state), 100 * pilot.share, 100 * pilot.contrast);
+        orl_run_warn(state,
+                     "views lack light of %s, which the backward technique finds by chance only; "
+                     "this is %.2g %% of all light, and %.2g %% where it falls. Photons find this "
+                     "light: use technique gather, or let the plan choose",
+                     missed_class_text(state), 100 * pilot.share, 100 * pilot.contrast);
     return code;
 }
 

@@ -103,12 +103,13 @@ void orl_run_warn_of_covered_panes(struct orl_run_state *state)
     const struct orl_surface_label pane = orl_scene_label_of(scene, found.pane);
     const struct orl_surface_label surface = orl_scene_label_of(scene, found.surface);
     if (found.count > 1)
-        snprintf(others, sizeof others, " (and %zu other panes so)", found.count - 1);
-    orl_run_warn(state,
-                 "the opaque surface '%.100s' (%.200s:%d) lies on the pane '%.100s' (%.200s:%d), "
-                 "%.2g from all of it%s: no light gets through; cut a hole for the pane",
-                 surface.name, surface.file, surface.line, pane.name, pane.file, pane.line,
-                 found.distance, others);
+        snprintf(others, sizeof others, " (as on %zu other panes)", found.count - 1);
+    orl_run_warn(
+        state,
+        "the opaque surface '%.100s' (%.200s:%d) covers the whole pane '%.100s' (%.200s:%d) at a "
+        "distance of %.2g%s: no light gets through; cut a hole for the pane",
+        surface.name, surface.file, surface.line, pane.name, pane.file, pane.line, found.distance,
+        others);
 }
 
 /* Finds BSDF panes whose front faces outdoors. By Radiance's convention the front of a window faces
@@ -167,11 +168,11 @@ void orl_run_warn_of_turned_panes(struct orl_run_state *state)
         return;
     const struct orl_surface_label pane = orl_scene_label_of(scene, first);
     if (count > 1)
-        snprintf(others, sizeof others, " (and %zu other panes so)", count - 1);
-    orl_run_warn(state,
-                 "the BSDF pane '%.100s' (%.200s:%d) has its front outdoors%s: Radiance and Oriel "
-                 "take the front for the room's side of the data, whose exterior side is indoors "
-                 "here; if that is not meant, reverse the order of the corners, or exchange front "
-                 "and back in the BSDF file",
-                 pane.name, pane.file, pane.line, others);
+        snprintf(others, sizeof others, " (as on %zu other panes)", count - 1);
+    orl_run_warn(
+        state,
+        "the BSDF pane '%.100s' (%.200s:%d) has its front outdoors%s: Radiance and Oriel use the "
+        "front as the room side of the data, so the exterior side is indoors here; if this is not "
+        "intended, reverse the order of the corners, or exchange front and back in the BSDF file",
+        pane.name, pane.file, pane.line, others);
 }

@@ -81,8 +81,8 @@ bool orl_run_describe_sensors_in_planes(const struct orl_scene *scene,
     const struct orl_vec3 at = sensors[first_index].position;
     snprintf(ret_text, size,
              "%zu of %zu sensors: the sensor lies in the plane of a surface; the first, number %zu "
-             "at (%.6g, %.6g, %.6g), %.2g m from '%.100s' (%.100s:%d): which side it measures is "
-             "chance; move it at least %.1g m away from the surface",
+             "at (%.6g, %.6g, %.6g), %.2g m from '%.100s' (%.100s:%d): the side it measures is "
+             "random; move it at least %.1g m away from the surface",
              count, n, first_index + 1, at.x, at.y, at.z, first.distance, label.name, label.file,
              label.line, clear_of_surfaces * orl_geometry_resolution(g));
     return true;
@@ -190,13 +190,13 @@ static void emit_warning(struct check *c, const char *text)
 
 static void describe_misplaced(struct check *c, enum misplacement kind)
 {
-    static const char in_solid[] = "in closed spaces without windows, as within a solid or a wall, "
-                                   "and the others do not";
+    static const char in_solid[] =
+        "in closed spaces without windows, such as a solid or a wall, and the others do not";
     static const char *const where[MISPLACEMENTS] = {
         [OUTDOORS] = "outdoors, and the others in a closed space",
         [IN_SOLID] = in_solid,
-        [IN_OTHER_ROOM] = "in another closed space than the others",
-        [BELOW_FLOOR] = "closely below the floor of a room"};
+        [IN_OTHER_ROOM] = "in a different closed space from the others",
+        [BELOW_FLOOR] = "just below the floor of a room"};
     char numbers[160] = "", surface[224], text[800];
     size_t count = 0, first = 0;
     for (size_t i = 0; i < c->range->count; i++)
@@ -234,9 +234,9 @@ static void describe_unchecked(const struct check *c)
     if (count > MOST_NAMES)
         snprintf(names + at, sizeof names - at, " and %zu more", count - MOST_NAMES);
     snprintf(text, sizeof text,
-             "sensors are not all checked for places outdoors, in solids, in other rooms or below "
-             "floors%s%s: the limit of rays for this check is reached, as their closed spaces are "
-             "many; split the job to check them",
+             "not all sensors are checked for positions outdoors, in solids, in other rooms or "
+             "below floors%s%s: many closed spaces used up the ray limit of this check; split the "
+             "job to check them",
              at > 0 ? " in the grids " : "", names);
     c->job->warn(c->job->ctx, text);
 }

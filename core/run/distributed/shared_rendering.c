@@ -129,7 +129,7 @@ int orl_rendering_share_sensors(struct orl_rendering *rendering, struct orl_erro
                                  .told = report_sensors_share};
     work.tasks = calloc(work.n, sizeof *work.tasks);
     if (!work.tasks)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a job");
     for (size_t i = 0; i < work.n; i++)
         name_chunk(rendering, i * rendering->chunk, &work.tasks[i]);
     orl_task_work_estimate(state, &work, rendering->share);
@@ -268,7 +268,7 @@ int orl_rendering_share_views(struct orl_rendering *rendering, const size_t *vie
                                  .told = report_views_share};
     work.tasks = calloc(n + 1, sizeof *work.tasks);
     if (!work.tasks)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a job");
     for (size_t i = 0; i < n; i++)
         name_view_task(rendering->state, views[i], &work.tasks[i]);
     orl_task_work_estimate(rendering->state, &work, 1 - rendering->share);

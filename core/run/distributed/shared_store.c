@@ -79,7 +79,7 @@ static int shared_commit(void *ctx, const struct orl_map_info *info, struct orl_
     if (code == 0)
         code = name_file(state, info->kind, info->key, false, to, err);
     if (code == 0 && rename(from, to) != 0)
-        code = orl_error_set(err, orl_err_of_errno(errno), "cannot keep '%s': %s", to,
+        code = orl_error_set(err, orl_err_of_errno(errno), "cannot store '%s': %s", to,
                              strerror(errno));
     if (code == 0)
         remove_pending(state, info->kind, info->key);

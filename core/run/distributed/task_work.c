@@ -180,7 +180,7 @@ static int claim_missing(const struct orl_run_env *env, const struct orl_task_wo
             w->done[w->indices[i]] = true;
         }
     return code == 0 && orl_job_tasks_should_stop(env->tasks)
-               ? orl_error_set(err, ORL_ERR_CANCELLED, "all that is wanted of the run is made")
+               ? orl_error_set(err, ORL_ERR_CANCELLED, "all tasks of the run are done")
                : code;
 }
 
@@ -194,12 +194,12 @@ int orl_run_tasks(const struct orl_run_env *env, const struct orl_task_work *wor
     size_t before = SIZE_MAX;
     int code = w.tasks && w.indices && w.here && w.done
                    ? find_missing(env, work, &w, err)
-                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a job");
     while (code == 0 && w.n > 0) {
         if (w.n >= before)
-            code =
-                orl_error_set(err, ORL_ERR_INTERNAL,
-                              "%zu pieces of the job were made by others, and are not there", w.n);
+            code = orl_error_set(err, ORL_ERR_INTERNAL,
+                                 "results of %zu tasks that other processes finished are missing",
+                                 w.n);
         before = w.n;
         if (code == 0)
             code = claim_missing(env, work, &w, err);
@@ -329,7 +329,7 @@ static int run_bsdf_tasks(void *ctx, const struct orl_bsdf_tasks *bsdf_tasks, st
                                  .told = bsdf_tasks->told};
     work.tasks = calloc(bsdf_tasks->n + 1, sizeof *work.tasks);
     if (!work.tasks)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a job");
     for (size_t i = 0; i < bsdf_tasks->n; i++)
         name_bsdf_task(state->tasks->job, bsdf_tasks, i, &work.tasks[i]);
     const int code = orl_run_tasks(&run, &work, err);

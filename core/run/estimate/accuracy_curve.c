@@ -96,9 +96,9 @@ const char *orl_run_no_curve_reason(const struct orl_run_state *state)
     const struct orl_lit_scene *const lit_scene = state->lit_scene;
     const struct orl_plan *plan = &state->result->plan;
     if (orl_find_narrow_lobes(lit_scene->geometry, lit_scene->materials))
-        return "not known: materials have lobes narrower than draws are made for";
+        return "not known: lobes of some materials are too narrow to sample reliably";
     if (orl_paths_missed(plan->technique, plan->paths))
-        return "not known: paths come upon light by way of mirrors or lenses by chance only";
+        return "not known: paths find light from mirrors or lenses by chance only";
     return NULL;
 }
 

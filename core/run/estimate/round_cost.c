@@ -260,7 +260,7 @@ void orl_run_predict_cost(struct orl_run_state *state, const struct orl_throughp
     snprintf(cost->model, sizeof cost->model, "the errors are not known");
     if (isnan(cost->error))
         return;
-    snprintf(cost->model, sizeof cost->model, "there is nothing left to gain");
+    snprintf(cost->model, sizeof cost->model, "no further improvement is possible");
     if (!(cost->error > 0) || !(throughput->samples > 0)) {
         cost->one_percent_s = cost->error <= one_percent ? 0 : NAN;
         return;
@@ -269,13 +269,13 @@ void orl_run_predict_cost(struct orl_run_state *state, const struct orl_throughp
     cost->one_percent_s =
         cost->error <= one_percent ? 0 : seconds_to(throughput, work, outputs, one_percent);
     snprintf(cost->model, sizeof cost->model,
-             "a run in rounds by %s: %.3g s, %.3g s a million photons, %.3g s %s; error^2 falls as "
-             "1 / work%s",
+             "a run in rounds with %s: %.3g s, %.3g s per million photons, %.3g s %s; error^2 "
+             "falls as 1 / work%s",
              orl_technique_name(work->technique), throughput->setup_s,
              throughput->photons > 0 ? 1e6 * throughput->photon_s / throughput->photons : 0,
              by_rounds ? throughput->render_s / fmax(throughput->rounds, 1)
                        : 1e3 * throughput->render_s / throughput->samples,
-             by_rounds ? "a round of its views" : "a thousand samples",
+             by_rounds ? "per round of its views" : "per thousand samples",
              work->by_noise ? "^1.15" : "");
 }
 

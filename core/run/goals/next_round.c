@@ -162,15 +162,14 @@ static void plan_for_error(struct orl_rounds *r, const struct orl_output_estimat
     }
     const double wanted = done * orl_output_estimates_work(outputs, target);
     if (done >= limit)
-        end_rounds(
-            r, false,
-            "the limit of %.0f samples' worth of work is reached at %.3g %%; %.3g %% may be had "
-            "by several jobs of other seeds, averaged",
-            limit, 100 * r->error, 100 * target);
+        end_rounds(r, false,
+                   "the work limit of %.0f samples is reached at %.3g %%; for %.3g %%, average "
+                   "several jobs with different seeds",
+                   limit, 100 * r->error, 100 * target);
     else if (wanted > abandon_factor * limit && r->count > 1)
         end_rounds(
             r, false,
-            "it would take %.2g samples' worth of work, %.0f are allowed: ask for %.2g %% or more",
+            "it would take the work of %.2g samples, but %.0f are allowed: ask for %.2g %% or more",
             wanted, limit, 100 * r->error * sqrt(done / limit) * 1.2);
     else
         r->samples = orl_work_next(&r->work, done, wanted);
@@ -206,7 +205,7 @@ static void plan_for_dgp(struct orl_rounds *r)
         end_rounds(r, true, "%.2g is reached after %u rounds", found, r->count);
     else if (done >= limit || (r->count >= LEAST_ROUNDS && wanted > abandon_factor * limit))
         end_rounds(r, false,
-                   "%.2g is reached after %u rounds; %.2g would take %.2g samples' worth of work, "
+                   "%.2g is reached after %u rounds; %.2g would take the work of %.2g samples, but "
                    "%.0f are allowed",
                    found, r->count, target, wanted, limit);
     while (!r->ended && done >= ORL_VIEW_BATCHES * r->samples)
@@ -225,8 +224,8 @@ static void plan_for_deadline(struct orl_rounds *r)
         orl_deadline_next(&r->throughput, &r->work, deadline, left);
     const char *plural = r->count == 1 ? "" : "s";
     if (r->error <= 0) {
-        end_rounds(r, true, "nothing is left to gain after %u round%s: no error is left", r->count,
-                   plural);
+        end_rounds(r, true, "no further improvement is possible after %u round%s: the error is 0",
+                   r->count, plural);
         return;
     }
     switch (next.step) {
@@ -240,20 +239,18 @@ static void plan_for_deadline(struct orl_rounds *r)
                    plural, deadline - left, deadline);
         break;
     case ORL_DEADLINE_NO_ROOM:
-        end_rounds(
-            r, true,
-            "no other round fits: %u round%s took %.3g s of %.3g s, and one more takes %.2g s; "
-            "%.3g s hold it, or fewer pixels or sensors make it shorter",
-            r->count, plural, deadline - left, deadline, next.least_s,
-            deadline - left + next.least_s);
+        end_rounds(r, true,
+                   "no other round fits: %u round%s took %.3g s of %.3g s, and one more takes %.2g "
+                   "s; allow %.3g s, or use fewer pixels or sensors",
+                   r->count, plural, deadline - left, deadline, next.least_s,
+                   deadline - left + next.least_s);
         break;
     case ORL_DEADLINE_TOO_LATE:
         end_rounds(r, false,
-                   r->count == 1
-                       ? "%u round%s, the smallest there is, took %.3g s of %.3g s: fewer "
-                         "pixels or sensors are quicker"
-                       : "%u round%s took %.3g s of %.3g s: the last one took longer than "
-                         "those before",
+                   r->count == 1 ? "%u round%s of the smallest size took %.3g s of %.3g s: use "
+                                   "fewer pixels or sensors"
+                                 : "%u round%s took %.3g s of %.3g s: the last round took longer "
+                                   "than the earlier ones",
                    r->count, plural, deadline - left, deadline);
         break;
     }

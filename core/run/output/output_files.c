@@ -414,8 +414,8 @@ int orl_run_write_view(struct orl_run_state *state, size_t index, const struct o
         code = write_all(state, request, result, view_writer, err);
     if (code == 0 && result->files[ORL_PICTURE_EXR] && orl_exr_exceeds_halves(film))
         orl_run_warn_once(state,
-                          "%s: brighter than %d W/sr/m2, the most that halves hold, stands there "
-                          "as that; \"exr_float\" has it as it is",
+                          "%s: radiances above %d W/sr/m2, the maximum of half floats, are stored "
+                          "as this maximum; \"exr_float\" stores them exactly",
                           result->files[ORL_PICTURE_EXR], ORL_EXR_LARGEST_HALF);
     free(view_writer);
     return code;

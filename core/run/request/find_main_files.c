@@ -124,9 +124,8 @@ int orl_scene_guess_main(const char *const *names, size_t count, const struct or
         }
     }
     if (code == 0 && r.n_names > MOST_NAMES)
-        code = orl_error_set(err, ORL_ERR_LIMIT,
-                             "the folder's commands name more than %d files: say which files are "
-                             "the scene",
-                             MOST_NAMES);
+        code = orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "the folder's commands name more than %d files: name the scene's files", MOST_NAMES);
     return code;
 }

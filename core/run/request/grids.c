@@ -58,7 +58,8 @@ int orl_grids_validate(const struct orl_job *job, struct orl_error *err)
     if (job->n_grids == 0)
         return 0;
     if (job->sensors_file)
-        return orl_error_set(err, ORL_ERR_INVALID, "a job has sensors or grids of them, not both");
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a job can have either sensors or sensor grids, not both");
     if (job->n_grids > ORL_LIMIT_GRIDS)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu grids; at most %u are allowed", job->n_grids,
                              ORL_LIMIT_GRIDS);
@@ -74,7 +75,7 @@ int orl_grids_validate(const struct orl_job *job, struct orl_error *err)
         inlined += grid->file ? 0 : grid->count;
     }
     if (inlined != job->n_sensors)
-        return orl_error_set(err, ORL_ERR_INVALID, "sensors are all to belong to grids");
+        return orl_error_set(err, ORL_ERR_INVALID, "all sensors must belong to grids");
     return check_unique(job, err);
 }
 
@@ -207,7 +208,7 @@ static int name_file(const struct orl_run_state *state, const char *grid, const 
         *slash = '\0';
         const int made = mkdir(ret_path, 0777);
         if (made != 0 && errno != EEXIST)
-            return orl_error_set(err, orl_err_of_errno(errno), "cannot make the folder '%s': %s",
+            return orl_error_set(err, orl_err_of_errno(errno), "cannot create the folder '%s': %s",
                                  ret_path, strerror(errno));
         *slash = '/';
     }

@@ -89,8 +89,8 @@ static int validate_names(const struct orl_job *job, size_t index, struct orl_er
             return orl_error_set(err, ORL_ERR_INVALID, "two views are named '%s'", name);
         if (is_part_of(name, other, same) || is_part_of(other, name, same))
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "views named '%s' and '%s': what follows the dot names further "
-                                 "pictures of a view",
+                                 "views named '%s' and '%s': the part after the dot is reserved "
+                                 "for further pictures of a view",
                                  other, name);
     }
     return 0;
@@ -107,26 +107,30 @@ static int validate_view(const struct orl_job *job, size_t index, struct orl_err
                              index);
     for (size_t i = 0; i < length; i++)
         if (!isalnum((unsigned char)v->name[i]) && !strchr("-_.", v->name[i]))
-            return orl_error_set(err, ORL_ERR_INVALID,
-                                 "view name '%s' may hold letters, digits, '-', '_' and '.' only",
-                                 v->name);
+            return orl_error_set(
+                err, ORL_ERR_INVALID,
+                "view name '%s' may contain only letters, digits, '-', '_' and '.'", v->name);
     code = validate_names(job, index, err);
     if (code < 0)
         return code;
     if (v->width < 1 || v->height < 1 || v->width > ORL_LIMIT_IMAGE_SIDE ||
         v->height > ORL_LIMIT_IMAGE_SIDE || (uint64_t)v->width * v->height > ORL_LIMIT_IMAGE_PIXELS)
-        return orl_error_set(
-            err, ORL_ERR_LIMIT, "view '%s': %u x %u pixels; sides go from 1 to %u, pixels to %lu",
-            v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE, ORL_LIMIT_IMAGE_PIXELS);
+        return orl_error_set(err, ORL_ERR_LIMIT,
+                             "view '%s': %u x %u pixels; each side must be from 1 to %u, and at "
+                             "most %lu pixels are allowed",
+                             v->name, v->width, v->height, ORL_LIMIT_IMAGE_SIDE,
+                             ORL_LIMIT_IMAGE_PIXELS);
     if (!(v->pixel_aspect >= 0 && v->pixel_aspect <= 1000))
-        return orl_error_set(err, ORL_ERR_RANGE, "view '%s': pixel aspect %g", v->name,
-                             v->pixel_aspect);
+        return orl_error_set(err, ORL_ERR_RANGE,
+                             "view '%s': the pixel aspect is %g; it must lie between 0 and 1000",
+                             v->name, v->pixel_aspect);
     if (v->irradiance && v->metrics)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "view '%s': glare is of radiances, not of irradiances", v->name);
+                             "view '%s': glare metrics need radiance, not irradiance", v->name);
     if (v->metrics && v->glare.task.angle_rad > 0 &&
         (v->glare.task.x > v->width || v->glare.task.y > v->height))
-        return orl_error_set(err, ORL_ERR_RANGE, "view '%s': its task lies outside of it", v->name);
+        return orl_error_set(err, ORL_ERR_RANGE, "view '%s': its task lies outside the picture",
+                             v->name);
     code = orl_view_parse(v->view ? v->view : "", &view, err);
     /* Other options in the file may complete the view. */
     if (v->file && code != ORL_ERR_SYNTAX)
@@ -160,9 +164,9 @@ static int validate_goal(const struct orl_job *job, struct orl_error *err)
         return 0;
     if (by_error + by_time + by_dgp > 1)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a job keeps to one accuracy or to a deadline, not to both");
+                             "a job can have one accuracy goal or a deadline, not both");
     if (by_dgp && !(g->dgp_error >= 1e-5 && g->dgp_error <= 1))
-        return orl_error_set(err, ORL_ERR_RANGE, "accuracy.dgp_error is from 0.00001 to 1");
+        return orl_error_set(err, ORL_ERR_RANGE, "accuracy.dgp_error must be from 0.00001 to 1");
     if (by_dgp && !orl_job_asks_for_glare(job)) {
         orl_error_set(err, ORL_ERR_INVALID, "accuracy.dgp_error: no view asks for metrics");
         orl_error_hint(err, "Give a view \"metrics\": [\"dgp\"]");
@@ -170,18 +174,18 @@ static int validate_goal(const struct orl_job *job, struct orl_error *err)
     }
     if (by_error && !(g->relative_error > 0 && g->relative_error <= 10))
         return orl_error_set(err, ORL_ERR_RANGE,
-                             "accuracy.relative_error is a fraction, from above 0 to 10");
+                             "accuracy.relative_error must be a fraction above 0, at most 10");
     if (by_time && !(g->deadline_s > 0 && g->deadline_s <= (double)ORL_LIMIT_DEADLINE_S))
         return orl_error_set(err, ORL_ERR_RANGE,
-                             "accuracy.deadline_s is from above 0 to %lu seconds",
+                             "accuracy.deadline_s must be above 0, at most %lu seconds",
                              ORL_LIMIT_DEADLINE_S);
     if (!(g->at > 0 && g->at <= 1))
-        return orl_error_set(err, ORL_ERR_RANGE, "accuracy.at is a share, from above 0 to 1");
+        return orl_error_set(err, ORL_ERR_RANGE, "accuracy.at must be a share above 0, at most 1");
     if (job->photons_global != ORL_PHOTONS_BY_PLAN || job->photons_caustic != ORL_PHOTONS_BY_PLAN ||
         job->gather_samples || job->pixel_samples)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a job with an accuracy or a deadline chooses its photons and "
-                             "samples itself");
+                             "a job with an accuracy goal or a deadline chooses its photons and "
+                             "samples itself: leave them out");
     return 0;
 }
 
@@ -194,7 +198,8 @@ static int validate_sky_name(const struct orl_job *job, size_t index, struct orl
     for (size_t i = 0; i < length; i++)
         if (!isalnum((unsigned char)name[i]) && !strchr("-_", name[i]))
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "sky name '%s' may hold letters, digits, '-' and '_' only", name);
+                                 "sky name '%s' may contain only letters, digits, '-' and '_'",
+                                 name);
     if (strcmp(name, "result") == 0)
         return orl_error_set(err, ORL_ERR_INVALID, "no sky may be named 'result'");
     return 0;
@@ -228,7 +233,7 @@ static int validate_own_names(const struct orl_job *job, struct orl_error *err)
     if (!repeated)
         return 0;
     orl_error_set(err, ORL_ERR_INVALID, "two skies are named '%s'", repeated->name);
-    orl_error_hint(err, "Give each a \"name\" of its own");
+    orl_error_hint(err, "Give each sky a different \"name\"");
     snprintf(place, sizeof place, "skies[%zu]", (size_t)(repeated - job->skies));
     orl_error_at(err, NULL, 0, place);
     return ORL_ERR_INVALID;
@@ -240,15 +245,18 @@ static int validate_skies(const struct orl_job *job, struct orl_error *err)
     if (job->n_skies == 0)
         return orl_daylight_check(&job->sky, err);
     if (job->sky.model != ORL_SKY_OF_SCENE)
-        code = orl_error_set(err, ORL_ERR_INVALID, "a job has one sky or several, not both");
+        code = orl_error_set(err, ORL_ERR_INVALID,
+                             "a job can have either \"sky\" or \"skies\", not both");
     else if (job->n_skies > ORL_LIMIT_SKIES)
         code = orl_error_set(err, ORL_ERR_LIMIT, "%zu skies; at most %u are allowed", job->n_skies,
                              ORL_LIMIT_SKIES);
     else if (job->n_skies * job->n_views > ORL_LIMIT_PICTURES)
-        code = orl_error_set(err, ORL_ERR_LIMIT, "%zu views under %zu skies: at most %u pictures",
+        code = orl_error_set(err, ORL_ERR_LIMIT,
+                             "%zu views under %zu skies: at most %u pictures are allowed",
                              job->n_views, job->n_skies, ORL_LIMIT_PICTURES);
     else if (job->n_skies * job->n_sensors > ORL_LIMIT_SENSORS)
-        code = orl_error_set(err, ORL_ERR_LIMIT, "%zu sensors under %zu skies: at most %lu numbers",
+        code = orl_error_set(err, ORL_ERR_LIMIT,
+                             "%zu sensors under %zu skies: at most %lu values are allowed",
                              job->n_sensors, job->n_skies, ORL_LIMIT_SENSORS);
     if (code < 0) {
         orl_error_at(err, NULL, 0, "skies");
@@ -275,21 +283,21 @@ static int validate_sequence(const struct orl_job *job, struct orl_error *err)
         return 0;
     if (job->n_skies == 0 || job->n_views == 0)
         return orl_error_set(err, ORL_ERR_INVALID,
-                             "a sequence is of views under several \"skies\": %s",
-                             job->n_views == 0 ? "there are no views" : "there are none");
+                             "a sequence needs views and several \"skies\": %s",
+                             job->n_views == 0 ? "the job has no views" : "the job has no skies");
     if (job->n_skies > ORL_LIMIT_SEQUENCE)
         return orl_error_set(err, ORL_ERR_LIMIT, "a sequence of %zu skies; at most %u are allowed",
                              job->n_skies, ORL_LIMIT_SEQUENCE);
     for (size_t i = 0; i < job->n_skies; i++)
         if (strcmp(job->skies[i].name, "sequence") == 0)
             return orl_error_set(err, ORL_ERR_INVALID,
-                                 "no sky may be named 'sequence' beside a sequence");
+                                 "no sky may be named 'sequence' if the job has a sequence");
     for (size_t i = 0; i < job->n_views; i++)
         if (job->views[i].formats && !(job->views[i].formats & ORL_PICTURE_BIT(ORL_PICTURE_HDR)))
-            return orl_error_set(err, ORL_ERR_INVALID,
-                                 "view '%s': a sequence is made of HDR pictures, which \"formats\" "
-                                 "leaves out",
-                                 job->views[i].name);
+            return orl_error_set(
+                err, ORL_ERR_INVALID,
+                "view '%s': a sequence needs HDR pictures, but \"formats\" excludes them",
+                job->views[i].name);
     return 0;
 }
 
@@ -304,12 +312,13 @@ static int validate_heat_map(const struct orl_job *job, struct orl_error *err)
     if (!job->heat_map.asked)
         return 0;
     if (!has_sensors(job))
-        return orl_error_set(err, ORL_ERR_INVALID, "a heat map is of sensors, and there are none");
+        return orl_error_set(err, ORL_ERR_INVALID,
+                             "a heat map needs sensors, but the job has none");
     for (size_t i = 0; i < job->n_views; i++)
         if (strncmp(job->views[i].name, prefix, sizeof prefix - 1) == 0)
             return orl_error_set(
                 err, ORL_ERR_INVALID,
-                "view name '%s': names that begin with '%s' are those of heat maps",
+                "view name '%s': names that begin with '%s' are reserved for heat maps",
                 job->views[i].name, prefix);
     return 0;
 }
@@ -325,7 +334,7 @@ int orl_job_validate(const struct orl_job *job, struct orl_error *err)
         return orl_error_set(err, ORL_ERR_LIMIT, "%zu views; at most %u are allowed", job->n_views,
                              ORL_LIMIT_VIEWS);
     if (too_many(job->photons_global) || too_many(job->photons_caustic))
-        return orl_error_set(err, ORL_ERR_LIMIT, "at most %lu photons may be asked for in a map",
+        return orl_error_set(err, ORL_ERR_LIMIT, "at most %lu photons are allowed in a map",
                              ORL_LIMIT_PHOTONS);
     if (job->photons_global < 1)
         return orl_error_set(err, ORL_ERR_INVALID, "photons.global must be at least 1");

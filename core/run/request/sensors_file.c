@@ -27,8 +27,8 @@ static int read_line(const struct orl_scanner *scanner, struct orl_slice line, d
         return code;
     if (n != NUMBERS) {
         orl_scanner_fail(scanner, ORL_ERR_SYNTAX, err,
-                         "a sensor is six numbers, x y z dx dy dz, and this line has %d", n);
-        orl_error_hint(err, "separate them by spaces or commas, and write 0.5, not 0,5");
+                         "a sensor needs six numbers, x y z dx dy dz, but this line has %d", n);
+        orl_error_hint(err, "separate numbers with spaces or commas, and write 0.5, not 0,5");
         return ORL_ERR_SYNTAX;
     }
     code = orl_check_point(orl_v3(ret[0], ret[1], ret[2]), "sensor", err);
@@ -73,7 +73,7 @@ static int read_file(const char *name, const char *text, size_t size, const atom
     if (code == 0)
         code = read_sensors(&scanner, cancel, take, ctx, &count, err);
     if (code == 0 && count == 0) {
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "the sensor file holds no sensors");
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "the sensor file has no sensors");
         orl_error_at(err, name, 0, NULL);
     }
     if (code == 0)

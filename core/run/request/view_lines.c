@@ -94,14 +94,14 @@ static int find_view(struct orl_scanner *scanner, const char *entry, struct view
             *ret_found = line;
     }
     if (count == 0)
-        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the file holds no views");
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the file has no views");
     if (found == 0)
-        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the file holds %d views, none of them '%s'",
+        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the file has %d views, but none is '%s'",
                              count, entry);
     if (!entry && count > 1) {
         ret_found->number = 0;
-        orl_error_set(err, ORL_ERR_INVALID, "the file holds %d views", count);
-        orl_error_hint(err, "Say which by \"entry\": its number, from 1, or its name");
+        orl_error_set(err, ORL_ERR_INVALID, "the file has %d views", count);
+        orl_error_hint(err, "Choose one with \"entry\": its number, from 1, or its name");
         return ORL_ERR_INVALID;
     }
     return 0;
@@ -184,9 +184,10 @@ static int check_points(const struct orl_view_request *view, struct orl_error *e
         const struct orl_picture_point *point = &view->false_color.points[i];
         if (point->x <= view->width && point->y <= view->height)
             continue;
-        orl_error_set(err, ORL_ERR_RANGE, "view '%s': point '%s' at %g, %g lies outside of it",
-                      view->name, point->name, point->x, point->y);
-        orl_error_hint(err, "By its pixel aspect the picture has %u x %u pixels", view->width,
+        orl_error_set(err, ORL_ERR_RANGE,
+                      "view '%s': point '%s' at %g, %g lies outside the picture", view->name,
+                      point->name, point->x, point->y);
+        orl_error_hint(err, "With its pixel aspect the picture has %u x %u pixels", view->width,
                        view->height);
         return ORL_ERR_RANGE;
     }

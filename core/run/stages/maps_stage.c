@@ -77,8 +77,8 @@ static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, stru
         store->abandon(store->ctx, name, state->keys[kind]);
         state->pinned[kind] = false;
     }
-    return orl_error_set(err, ORL_ERR_CORRUPT, "the cached %s photon map is damaged twice over",
-                         name);
+    return orl_error_set(err, ORL_ERR_CORRUPT,
+                         "the cached %s photon map was rebuilt, but is damaged again", name);
 }
 
 /* Looks for a smaller map to extend, the largest that is intact. A damaged one is left in place;
@@ -101,7 +101,7 @@ static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, str
         if (code == 0 && orl_photon_map_header(work->earlier)->count > 0)
             return 0;
         if (code < 0 && code != ORL_ERR_CANCELLED)
-            orl_run_warn(state, "a smaller %s photon map is damaged and cannot be topped up", name);
+            orl_run_warn(state, "a smaller %s photon map is damaged and cannot be extended", name);
         orl_photon_map_free(work->earlier);
         work->earlier = NULL;
         store->release(store->ctx, name, info->key);
@@ -217,16 +217,16 @@ static void warn_of_photons(struct orl_run_state *state, enum orl_map_kind kind,
     const bool by_plan = (kind == ORL_MAP_CAUSTIC ? state->job->photons_caustic
                                                   : state->job->photons_global) != target;
     if (found > 0 && found < wanted)
-        orl_run_warn_once(state, "only %llu of the %llu %s photons %s were found, of %llu emitted",
-                          found, wanted, orl_map_kind_name(kind), by_plan ? "planned" : "asked for",
-                          sent);
+        orl_run_warn_once(
+            state, "only %llu of the %llu %s photons %s were found, from %llu emitted", found,
+            wanted, orl_map_kind_name(kind), by_plan ? "planned" : "asked for", sent);
     else if (kind == ORL_MAP_CAUSTIC && !by_plan && sent > MANY_EMISSIONS &&
              sent / FEW_PHOTONS > found)
-        orl_run_warn_once(state,
-                          "%llu caustic photons took %llu emissions: so few come of them here "
-                          "that fewer may do; the plan says how many are worth their time when "
-                          "photons.caustic is left to it",
-                          found, sent);
+        orl_run_warn_once(
+            state,
+            "%llu caustic photons took %llu emissions: caustic photons are rare here, so fewer may "
+            "be enough; leave out photons.caustic to let the plan choose a number",
+            found, sent);
 }
 
 /* Warns about the maps' photons and lights, for maps made here and maps found. */
@@ -245,8 +245,8 @@ static int warn_of_light(struct orl_run_state *state, const struct map_work *wor
     }
     if (any && left_out > 0 && state->lit_scene->n_suns > 0)
         orl_run_warn(state,
-                     "flat mirrors and panes face more than %d ways: the sun's reflections in %zu "
-                     "of them are not simulated outside",
+                     "flat mirrors and panes face more than %d directions: the sun's reflections "
+                     "in %zu of them are not simulated outdoors",
                      ORL_MOST_MIRRORS, left_out);
     if (!black)
         return 0;

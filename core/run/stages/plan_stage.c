@@ -33,7 +33,7 @@ static void warn_of_no_light(struct orl_run_state *state)
     const struct orl_lit_scene *lit_scene = state->lit_scene;
     if (lit_scene->n_suns + lit_scene->n_domes + lit_scene->n_emitters == 0)
         orl_run_warn(state,
-                     "no light: suns, skies and lamps, those left in, give less than %g lx: "
+                     "no light: the simulated suns, skies and lamps give less than %g lx: "
                      "everything is black",
                      tolerable_lx);
 }
@@ -47,17 +47,17 @@ static void warn_of_budget(struct orl_run_state *state, const struct orl_plan *p
     const uint64_t asked = state->job->photons_caustic;
     if (asked != ORL_PHOTONS_BY_PLAN && asked > plan->photons_caustic && plan->photons_caustic > 0)
         orl_run_warn(state,
-                     "of %llu caustic photons asked for %llu are traced: all would take %.2g times "
-                     "as long, and caustics are %.2g %% of the light; \"exact\": "
-                     "true beside photons.caustic traces all, whatever they take",
+                     "of %llu requested caustic photons %llu are traced: all would take %.2g times "
+                     "as long, and caustics are %.2g %% of the light; to trace all, set \"exact\": "
+                     "true beside photons.caustic",
                      (unsigned long long)asked, (unsigned long long)plan->photons_caustic,
                      (double)asked / (double)plan->photons_caustic, 100 * f->caustic_share);
     if (!f->known || !((double)plan->photons_caustic > many_times * (double)f->enough_caustic) ||
         !(f->emitted[1] > many_times * f->emitted[0]))
         return;
     orl_run_warn(state,
-                 "%llu caustic photons take about %.2g million emissions; %llu of them are worth "
-                 "their time: leave photons.caustic to the plan",
+                 "%llu caustic photons take about %.2g million emissions, but %llu of them are "
+                 "enough: leave out photons.caustic to let the plan choose",
                  (unsigned long long)plan->photons_caustic, 1e-6 * f->emitted[1],
                  (unsigned long long)f->enough_caustic);
 }

@@ -250,7 +250,7 @@ static void adopt_second_run(struct orl_run_state *state, struct orl_result *sec
         result->outcome = second->outcome;
     result->plan.sensor_technique = second->plan.technique;
     snprintf(result->plan.sensor_why, sizeof result->plan.sensor_why,
-             "by %s %zu of %zu sensors differed from plain path tracing, by %s %zu do",
+             "with %s, %zu of %zu sensors differed from plain path tracing; with %s, %zu differ",
              orl_technique_name(before), off, n, orl_technique_name(second->plan.technique),
              result->cross_check.sensors_off);
 }

@@ -229,7 +229,7 @@ static int distribute_skies(struct skies_run *p, struct orl_job_tasks *here,
                                  .told = report_share};
     work.tasks = calloc(work.n + 1, sizeof *work.tasks);
     if (!work.tasks)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for pieces of a job");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a job");
     for (size_t i = 0; i < work.n; i++)
         name_sky_task(p, shared->job, i, &work.tasks[i]);
     *here = (struct orl_job_tasks){.job = shared->job, .claim = claim_all};

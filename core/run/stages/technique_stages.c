@@ -31,7 +31,7 @@ int orl_run_ensure_backward(struct orl_run_state *state, struct orl_error *err)
     state->backward = calloc(1, sizeof *state->backward);
     if (!state->backward ||
         orl_backward_init(state->backward, state->lit_scene, state->env->pool) < 0)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for aims at the light");
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for light sampling");
     return 0;
 }
 

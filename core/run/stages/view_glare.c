@@ -19,8 +19,8 @@ static void warn_of_field(struct orl_run_state *state, const struct orl_view_req
     if (request->glare.eye_lx > 0 || share >= almost_all)
         return;
     orl_run_warn_once(state,
-                      "view '%s' holds %.0f %% of the hemisphere: its glare lacks the light that "
-                      "comes from beside it",
+                      "view '%s' covers %.0f %% of the hemisphere: its glare metrics lack light "
+                      "from outside the view",
                       request->name, 100 * share);
 }
 

@@ -179,7 +179,8 @@ int orl_proxies_split(struct orl_scene *scene, struct orl_error *err)
         if (is_proxy(scene, i) && !add_way(&ways, whole, i)) {
             orl_error_set(err, ORL_ERR_LIMIT,
                           "BSDFs with a thickness face more than %d different ways", MOST_WAYS);
-            orl_error_hint(err, "give curved ones thickness 0 and leave out what they stand for");
+            orl_error_hint(
+                err, "give curved ones thickness 0 and remove the geometry that they stand for");
             return ORL_ERR_LIMIT;
         }
     if (ways.count == 0)

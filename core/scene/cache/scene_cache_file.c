@@ -266,9 +266,9 @@ static int report_failure(const struct orl_scene_cache_stream *k, const char *pa
     const int code = k->serializer.code;
     if (code < 0 && (!k->err || k->err->code != code))
         orl_error_set(err, code,
-                      code == ORL_ERR_VERSION ? "'%s' is of files that have changed"
+                      code == ORL_ERR_VERSION ? "'%s' was made from files that have changed"
                       : code == ORL_ERR_NOMEM ? "out of memory for the scene '%s'"
-                                              : "the kept scene '%s' is damaged",
+                                              : "the cached scene '%s' is damaged",
                       path);
     return code;
 }

@@ -28,8 +28,8 @@ static bool is_name_character(char c)
 
 static int refuse_character(struct orl_error *err, char c)
 {
-    orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command needs a shell ('%c'), and none is started",
-                  c);
+    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+                  "the command needs a shell ('%c'), but shells are not supported", c);
     orl_error_hint(err, "run it beforehand and include its output, or put quotes around the word");
     return ORL_ERR_UNSUPPORTED;
 }

@@ -11,8 +11,7 @@ static void warn_site(struct orl_text *text, const char *program, const struct o
         orl_sun_hours_apart(site->longitude_rad * in_hours, site->meridian_rad * in_hours);
     if (fabs(west) > 3.0)
         orl_text_warn(text,
-                      "%s: %.1f hours lie between the standard meridian and the longitude "
-                      "(both are degrees west)",
+                      "%s: longitude and time zone differ by %.1f hours (both are degrees west)",
                       program, west);
 }
 
@@ -38,7 +37,7 @@ int orl_gendaylit(const char *const *words, size_t count, struct orl_text *text,
     if (sky.by_clock)
         warn_site(text, "gendaylit", &sky.site);
     if (sky.no_gradation)
-        orl_text_warn(text, "gendaylit: the model has no answer here: the sky is black");
+        orl_text_warn(text, "gendaylit: the sky model has no solution here: the sky is black");
     write_sun(&sky, "0.533000", text);
     orl_text_add(text, "void brightfunc skyfunc\n2 skybright perezlum.cal\n0\n");
     if (sky.black)

@@ -33,7 +33,7 @@ static int numbers_after(const char *const *words, size_t n_words, size_t count,
                          struct orl_error *err)
 {
     if (n_words < count + 1)
-        return fail_option(err, ORL_ERR_SYNTAX, words[0], "lacks a number after it");
+        return fail_option(err, ORL_ERR_SYNTAX, words[0], "needs a number after it");
     for (size_t i = 0; i < count; i++) {
         const char *word = words[i + 1];
         const enum orl_number_fault fault = orl_number_read(word, strlen(word), ret_values + i);

@@ -240,11 +240,10 @@ static int read_files(const struct xform_word *words, size_t count, const char *
     for (size_t i = 0; i < count; i++)
         if (!(files[i] = words[i].text))
             return orl_error_set(err, ORL_ERR_SYNTAX,
-                                 "xform: a transform stands behind the file name '%.80s'",
-                                 words[0].text);
+                                 "xform: a transform follows the file name '%.80s'", words[0].text);
     if (count > 0 && files[0][0] == '-') {
-        orl_error_set(err, ORL_ERR_SYNTAX, "xform: option '%.40s' is not known here", files[0]);
-        orl_error_hint(err, "-n, -m, -a and -f come first, then transforms, then file names");
+        orl_error_set(err, ORL_ERR_SYNTAX, "xform: option '%.40s' is unknown", files[0]);
+        orl_error_hint(err, "write -n, -m, -a and -f first, then transforms, then file names");
         return ORL_ERR_SYNTAX;
     }
     return 0;
@@ -378,7 +377,8 @@ static int expand_line(struct expansion *e, const struct xform_word *words, size
         return 0;
     code = orl_command_split(&command, line, err);
     if (code == 0 && command.n_stages != 1)
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "xform: an argument file holds arguments only");
+        code = orl_error_set(err, ORL_ERR_SYNTAX,
+                             "xform: an argument file may contain only arguments");
     if (code == 0 && command.n_words > 0 && strcmp(command.words[0], "xform") == 0)
         first = 1;
     size_t n = 0;

@@ -72,7 +72,7 @@ static int refuse_outline(const struct builder *b, const struct orl_surface *sur
     if (code == ORL_ERR_LIMIT)
         orl_error_set(
             b->err, code,
-            "its outline crosses itself more than %u times, or in too many places at once",
+            "its outline crosses itself more than %u times, or at too many points close together",
             ORL_LIMIT_POLYGON_CROSSINGS);
     else
         orl_error_set(b->err, code, "its outline could not be cut into triangles");

@@ -206,10 +206,10 @@ int orl_instances_number(struct orl_geometry *geometry, struct orl_error *err)
         facets += instance->prototype->n_facets;
         triangles += orl_geometry_triangles_end(instance->prototype);
         if (facets + triangles > ORL_LIMIT_INSTANCED_SURFACES)
-            return orl_error_set(err, ORL_ERR_LIMIT,
-                                 "more than %lu surfaces and triangles, those of instances counted "
-                                 "in each place",
-                                 ORL_LIMIT_INSTANCED_SURFACES);
+            return orl_error_set(
+                err, ORL_ERR_LIMIT,
+                "more than %lu surfaces and triangles, counting those of every instance",
+                ORL_LIMIT_INSTANCED_SURFACES);
     }
     return 0;
 }

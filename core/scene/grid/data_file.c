@@ -27,7 +27,7 @@ static int read_number(struct reading *r, double *ret_value, struct orl_error *e
 {
     struct orl_slice word;
     if (!orl_scanner_word(&r->scanner, &word))
-        return fail(r, ORL_ERR_SYNTAX, err, "the data file ends before its numbers do");
+        return fail(r, ORL_ERR_SYNTAX, err, "the data file ends before its last number");
     return orl_scanner_number(&r->scanner, word, NULL, ret_value, err);
 }
 
@@ -38,8 +38,8 @@ static int read_count(struct reading *r, int least, int most, int *ret_count, st
         orl_number_read_int(word.text, word.length, ret_count) != ORL_NUMBER_OK ||
         *ret_count < least || *ret_count > most)
         return fail(r, ORL_ERR_SYNTAX, err,
-                    least == 1 ? "a data file begins with the number of its axes, 1 to 5"
-                               : "here the number of an axis' points is expected, at least 2");
+                    least == 1 ? "a data file must begin with the number of its axes, 1 to 5"
+                               : "the number of points of an axis is expected here, at least 2");
     return 0;
 }
 
@@ -96,7 +96,8 @@ static int read_grid(struct reading *r, struct orl_error *err)
         code = read_axis(r, &grid->axes[grid->n_axes++], err);
         grid->n_values *= code == 0 ? grid->axes[i].n : 1;
         if (code == 0 && !may_hold(r, grid->n_values))
-            return fail(r, ORL_ERR_SYNTAX, err, "the axes' points are more than its numbers");
+            return fail(r, ORL_ERR_SYNTAX, err,
+                        "the axes have more points than the file has numbers");
     }
     if (code != 0)
         return code;
@@ -108,7 +109,7 @@ static int read_grid(struct reading *r, struct orl_error *err)
         code = read_number(r, &value, err);
         grid->values[i] = (float)value;
         if (code == 0 && !(value >= -3e38 && value <= 3e38))
-            code = fail(r, ORL_ERR_SYNTAX, err, "a number is beyond measure");
+            code = fail(r, ORL_ERR_SYNTAX, err, "a number is too large");
     }
     return code;
 }

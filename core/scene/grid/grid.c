@@ -108,9 +108,10 @@ int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, doub
             : 0;
     if (code < 0 || width < 2 || height < 2) {
         code = code < 0 ? code : ORL_ERR_SYNTAX;
-        orl_error_set(err, code,
-                      "the picture has %u x %u pixels: 2 x 2 at least, and %lu M at most", width,
-                      height, (ORL_GRID_VALUES >> 20) / ORL_GRID_CHANNELS);
+        orl_error_set(
+            err, code,
+            "the picture has %u x %u pixels: it must have at least 2 x 2, and at most %lu M", width,
+            height, (ORL_GRID_VALUES >> 20) / ORL_GRID_CHANNELS);
         orl_error_at(err, name, 0, NULL);
         return code;
     }

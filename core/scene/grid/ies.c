@@ -120,7 +120,7 @@ static int read_keyword(struct reading *r, struct orl_slice line, struct orl_err
         return 0;
     line = behind(line, sizeof key - 1);
     if (line.length >= sizeof r->ies->geometry || memchr(line.text, '\0', line.length))
-        return fail(r, ORL_ERR_SYNTAX, "behind [LUMINOUSGEOMETRY] a file is expected", err);
+        return fail(r, ORL_ERR_SYNTAX, "a file name is expected after [LUMINOUSGEOMETRY]", err);
     memcpy(r->ies->geometry, line.text, line.length);
     r->ies->geometry[line.length] = '\0';
     return 0;
@@ -147,11 +147,12 @@ static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
             return 0;
         if (line.length == 0 || line.length >= sizeof r->ies->tilt_file ||
             memchr(line.text, '\0', line.length))
-            return fail(r, ORL_ERR_SYNTAX, "behind TILT= NONE, INCLUDE or a file is expected", err);
+            return fail(r, ORL_ERR_SYNTAX,
+                        "NONE, INCLUDE or a file name is expected after TILT=", err);
         memcpy(r->ies->tilt_file, line.text, line.length);
         return 0;
     }
-    return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is no IES file", err);
+    return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is not an IES file", err);
 }
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
@@ -181,11 +182,11 @@ static int read_number(struct reading *r, double *ret, struct orl_error *err)
 {
     struct orl_slice cell;
     if (!next_cell(r, &cell))
-        return fail(r, ORL_ERR_SYNTAX, "the file ends before its numbers do", err);
+        return fail(r, ORL_ERR_SYNTAX, "the file ends before its last number", err);
     const int code = orl_scanner_number(&r->scanner, cell, NULL, ret, err);
     if (code < 0)
         return code;
-    return fabs(*ret) <= 1e12 ? 0 : fail(r, ORL_ERR_SYNTAX, "here a number is expected", err);
+    return fabs(*ret) <= 1e12 ? 0 : fail(r, ORL_ERR_SYNTAX, "a number is expected here", err);
 }
 
 static size_t bytes_left(const struct reading *r)
@@ -200,7 +201,8 @@ static int read_count(struct reading *r, double least, uint32_t *ret, struct orl
     const int code = read_number(r, &value, err);
     if (code == 0 &&
         !(value >= least && value <= (double)bytes_left(r) / 2 + 1 && value == floor(value)))
-        return fail(r, ORL_ERR_SYNTAX, "this is no number of angles, or of more than follow", err);
+        return fail(r, ORL_ERR_SYNTAX,
+                    "this is not a number of angles, or more than the file holds", err);
     *ret = code == 0 ? (uint32_t)value : 0;
     return code;
 }
@@ -227,10 +229,9 @@ static int read_sizes(struct reading *r, struct orl_error *err)
     if (code < 0)
         return code;
     if (type != 1 && type != 2)
-        return fail(r, ORL_ERR_UNSUPPORTED, "its photometry is neither of type C nor of type B",
-                    err);
+        return fail(r, ORL_ERR_UNSUPPORTED, "its photometry is neither type C nor type B", err);
     if (units != 1 && units != 2)
-        return fail(r, ORL_ERR_SYNTAX, "its units are neither 1, feet, nor 2, metres", err);
+        return fail(r, ORL_ERR_SYNTAX, "its units are neither 1 (feet) nor 2 (metres)", err);
     const double unit_m = units == 1 ? feet_m : 1;
     ies->type_b = type == 2;
     ies->factor = multiplier * ballast * (ies->year == 1986 ? photometric : 1);
@@ -238,7 +239,7 @@ static int read_sizes(struct reading *r, struct orl_error *err)
     ies->length *= unit_m;
     ies->height *= unit_m;
     if (!(ies->factor >= 0))
-        return fail(r, ORL_ERR_RANGE, "its factors come to less than nothing", err);
+        return fail(r, ORL_ERR_RANGE, "the product of its factors is negative", err);
     return 0;
 }
 
@@ -256,7 +257,7 @@ static int read_angles(struct reading *r, uint32_t n, double **ret, struct orl_e
     const int code = read_numbers(r, n, ret, err);
     for (uint32_t i = 0; i < n && code == 0; i++)
         if (fabs((*ret)[i]) > 360 || (i > 0 && !((*ret)[i] > (*ret)[i - 1])))
-            return fail(r, ORL_ERR_SYNTAX, "angles rise, and are within 360 degrees", err);
+            return fail(r, ORL_ERR_SYNTAX, "angles must rise and stay within 360 degrees", err);
     return code;
 }
 
@@ -267,7 +268,7 @@ static int read_tilt(struct reading *r, struct orl_error *err)
     double geometry = 0;
     int code = read_number(r, &geometry, err);
     if (code == 0 && geometry != 1 && geometry != 2 && geometry != 3)
-        return fail(r, ORL_ERR_SYNTAX, "a lamp lies in its luminaire by 1, 2 or 3", err);
+        return fail(r, ORL_ERR_SYNTAX, "the lamp-to-luminaire geometry must be 1, 2 or 3", err);
     if (code == 0)
         code = read_count(r, 1, &tilt->n, err);
     if (code == 0)

@@ -17,12 +17,13 @@ static int take_rgbe_line(void *ctx, const struct orl_rgbe *rgbe, const char *li
     if (strncmp(line, aspect, sizeof aspect - 1) == 0) {
         *all *= strtod(line + sizeof aspect - 1, NULL);
         if (!(*all > 1e-6 && *all < 1e6))
-            return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "the pixels' aspect is out of range");
+            return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
+                                 "the pixel aspect ratio is out of range");
     }
     if (strncmp(line, format, sizeof format - 1) == 0 && !strstr(line, "32-bit_rle_rgbe")) {
         const int code = orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
                                        "the picture's FORMAT is not 32-bit_rle_rgbe");
-        orl_error_hint(err, "ra_xyze -r makes one of XYZE");
+        orl_error_hint(err, "convert a picture of XYZE with ra_xyze -r");
         return code;
     }
     return 0;
@@ -74,8 +75,8 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
         if (size >= 4 && memcmp(data, tiff[i], 4) == 0)
             return orl_grid_read_tiff(name, data, size, ret_grid, err);
     orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "a picture is Radiance's, PNG, TIFF or OpenEXR: this is none of them");
-    orl_error_hint(err, "image editors make one of these, Radiance's ra_* one of its own");
+                  "the picture is not a Radiance, PNG, TIFF or OpenEXR file");
+    orl_error_hint(err, "convert it with an image editor, or with Radiance's ra_* programs");
     orl_error_at(err, name, 0, NULL);
     return ORL_ERR_UNSUPPORTED;
 }
@@ -114,7 +115,7 @@ static int take_spectra_line(void *ctx, const struct orl_rgbe *rgbe, const char 
     if (strncmp(line, format, sizeof format - 1) == 0 && !strstr(line, "Radiance_spectra")) {
         const int code = orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
                                        "the picture's FORMAT is not Radiance_spectra");
-        orl_error_hint(err, "colorpict is for pictures of three colours");
+        orl_error_hint(err, "use colorpict for pictures of three colours");
         return code;
     }
     return 0;
@@ -124,16 +125,17 @@ static int check_header(const struct orl_rgbe *rgbe, const struct header *h, str
 {
     if (!(h->components >= LEAST_COMPONENTS && h->components <= MOST_COMPONENTS))
         return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
-                             "a picture of spectra has NCOMP= 4 to 496 in its header");
+                             "a spectral picture needs NCOMP= 4 to 496 in its header");
     if (!(h->last_nm >= 1 && h->first_nm >= 1 && h->first_nm != h->last_nm && h->first_nm < 1e5 &&
           h->last_nm < 1e5))
         return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
                              "WAVELENGTH_SPLITS= takes four wavelengths, in nm");
     if (!(h->aspect > 1e-6 && h->aspect < 1e6))
-        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "the pixels' aspect is out of range");
+        return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err, "the pixel aspect ratio is out of range");
     if (memcmp(rgbe->order, "-Y+X", 4) != 0 || rgbe->width < 2 || rgbe->height < 2)
         return orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
-                             "its lines are to go down, and to the right: -Y and +X, 2 at least");
+                             "its scan lines must run down and to the right (-Y and +X), with at "
+                             "least 2 pixels each way");
     if ((size_t)rgbe->width * rgbe->height > ORL_GRID_VALUES / (size_t)h->components)
         return orl_rgbe_fail(rgbe, ORL_ERR_LIMIT, err, "it has too many values");
     if ((size_t)(rgbe->end - rgbe->at) / ((size_t)h->components + 1) <

@@ -72,7 +72,7 @@ static int check_channels(struct reading *r, struct orl_error *err)
         const unsigned which = channel_named(channel->name.str);
         if (channel->x_sampling != 1 || channel->y_sampling != 1 || (found & which))
             return fail(r, ORL_ERR_UNSUPPORTED, err,
-                        "the OpenEXR has channels of different sizes, or Y beside R G B");
+                        "the OpenEXR has channels of different sizes, or Y together with R G B");
         found |= which;
     }
     if (found != 7)
@@ -99,7 +99,7 @@ static int read_header(struct reading *r, struct orl_error *err)
         exr_get_pixel_aspect_ratio(r->exr, 0, &aspect) != EXR_ERR_SUCCESS)
         return fail(r, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
     if (parts != 1 || storage != EXR_STORAGE_SCANLINE)
-        return fail(r, ORL_ERR_UNSUPPORTED, err, "the OpenEXR is not of scan lines, in one part");
+        return fail(r, ORL_ERR_UNSUPPORTED, err, "the OpenEXR is not a scan-line file of one part");
     if (exr_get_scanlines_per_chunk(r->exr, 0, &r->chunk) != EXR_ERR_SUCCESS || r->chunk < 1 ||
         !(aspect > 1e-6F && aspect < 1e6F))
         return fail(r, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");

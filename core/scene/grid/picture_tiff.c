@@ -143,7 +143,7 @@ static int read_header(struct reading *r, struct orl_error *err)
     TIFFGetField(r->tiff, TIFFTAG_PHOTOMETRIC, &r->photometric);
     TIFFGetFieldDefaulted(r->tiff, TIFFTAG_ORIENTATION, &r->orientation);
     if (r->orientation > ORIENTATION_BOTLEFT)
-        return refuse_kind(r, err, "the TIFF lies on its side");
+        return refuse_kind(r, err, "the TIFF is rotated by 90 degrees");
     TIFFGetField(r->tiff, TIFFTAG_XRESOLUTION, &across);
     TIFFGetField(r->tiff, TIFFTAG_YRESOLUTION, &down);
     const double aspect = across > 0 && down > 0 ? (double)across / (double)down : 1;
@@ -214,7 +214,7 @@ static int read_rows(struct reading *r, const struct converter *c, struct orl_er
     const size_t bytes = (size_t)r->width * r->samples * (c->of_16 ? 2 : 4);
     void *const row = (size_t)TIFFScanlineSize(r->tiff) == bytes ? malloc(bytes) : NULL;
     if (!row)
-        return fail(r, ORL_ERR_SYNTAX, err, "the TIFF's rows are not as long as it says");
+        return fail(r, ORL_ERR_SYNTAX, err, "the TIFF's rows do not have the stated length");
     int code = 0;
     for (uint32_t y = 0; y < r->height && code == 0; y++) {
         const uint32_t to = bottom ? r->height - 1 - y : y;
@@ -245,8 +245,8 @@ static int read_wide(struct reading *r, struct orl_error *err)
     if (TIFFIsTiled(r->tiff) || (planes != PLANARCONFIG_CONTIG && r->samples > 1) ||
         r->samples > MOST_SAMPLES) {
         fail(r, ORL_ERR_UNSUPPORTED, err,
-             "TIFFs of 16 bits or floats are read in strips of whole pixels");
-        orl_error_hint(err, "tiffcp -s -p contig makes such a one");
+             "TIFFs of 16 bits or floats must store strips of whole pixels");
+        orl_error_hint(err, "convert it with tiffcp -s -p contig");
         return ORL_ERR_UNSUPPORTED;
     }
     c.veiled = is_veiled(r, c.colours);
@@ -265,7 +265,7 @@ static int read_shown(struct reading *r, struct orl_error *err)
     char why[1024] = "";
     float decoded[256];
     if (r->format == SAMPLEFORMAT_INT || !TIFFRGBAImageOK(r->tiff, why))
-        return refuse_kind(r, err, "this kind of TIFF is not read");
+        return refuse_kind(r, err, "this kind of TIFF is not supported");
     uint32_t *const pixels = malloc(n * sizeof *pixels);
     if (!pixels)
         return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");

@@ -105,12 +105,11 @@ static int bad_word(const struct orl_lexer *lexer, int code, int line, struct or
 
 static int bad_byte(const struct orl_lexer *lexer, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_SYNTAX, "this is not text: it has a byte 0x%02x",
+    orl_error_set(err, ORL_ERR_SYNTAX, "this is not text: it contains a byte 0x%02x",
                   (unsigned)(unsigned char)*lexer->at);
     orl_error_at(err, lexer->file, lexer->line, NULL);
-    orl_error_hint(err,
-                   "scene files are plain text: save it as UTF-8; octrees and archives are not "
-                   "read");
+    orl_error_hint(
+        err, "scene files are plain text: save it as UTF-8; octrees and archives cannot be read");
     return ORL_ERR_SYNTAX;
 }
 

@@ -21,15 +21,13 @@ static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
     const char *type = parser->primitive.type;
-    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is no type of primitive", type);
+    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is not a primitive type", type);
     if (is_function_file(scope->file))
-        orl_error_hint(err,
-                       "this is a file of functions: leave it out of the scene's files; patterns "
-                       "and textures find it by its name");
+        orl_error_hint(err, "this is a function file: remove it from the scene's files; patterns "
+                            "and textures find it by its name");
     else
-        orl_error_hint(err,
-                       "a primitive is: modifier type identifier, then three counts with their "
-                       "arguments; is the count before this one right?");
+        orl_error_hint(err, "a primitive is: modifier type identifier, then three counts with "
+                            "their arguments; check the counts of the primitive before this one");
     return ORL_ERR_SYNTAX;
 }
 

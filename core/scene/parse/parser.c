@@ -87,7 +87,7 @@ static void report_unused(struct orl_parser *parser)
         return;
     if (count > 1)
         snprintf(others, sizeof others, ", and %zu others like it", count - 1);
-    orl_parser_warn(parser, "%.120s at %.100s:%d is passed over, for nothing uses it%s: %.200s",
+    orl_parser_warn(parser, "%.120s at %.100s:%d is ignored because nothing uses it%s: %.200s",
                     first->primitive, first->file, first->line, others, first->message);
 }
 
@@ -96,19 +96,17 @@ void orl_parser_report(struct orl_parser *parser)
     char nonplanar[192];
     report_unused(parser);
     report_tally(parser, &parser->degenerate, "has no area and was dropped");
-    snprintf(
-        nonplanar, sizeof nonplanar,
-        "its corners do not lie in one plane, by up to %.3g: light meets the triangles that it "
-        "is cut into, and all of these have its mean normal",
-        parser->largest_bend);
+    snprintf(nonplanar, sizeof nonplanar,
+             "its corners are off a plane by up to %.3g: it is cut into triangles, which all have "
+             "its mean normal",
+             parser->largest_bend);
     report_tally(parser, &parser->nonplanar, nonplanar);
     report_tally(parser, &parser->unmodified,
-                 "has no material (its modifier is void): light passes as if it were not there");
-    report_tally(
-        parser, &parser->white,
-        "returns all light that it gets, or more: 0.999 of it are taken, so that light ends "
-        "(of what only mirrors or lets pass, all)");
-    report_tally(parser, &parser->below, "a share of light is a little below 0: 0 is taken");
+                 "has no material (its modifier is void), so light passes through it");
+    report_tally(parser, &parser->white,
+                 "reflects or transmits all incident light, or more: limited to 0.999 so that "
+                 "light paths end (mirrors and clear glass to 1)");
+    report_tally(parser, &parser->below, "a share of light is slightly below 0: 0 is used");
 }
 
 int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *scope, size_t first,
@@ -130,7 +128,7 @@ int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *s
         return orl_parser_fail(parser, scope, err, code, "its transform is not valid");
     if (used < count)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "'%.60s' in its transform is no transform", words[used]);
+                               "'%.60s' in its transform is not a transform", words[used]);
     *ret_xform = orl_xform_compose(&scope->xform, &own);
     return 0;
 }
@@ -145,7 +143,7 @@ int orl_parser_count_text(struct orl_parser *parser, const struct orl_scope *sco
     if (parser->text_bytes <= ORL_LIMIT_SCENE_TEXT)
         return 0;
     orl_error_set(err, ORL_ERR_LIMIT,
-                  "the scene's text, repeats by xform -a included, is longer than %lu MiB",
+                  "the scene's text, including repeats by xform -a, is longer than %lu MiB",
                   ORL_LIMIT_SCENE_TEXT >> 20);
     orl_error_at(err, scope->file, 0, NULL);
     return ORL_ERR_LIMIT;

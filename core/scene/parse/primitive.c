@@ -74,7 +74,7 @@ int orl_primitive_read_head(struct orl_primitive *primitive, struct orl_lexer *l
                             struct orl_error *err)
 {
     static const char *const missing[HEAD_WORDS] = {
-        "the text ends where a primitive was to start",
+        "the text ends where a primitive should start",
         "the text ends after a modifier; a type and an identifier must follow",
         "the text ends after a type; an identifier must follow"};
     struct orl_word word;
@@ -142,8 +142,8 @@ static int read_count(struct orl_primitive *primitive, struct orl_lexer *lexer, 
     if (fault == ORL_NUMBER_INVALID || (fault == ORL_NUMBER_OK && value < 0)) {
         code = fail(primitive, lexer, word.line, err, ORL_ERR_SYNTAX, what, NULL);
         orl_error_hint(err,
-                       "found '%s'; three counts must stand there: of strings, of integers "
-                       "(always 0) and of numbers, each before its arguments",
+                       "found '%s'; three counts are expected: of strings, of integers (always 0) "
+                       "and of numbers, each before its arguments",
                        text);
         return code;
     }
@@ -193,9 +193,9 @@ static int read_reals(struct orl_primitive *primitive, struct orl_lexer *lexer,
                         "an argument is not a finite number:", text);
         fail(primitive, lexer, word.line, err, ORL_ERR_SYNTAX,
              "an argument is not a number:", text);
-        orl_error_hint(err, "argument %zu of %zu; is the count before the numbers right?%s", i + 1,
+        orl_error_hint(err, "argument %zu of %zu; check the count before the numbers.%s", i + 1,
                        primitive->n_reals,
-                       *text == '#' ? " Comments may stand between primitives only." : "");
+                       *text == '#' ? " Comments are allowed only between primitives." : "");
         if (orl_slice_is_decimal_comma((struct orl_slice){word.text, word.length}))
             orl_error_hint(err, "this is a decimal comma: write a point");
         return ORL_ERR_SYNTAX;

@@ -205,8 +205,8 @@ int orl_sources_open(struct orl_sources *sources, const char *name, bool library
 
 void orl_sources_hint(struct orl_error *err)
 {
-    orl_error_hint(err, "names are looked for beside the file that has them, then from the scene's "
-                        "own folder: put it there, or take out what names it");
+    orl_error_hint(err, "files are searched in the folder of the file that names them, then in the "
+                        "scene's folder: put it there, or remove the reference");
 }
 
 static int find_from(struct orl_sources *sources, const char *folder, const char *name,
@@ -216,7 +216,7 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
     struct orl_error first = {0};
     int code;
     if (!join_path(folder, name, path) || !join_path("", name, plain))
-        return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is no name of a file", name);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is not a file name", name);
     code = find_as(sources, path, false, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
         code = find_as(sources, plain, false, ret_index, err);

@@ -74,7 +74,7 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     if (symbol->kind != ORL_SYMBOL_MATERIAL) {
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                         "its modifier '%.200s' is a pattern, not a material", name);
-        orl_error_hint(err, "give the pattern to a glow or light, and that to the surface");
+        orl_error_hint(err, "apply the pattern to a glow or light, and that to the surface");
         return ORL_ERR_UNSUPPORTED;
     }
     *ret_index = symbol->index;
@@ -93,12 +93,11 @@ static int make_name(struct orl_parser *parser, const struct orl_scope *scope,
     const size_t length = strlen(id), front = scope->prefix ? strlen(scope->prefix) + 1 : 0;
     parser->name_bytes += front + length + 1;
     if (parser->name_bytes > ORL_LIMIT_NAME_BYTES) {
-        orl_parser_fail(
-            parser, scope, err, ORL_ERR_LIMIT,
-            "the names of the scene's surfaces, prefixes by xform -n included, take more "
-            "than %lu MiB",
-            ORL_LIMIT_NAME_BYTES >> 20);
-        orl_error_hint(err, "Shorter names do, or fewer copies by xform -a");
+        orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
+                        "the names of the scene's surfaces, including prefixes by xform -n, take "
+                        "more than %lu MiB",
+                        ORL_LIMIT_NAME_BYTES >> 20);
+        orl_error_hint(err, "use shorter names, or fewer copies by xform -a");
         return ORL_ERR_LIMIT;
     }
     char *name = orl_arena_alloc_chars(arena, front + length + 1);
@@ -130,8 +129,7 @@ static bool in_reach(struct orl_vec3 v)
 
 static int too_far(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
 {
-    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                    "its coordinates are too large once transformed");
+    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its transformed coordinates are too large");
     return ORL_ERR_RANGE;
 }
 
@@ -237,8 +235,8 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
     int code;
     if (parser->primitive.n_strings != 0 || n_reals < 9 || n_reals % 3 != 0) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                        "a polygon takes three numbers a corner, and at least three corners: "
-                        "%zu numbers are not that",
+                        "a polygon needs three numbers per corner and at least three corners, but "
+                        "has %zu numbers",
                         n_reals);
         return ORL_ERR_SYNTAX;
     }
@@ -373,8 +371,9 @@ static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                     "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal",
                     material->up.x, material->up.y, material->up.z, material->name);
-    orl_error_hint(err, "tilt it a little, such as 0.01 0.01 1, or name the direction that is up "
-                        "in the pane");
+    orl_error_hint(
+        err,
+        "tilt it a little, for example 0.01 0.01 1, or give the direction that is up in the pane");
     return ORL_ERR_RANGE;
 }
 
@@ -410,8 +409,8 @@ static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
     orl_error_hint(err, "a sun is 'void light solar 0 0 3 R G B' and 'solar source sun 0 0 4 X Y Z "
                         "0.533'; a sky is a glow over 180 degrees");
     if (kind == ORL_MATERIAL_SPOTLIGHT)
-        orl_error_hint(err, "a spotlight is to be a surface; a sun that shines on one spot only is "
-                            "not simulated");
+        orl_error_hint(err,
+                       "a spotlight must be a surface; a sun limited to one spot is not simulated");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -427,13 +426,12 @@ static bool is_patterned_alone(const struct orl_parser *parser, const struct orl
 static void warn_of_dark(struct orl_parser *parser, const struct orl_scope *scope)
 {
     const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
-    orl_parser_warn(
-        parser,
-        "%.200s:%d: source %.100s gives no light, as in Radiance: its modifier '%.100s' "
-        "is a pattern; let a glow have that pattern, such as \"%.100s glow %.100s_glow 0 "
-        "0 4 1 1 1 0\", and the source that glow",
-        scope->file, parser->primitive.line, parser->primitive.id, name, name,
-        parser->primitive.id);
+    orl_parser_warn(parser,
+                    "%.200s:%d: source %.100s emits no light, as in Radiance: its modifier "
+                    "'%.100s' is a pattern; apply that pattern to a glow, for example \"%.100s "
+                    "glow %.100s_glow 0 0 4 1 1 1 0\", and use the glow for the source",
+                    scope->file, parser->primitive.line, parser->primitive.id, name, name,
+                    parser->primitive.id);
 }
 
 static int read_source(struct orl_parser *parser, const struct orl_scope *scope,

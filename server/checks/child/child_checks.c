@@ -193,7 +193,7 @@ static int send_file(void *ctx, const char *name, struct orl_error *err)
     const struct check *check = ctx;
     return orl_frame_send(check->fd, ORL_FRAME_FILE, name, strlen(name))
                ? 0
-               : orl_error_set(err, ORL_ERR_IO, "nobody takes the files");
+               : orl_error_set(err, ORL_ERR_IO, "cannot send the files to the daemon");
 }
 
 static int send_data(void *ctx, const char *data, size_t size, struct orl_error *err)
@@ -202,7 +202,7 @@ static int send_data(void *ctx, const char *data, size_t size, struct orl_error 
     while (size > 0) {
         const size_t n = size < ORL_FRAME_BYTES ? size : ORL_FRAME_BYTES;
         if (!orl_frame_send(check->fd, ORL_FRAME_DATA, data, n))
-            return orl_error_set(err, ORL_ERR_IO, "nobody takes the files");
+            return orl_error_set(err, ORL_ERR_IO, "cannot send the files to the daemon");
         data += n;
         size -= n;
     }
@@ -336,7 +336,7 @@ static int read_use(const struct orl_mapped_inputs *files, const json_t *entry, 
     const struct orl_bundle_file *file =
         use->name ? orl_bundle_find(&files->bundle, use->name) : NULL;
     if (!file || role < 0 || role >= ORL_FILE_ROLES || !readers[role])
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a check's request makes no sense");
+        return orl_error_set(err, ORL_ERR_INTERNAL, "the request to the check process is invalid");
     use->data = &files->data[file - files->bundle.files];
     return readers[role](use, err);
 }
@@ -373,7 +373,8 @@ static int run_kind(struct check *check, json_t **ret_result, struct orl_error *
     for (size_t i = 0; name && i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i].name, name) == 0)
             return kinds[i].run(check, ret_result, err);
-    return orl_error_set(err, ORL_ERR_INTERNAL, "there is no such check");
+    return orl_error_set(err, ORL_ERR_INTERNAL,
+                         "the check process does not know this kind of check");
 }
 
 /* ---- Errors ---------------------------------------------------------------------------------- */

@@ -75,7 +75,7 @@ static int open_file(struct orl_mapped_inputs *mapped, const json_t *entry, stru
     const bool fresh = json_is_true(json_object_get(entry, "fresh"));
     struct orl_file *data = &mapped->data[mapped->bundle.count];
     if (!name || !path || !sha)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "a check's request makes no sense");
+        return orl_error_set(err, ORL_ERR_INTERNAL, "the request to the check process is invalid");
     int rc = orl_bundle_add(&mapped->bundle, name, json_is_true(json_object_get(entry, "resource")),
                             path, (uint64_t)json_integer_value(json_object_get(entry, "bytes")),
                             sha, false, err);

@@ -147,7 +147,7 @@ int orl_sandbox_enter(const struct orl_sandbox_limits *bounds, struct orl_error 
         rc = lower_limit(RLIMIT_DATA, bounds->memory + RESERVED);
     if (rc == 0 && !ORL_SANITIZED)
         rc = filter_calls();
-    return rc ? orl_error_set(err, ORL_ERR_INTERNAL, "a check cannot be confined: %s",
+    return rc ? orl_error_set(err, ORL_ERR_INTERNAL, "cannot set up the sandbox of a check: %s",
                               strerror(errno))
               : 0;
 }

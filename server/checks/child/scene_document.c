@@ -20,7 +20,7 @@ static int decode_content(const json_t *file, const char *where, unsigned char *
     const json_t *source = text ? text : base64;
     if (!json_is_string(source) || (text && base64))
         return orl_json_fail(err, ORL_ERR_INVALID, where,
-                             "either \"text\" or \"base64\" is wanted, as a string");
+                             "give either \"text\" or \"base64\", as a string");
     const size_t length = json_string_length(source);
     unsigned char *data = malloc(length + 1);
     size_t size = length;
@@ -30,7 +30,7 @@ static int decode_content(const json_t *file, const char *where, unsigned char *
     if (!text && sodium_base642bin(data, length + 1, json_string_value(source), length, " \r\n",
                                    &size, NULL, sodium_base64_VARIANT_ORIGINAL) != 0) {
         free(data);
-        return orl_json_fail(err, ORL_ERR_INVALID, where, "the base64 does not decode");
+        return orl_json_fail(err, ORL_ERR_INVALID, where, "this is not valid base64");
     }
     *ret_data = data;
     *ret_size = size;
@@ -101,7 +101,7 @@ static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, j
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
         rc = read_file(json_array_get(files, i), i, sink, resources, err);
     if (rc == 0 && bsdfs && json_object_size(bsdfs) > ORL_LIMIT_SCENE_FILES)
-        rc = orl_json_fail(err, ORL_ERR_LIMIT, "bsdfs", "there are more than %u",
+        rc = orl_json_fail(err, ORL_ERR_LIMIT, "bsdfs", "there are more than %u BSDFs",
                            ORL_LIMIT_SCENE_FILES);
     json_t *rest = rc ? NULL : json_pack("{s:O}", "resources", resources);
     if (rest && bsdfs)
@@ -124,7 +124,7 @@ static int read_model_and_files(const json_t *doc, const struct orl_incoming_sin
     int rc = orl_json_members(doc, "", members, err);
     if (rc == 0 && !orl_hbjson_is_model(model))
         rc = orl_json_fail(err, ORL_ERR_INVALID, "model",
-                           "a Honeybee model is wanted: an object of \"type\": \"Model\"");
+                           "this is not a Honeybee model: an object with \"type\": \"Model\"");
     if (rc == 0 && files)
         rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
     if (rc == 0)

@@ -37,7 +37,8 @@ static bool may_stream(struct orl_request *request)
         ORL_SERVER_STREAMS)
         return true;
     orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
-                      "%u are; try again later, or poll the job", ORL_SERVER_STREAMS);
+                      "%u streams are open, the maximum; try again later, or poll the job",
+                      ORL_SERVER_STREAMS);
     orl_reply_header(request, "Retry-After", "10");
     return false;
 }
@@ -107,8 +108,8 @@ void orl_handle_all_events(struct orl_request *request)
     MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_argument,
                               &event_query);
     if (event_query.wrong) {
-        orl_page_refuse(request, "job is the id of one or how it begins, up to 16 times; tag is a "
-                                 "job's tag, up to 4 times");
+        orl_page_refuse(request, "job must be a job's id or its beginning, at most 16 times; tag "
+                                 "must be a job's tag, at most 4 times");
         return;
     }
     if (!may_stream(request))

@@ -54,13 +54,13 @@ static bool read_position(struct orl_request *request, struct filter *filter)
     const char *cursor = orl_request_query(request, "cursor");
     const struct orl_jobs_job *last = before ? orl_jobs_find(jobs, before) : NULL;
     if (before && !last)
-        return orl_page_refuse(request, "before is the id of a job that is here");
+        return orl_page_refuse(request, "before must be the id of an existing job");
     filter->first = last ? last->older : orl_jobs_newest(jobs);
     if (!cursor)
         return true;
     const size_t digits = strspn(cursor, "0123456789");
     if (digits == 0 || digits > 18 || cursor[digits])
-        return orl_page_refuse(request, "cursor is of the link to the next page");
+        return orl_page_refuse(request, "cursor must be copied from the link to the next page");
     const int64_t seq = strtoll(cursor, NULL, 10);
     while (filter->first && filter->first->row.seq >= seq)
         filter->first = filter->first->older;
@@ -76,14 +76,15 @@ static bool read_filter(struct orl_request *request, struct filter *filter)
     if (filter->state && strcmp(filter->state, orl_jobs_cancelling) != 0 &&
         orl_job_state_from_name(filter->state) == ORL_JOB_STATE_COUNT)
         return orl_page_refuse(
-            request, "state is queued, running, cancelling, succeeded, failed or cancelled");
+            request, "state must be queued, running, cancelling, succeeded, failed or cancelled");
     if (filter->scene && !orl_is_sha256(filter->scene))
-        return orl_page_refuse(request, "scene is the id of a scene, 64 digits");
+        return orl_page_refuse(request, "scene must be the id of a scene, 64 hexadecimal digits");
     if (since && !orl_time_parse(since, &filter->since_ms))
-        return orl_page_refuse(request, "since is a time in UTC, such as 2024-03-22T11:30:00Z");
+        return orl_page_refuse(request,
+                               "since must be a time in UTC, such as 2024-03-22T11:30:00Z");
     MHD_get_connection_values(request->connection, MHD_GET_ARGUMENT_KIND, add_tag, filter);
     if (filter->wrong_tag)
-        return orl_page_refuse(request, "tag is a job's tag; up to 4 may be given");
+        return orl_page_refuse(request, "tag must be a job's tag; at most 4 may be given");
     return orl_page_limit(request, &filter->limit) && read_position(request, filter);
 }
 
@@ -176,7 +177,7 @@ void orl_handle_job_list(struct orl_request *request)
     if (!read_filter(request, &filter))
         return;
     if (fields && strcmp(fields, "summary") != 0 && strcmp(fields, "all") != 0) {
-        orl_page_refuse(request, "fields is summary or all");
+        orl_page_refuse(request, "fields must be summary or all");
         return;
     }
     list.summary = fields && strcmp(fields, "summary") == 0;

@@ -134,7 +134,7 @@ static bool refuse_when_full(struct orl_request *request)
 {
     if (!orl_jobs_full(request->server->jobs))
         return !orl_client_may_queue(request);
-    orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
+    orl_reply_problem(request, 429, "queue-full", "Too many jobs are waiting",
                       "%u jobs are queued; try again when some have run", ORL_SERVER_QUEUE);
     orl_reply_header(request, "Retry-After", "30");
     return true;
@@ -162,7 +162,8 @@ static bool answer_by_key(struct orl_request *request)
         reply_accepted(request, job);
     else
         orl_reply_problem(request, 422, "idempotency-key", "The Idempotency-Key was used before",
-                          "another document came with it, and became the job %s", job->row.id);
+                          "it was sent with another document, which became the job %s",
+                          job->row.id);
     return true;
 }
 
@@ -212,7 +213,7 @@ static bool read_client_name(struct orl_request *request, char ret_name[CLIENT_N
     }
     if (!is_name(own)) {
         orl_reply_problem(request, 400, "invalid", "A header is not understood",
-                          "X-Oriel-Client is a name of 1 to %d printable characters",
+                          "X-Oriel-Client must be a name of 1 to %d printable characters",
                           CLIENT_OWN_NAME);
         return false;
     }
@@ -231,7 +232,8 @@ static bool read_key(struct orl_request *request, const char *key,
         good = key[i] >= 0x20 && key[i] <= 0x7e;
     if (!good)
         orl_reply_problem(request, 400, "invalid", "A header is not understood",
-                          "an Idempotency-Key has 1 to %d printable characters", REQUEST_KEY_MAX);
+                          "an Idempotency-Key must have 1 to %d printable characters",
+                          REQUEST_KEY_MAX);
     else if (key)
         snprintf(ret_key, REQUEST_KEY_MAX + 1, "%.*s", (int)(length - (quoted ? 2 : 0)),
                  key + quoted);

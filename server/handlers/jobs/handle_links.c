@@ -36,7 +36,7 @@ static int read_link_request(const json_t *doc, struct link_request *link_reques
                                         .size = sizeof *link_request->files,
                                         .most = ORL_SERVER_LINKS,
                                         .each = decode_name,
-                                        .empty = "no file is named"};
+                                        .empty = "name at least one file"};
     const struct orl_json_member members[] = {
         {"files", .list = &files, .required = true},
         {"seconds", .whole_32 = &link_request->seconds, .from = LEAST_S, .to = ORL_SERVER_LINK_S},

@@ -174,7 +174,7 @@ static void refuse_for_now(struct orl_request *request, const struct orl_jobs_jo
     orl_reply_problem(request, 409, "no-result", "The job has no results", "its state is '%s'%s",
                       orl_jobs_state_name(job),
                       state <= ORL_JOB_RUNNING  ? "; ask again later"
-                      : state == ORL_JOB_FAILED ? "; its document says why, as \"error\""
+                      : state == ORL_JOB_FAILED ? "; see \"error\" in its document"
                                                 : "");
     if (state <= ORL_JOB_RUNNING)
         orl_reply_header(request, "Retry-After", "1");
@@ -219,8 +219,8 @@ static void reply_evicted(struct orl_request *request, const struct orl_jobs_job
     char when[ORL_TIME_TEXT];
     orl_time_format(job->row.evicted_ms, when);
     orl_reply_problem(request, 410, "results-evicted", "The results are gone",
-                      "they were removed at %s to make room; the same document, submitted again, "
-                      "gives them anew",
+                      "they were removed at %s to make room; submit the same document again to "
+                      "compute them again",
                       when);
 }
 

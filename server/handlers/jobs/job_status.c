@@ -371,7 +371,7 @@ const struct orl_jobs_job *orl_job_of_path(struct orl_request *request)
     const struct orl_jobs_job *job =
         orl_jobs_find_prefix(request->server->jobs, request->params[0], &several);
     if (several)
-        orl_reply_problem(request, 404, "ambiguous", "Several jobs are meant",
+        orl_reply_problem(request, 404, "ambiguous", "The id is ambiguous",
                           "the ids of several jobs begin with %.40s", request->params[0]);
     else if (!job)
         orl_reply_not_found(request, "job");

@@ -190,7 +190,7 @@ void orl_handle_bsdf_delete(struct orl_request *request)
     if (rc == 0 && found)
         rc = orl_blob_in_scene(&server->db, id, &needed, &err);
     if (rc == 0 && needed) {
-        orl_reply_in_use(request, "scenes have the BSDF as a file");
+        orl_reply_in_use(request, "stored scenes use the BSDF");
         return;
     }
     if (rc == 0 && found)

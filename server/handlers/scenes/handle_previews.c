@@ -198,7 +198,7 @@ void orl_handle_bsdf_polar(struct orl_request *request)
         return;
     const char *from = orl_request_query(request, "from");
     if (from && strcmp(from, "front") != 0 && strcmp(from, "back") != 0) {
-        orl_reply_problem(request, 400, "invalid", "An argument is none that there is",
+        orl_reply_problem(request, 400, "invalid", "An argument is invalid",
                           "from has to be front or back");
         return;
     }
@@ -219,7 +219,7 @@ static void reply_bsdf(struct orl_request *request)
     if (preview->rc == ORL_ERR_SYNTAX || preview->rc == ORL_ERR_INVALID ||
         preview->rc == ORL_ERR_UNSUPPORTED || preview->rc == ORL_ERR_RANGE) {
         orl_reply_problem(request, 404, "no-such-resource", "There is no such resource",
-                          "the scene's file '%s' is none: %s", preview->of_scene.name,
+                          "the scene's file '%s' is not a BSDF: %s", preview->of_scene.name,
                           preview->err.message);
         return;
     }

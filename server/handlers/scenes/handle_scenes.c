@@ -219,7 +219,7 @@ void orl_handle_scene_delete(struct orl_request *request)
     bool removed = false;
     struct orl_error err;
     if (orl_jobs_need_scene(server->jobs, id)) {
-        orl_reply_in_use(request, "jobs that wait or run need the scene");
+        orl_reply_in_use(request, "queued or running jobs need the scene");
         return;
     }
     if (orl_scene_drop(&server->db, id, &blobs, &count, &removed, &err)) {

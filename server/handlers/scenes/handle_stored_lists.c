@@ -136,7 +136,7 @@ static bool read_cursor(struct orl_request *request, struct orl_list_position *r
         return true;
     const size_t digits = strspn(cursor, "0123456789");
     if (digits == 0 || digits > 15 || cursor[digits] != '-' || !orl_is_sha256(cursor + digits + 1))
-        return orl_page_refuse(request, "cursor is of the link to the next page");
+        return orl_page_refuse(request, "cursor must be copied from the link to the next page");
     ret_position->created_ms = strtoll(cursor, NULL, 10);
     snprintf(ret_position->id, sizeof ret_position->id, "%s", cursor + digits + 1);
     return true;
@@ -261,6 +261,6 @@ void orl_handle_bsdf_list(struct orl_request *request)
     static const struct kind bsdfs = {"/v1/bsdfs", "bsdfs", read_bsdfs};
     const char *scene = orl_request_query(request, "scene");
     if (!scene || orl_is_sha256(scene) ||
-        orl_page_refuse(request, "scene is the id of one, 64 hexadecimal digits"))
+        orl_page_refuse(request, "scene must be the id of a scene, 64 hexadecimal digits"))
         reply_list(request, &bsdfs, scene);
 }

@@ -29,7 +29,8 @@ static int add_choice(struct orl_scene_upload *upload, const char *group, size_t
     json_t *states = json_object_get(upload->choice, "states"), *named = json_string(state);
     const int failed = group ? json_object_setn_new(states, group, length, named)
                              : json_object_set_new(upload->choice, "sky", named);
-    return failed ? orl_error_set(err, ORL_ERR_INVALID, "what is chosen of a project is no UTF-8")
+    return failed ? orl_error_set(err, ORL_ERR_INVALID,
+                                  "the chosen state or sky of the project is not UTF-8")
                   : 0;
 }
 
@@ -39,7 +40,7 @@ int orl_scene_upload_choose_state(struct orl_scene_upload *upload, const char *c
     const char *state = strchr(choice, '=');
     if (state)
         return add_choice(upload, choice, (size_t)(state - choice), state + 1, err);
-    orl_error_set(err, ORL_ERR_INVALID, "a state is chosen by GROUP=STATE");
+    orl_error_set(err, ORL_ERR_INVALID, "choose a state as GROUP=STATE");
     orl_error_at(err, NULL, 0, "state");
     return ORL_ERR_INVALID;
 }
@@ -82,7 +83,7 @@ static int add_bsdf(struct orl_scene_upload *upload, const char *name, const jso
     const char *sha = json_string_value(id);
     if (!sha || !orl_is_sha256(sha))
         return orl_json_fail(err, ORL_ERR_INVALID, where,
-                             "a BSDF's id is wanted: 64 hexadecimal digits");
+                             "this is not the id of a BSDF: 64 hexadecimal digits");
     orl_blob_path(folders, sha, path);
     if (stat(path, &st) != 0) {
         orl_json_fail(err, ORL_ERR_NOT_FOUND, where, "no BSDF of that id is stored");
@@ -99,7 +100,7 @@ static int add_bsdfs(struct orl_scene_upload *upload, json_t *bsdfs,
     json_t *id;
     if (!json_is_object(bsdfs))
         return orl_json_fail(err, ORL_ERR_INVALID, "bsdfs",
-                             "an object is wanted: {\"name.xml\": \"id\"}");
+                             "this is not an object such as {\"name.xml\": \"id\"}");
     json_object_foreach(bsdfs, name, id)
     {
         const int rc = add_bsdf(upload, name, id, folders, err);
@@ -118,9 +119,7 @@ static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
         i++;
     if (i == bundle->count) {
         orl_error_set(err, ORL_ERR_INVALID,
-                      "'%.200s' is to be a main file, but was not sent, or is "
-                      "named twice",
-                      name);
+                      "the main file '%.200s' was not sent, or is named twice", name);
         orl_error_at(err, NULL, 0, "main");
         return ORL_ERR_INVALID;
     }
@@ -188,13 +187,14 @@ static int refuse_without_mains(struct orl_bundle *bundle, struct orl_error *err
     orl_bundle_sort(bundle);
     list_names(bundle, false, names, sizeof names);
     if (radiance)
-        orl_error_set(err, ORL_ERR_INVALID, "which files are the scene is not clear: %s", names);
+        orl_error_set(err, ORL_ERR_INVALID,
+                      "cannot tell which files are the main files of the scene: %s", names);
     else
         orl_error_set(err, ORL_ERR_INVALID, "no scene file was sent%s%s",
                       bundle->count > 0 ? ", only " : "", names);
     orl_error_hint(err, radiance
-                            ? "They lie in several folders, or each is named by another's command: "
-                              "say which by main, or put them at the top"
+                            ? "They are in several folders, or each is used by another's command: "
+                              "name the main files with main, or move them to the top folder"
                             : "Send at least one Radiance file (.rad)");
     return ORL_ERR_INVALID;
 }
@@ -252,7 +252,7 @@ static int refuse_second_model(const struct orl_bundle *bundle, size_t first, st
         if (bundle->files[i].resource || !has_ending(bundle->files[i].name, ".hbjson"))
             continue;
         orl_error_set(err, ORL_ERR_INVALID,
-                      "a scene is one Honeybee model, and '%.100s' came before",
+                      "a scene has only one Honeybee model, and '%.100s' came before",
                       bundle->files[first].name);
         orl_error_at(err, bundle->files[i].name, 0, NULL);
         orl_error_hint(err, "Upload each model by itself");
@@ -344,7 +344,7 @@ static void add_mains_hint(const struct orl_scene_upload *upload, struct orl_err
     char names[ORL_ERROR_TEXT_MAX / 2] = "", hint[ORL_ERROR_TEXT_MAX];
     list_names(&upload->bundle, true, names, sizeof names);
     snprintf(hint, sizeof hint, "%.*s", (int)sizeof hint - 1, err->hint);
-    orl_error_hint(err, "%.*s%sRead as the scene, in this order: %s; main says otherwise",
+    orl_error_hint(err, "%.*s%sMain files, in this order: %s; use main to name others",
                    (int)sizeof hint / 3, hint, hint[0] ? ". " : "", names);
 }
 

@@ -55,21 +55,21 @@ static bool is_empty(const struct orl_histogram *histogram)
 static void write_jobs(FILE *out, const struct orl_server *server)
 {
     const struct orl_metrics *metrics = &server->metrics;
-    write_number(out, "oriel_queue_depth", "gauge", "Jobs that wait",
+    write_number(out, "oriel_queue_depth", "gauge", "Queued jobs",
                  (double)orl_jobs_count(server->jobs, ORL_JOB_QUEUED));
-    write_head(out, "oriel_jobs", "gauge", "Jobs kept, by state");
+    write_head(out, "oriel_jobs", "gauge", "Stored jobs, by state");
     for (int i = 0; i < ORL_JOB_STATE_COUNT; i++)
         fprintf(out, "oriel_jobs{state=\"%s\"} %zu\n", orl_job_state_name((enum orl_job_state)i),
                 orl_jobs_count(server->jobs, (enum orl_job_state)i));
     write_head(out, "oriel_job_runs_total", "counter",
-               "Runs of jobs, by the state they left the job in");
+               "Runs of jobs, by the state of the job at the end of the run");
     for (int i = 0; i < ORL_JOB_STATE_COUNT; i++)
         if (i != ORL_JOB_RUNNING)
             fprintf(out, "oriel_job_runs_total{state=\"%s\"} %llu\n",
                     orl_job_state_name((enum orl_job_state)i),
                     (unsigned long long)metrics->ended[i]);
     write_head(out, "oriel_stage_seconds", "histogram",
-               "Seconds of render jobs that succeeded, by stage");
+               "Seconds of successful render jobs, by stage");
     for (int i = 0; i < ORL_STAGE_COUNT; i++) {
         char label[40];
         snprintf(label, sizeof label, "stage=\"%s\"", orl_stage_name((enum orl_stage)i));
@@ -77,10 +77,12 @@ static void write_jobs(FILE *out, const struct orl_server *server)
                         orl_metrics_stage_s);
     }
     write_number(out, "oriel_photons_total", "counter",
-                 "Photons traced, whatever became of the job", (double)metrics->health.photons);
-    write_number(out, "oriel_rays_total", "counter",
-                 "Rays traced, as segments of photons and paths, whatever became of the job",
-                 (double)metrics->health.rays);
+                 "Photons traced, including those of failed and cancelled jobs",
+                 (double)metrics->health.photons);
+    write_number(
+        out, "oriel_rays_total", "counter",
+        "Rays traced (segments of photons and paths), including those of failed and cancelled jobs",
+        (double)metrics->health.rays);
 }
 
 static void add_parts(void *ctx, const struct orl_jobs_job *job)
@@ -96,16 +98,14 @@ static void write_parts(FILE *out, const struct orl_server *server)
 {
     struct orl_parts_count parts = server->metrics.parts;
     orl_jobs_running(server->jobs, add_parts, &parts);
-    write_head(out, "oriel_parts", "gauge", "Parts of jobs that run, by state");
+    write_head(out, "oriel_parts", "gauge", "Parts of running jobs, by state");
     fprintf(out, "oriel_parts{state=\"waiting\"} %llu\noriel_parts{state=\"running\"} %llu\n",
             (unsigned long long)parts.waiting, (unsigned long long)parts.running);
-    write_number(out, "oriel_parts_done_total", "counter", "Parts that were done",
-                 (double)parts.done);
+    write_number(out, "oriel_parts_done_total", "counter", "Completed parts", (double)parts.done);
     write_number(out, "oriel_parts_again_total", "counter",
-                 "Times that a part was started once more: requeued, lost or failed",
-                 (double)parts.again);
-    write_number(out, "oriel_parts_lost_seconds_total", "counter", "What those had run for",
-                 parts.lost_s);
+                 "Restarts of parts that were requeued, lost or failed", (double)parts.again);
+    write_number(out, "oriel_parts_lost_seconds_total", "counter",
+                 "Run time of requeued, lost or failed parts, in seconds", parts.lost_s);
 }
 
 static void write_health(FILE *out, const struct orl_health *health)
@@ -120,7 +120,7 @@ static void write_health(FILE *out, const struct orl_health *health)
         {"rays_leaked", health->rays_leaked},       {"sparse", health->sparse},
     };
     write_head(out, "oriel_health_total", "counter",
-               "What went wrong in numbers, as in result.json");
+               "Numerical problems by kind, as in result.json");
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         fprintf(out, "oriel_health_total{what=\"%s\"} %llu\n", counts[i].what,
                 (unsigned long long)counts[i].count);
@@ -130,26 +130,29 @@ static void write_cache(FILE *out, struct orl_server *server)
 {
     struct orl_map_cache_totals totals;
     orl_map_cache_totals(server->maps, &totals);
-    write_number(out, "oriel_cache_entries", "gauge", "Photon maps and loaded BSDFs kept",
+    write_number(out, "oriel_cache_entries", "gauge", "Photon maps and loaded BSDFs in the cache",
                  (double)totals.entries);
-    write_number(out, "oriel_cache_bytes", "gauge", "Bytes of those", (double)totals.bytes);
-    write_number(out, "oriel_cache_hits_total", "counter", "Times that one was found",
-                 (double)totals.hits);
-    write_number(out, "oriel_cache_misses_total", "counter", "Times that one had to be made",
-                 (double)totals.misses);
+    write_number(out, "oriel_cache_bytes", "gauge", "Bytes of these maps and BSDFs",
+                 (double)totals.bytes);
+    write_number(out, "oriel_cache_hits_total", "counter",
+                 "Look-ups that found a map or BSDF in the cache", (double)totals.hits);
+    write_number(out, "oriel_cache_misses_total", "counter",
+                 "Look-ups that did not find a map or BSDF in the cache", (double)totals.misses);
 }
 
 static void write_memory_cache(FILE *out, struct orl_server *server)
 {
     const struct orl_memory_cache_totals totals = orl_memory_cache_totals(server->memory_cache);
     write_number(out, "oriel_shelf_bytes", "gauge",
-                 "Memory held by what jobs left to those after them", (double)totals.bytes);
-    write_number(out, "oriel_shelf_items", "gauge", "Things left there", (double)totals.things);
-    write_number(out, "oriel_shelf_hits_total", "counter", "Times that a job found one",
+                 "Memory of the data that jobs leave for later jobs (--shelf), in bytes",
+                 (double)totals.bytes);
+    write_number(out, "oriel_shelf_items", "gauge", "Items that jobs left for later jobs",
+                 (double)totals.things);
+    write_number(out, "oriel_shelf_hits_total", "counter", "Items that later jobs reused",
                  (double)totals.hits);
-    write_number(out, "oriel_shelf_scenes", "gauge", "Of these things: scenes, which jobs share",
+    write_number(out, "oriel_shelf_scenes", "gauge", "Scenes among these items, which jobs share",
                  (double)totals.shared);
-    write_number(out, "oriel_shelf_scene_hits_total", "counter", "Times that a job found its scene",
+    write_number(out, "oriel_shelf_scene_hits_total", "counter", "Jobs that reused a scene",
                  (double)totals.shared_hits);
 }
 
@@ -157,13 +160,13 @@ static void write_storage(FILE *out, const struct orl_server *server)
 {
     uint64_t bytes[ORL_STORED_COUNT];
     orl_storage_usage(&server->storage, bytes);
-    write_number(out, "oriel_storage_budget_bytes", "gauge", "What everything kept may take",
+    write_number(out, "oriel_storage_budget_bytes", "gauge", "Storage budget, in bytes",
                  (double)server->storage.budget);
-    write_head(out, "oriel_storage_bytes", "gauge", "What is kept takes, by kind");
+    write_head(out, "oriel_storage_bytes", "gauge", "Stored bytes, by kind");
     for (int i = 0; i < ORL_STORED_COUNT; i++)
         fprintf(out, "oriel_storage_bytes{kind=\"%s\"} %llu\n", orl_stored_names[i],
                 (unsigned long long)bytes[i]);
-    write_head(out, "oriel_evictions_total", "counter", "What went to make room, by kind");
+    write_head(out, "oriel_evictions_total", "counter", "Items removed to make room, by kind");
     for (int i = 0; i < ORL_STORED_UPLOADS; i++)
         fprintf(out, "oriel_evictions_total{kind=\"%s\"} %llu\n", orl_stored_names[i],
                 (unsigned long long)server->storage.evicted[i]);
@@ -171,23 +174,25 @@ static void write_storage(FILE *out, const struct orl_server *server)
 
 static void write_memory(FILE *out, const struct orl_memory *memory)
 {
-    write_number(out, "oriel_memory_capacity_bytes", "gauge", "What jobs and checks are to keep to",
-                 (double)memory->capacity);
-    write_number(out, "oriel_memory_free_bytes", "gauge", "Of that, neither in use nor promised",
+    write_number(out, "oriel_memory_capacity_bytes", "gauge",
+                 "Memory limit of jobs and checks, in bytes", (double)memory->capacity);
+    write_number(out, "oriel_memory_free_bytes", "gauge",
+                 "Memory that is neither used nor reserved, in bytes",
                  (double)orl_memory_available(memory));
-    write_number(out, "oriel_memory_jobs_bytes", "gauge", "Estimated of jobs that run",
-                 (double)memory->jobs);
-    write_number(out, "oriel_memory_checks_bytes", "gauge", "Granted to checks of uploads",
-                 (double)memory->checks);
+    write_number(out, "oriel_memory_jobs_bytes", "gauge",
+                 "Estimated memory of running jobs, in bytes", (double)memory->jobs);
+    write_number(out, "oriel_memory_checks_bytes", "gauge",
+                 "Memory reserved for checks of uploads, in bytes", (double)memory->checks);
 }
 
 static void write_scrub(FILE *out, const struct orl_server *server)
 {
     const struct orl_scrub_totals totals = orl_scrub_thread_totals(server->scrub_thread);
-    write_number(out, "oriel_scrub_files_total", "counter", "Files held against their digests",
+    write_number(out, "oriel_scrub_files_total", "counter", "Files compared with their digests",
                  (double)totals.files);
-    write_number(out, "oriel_scrub_bytes_total", "counter", "Bytes of those", (double)totals.bytes);
-    write_number(out, "oriel_scrub_damaged_total", "counter", "Of those, found damaged or missing",
+    write_number(out, "oriel_scrub_bytes_total", "counter", "Bytes compared with their digests",
+                 (double)totals.bytes);
+    write_number(out, "oriel_scrub_damaged_total", "counter", "Files found damaged or missing",
                  (double)totals.damaged);
 }
 
@@ -196,16 +201,16 @@ static void write_http(FILE *out, const struct orl_server *server)
     static const char name[] = "oriel_http_request_seconds";
     const struct orl_connections *connections = orl_http_connections(server->http);
     const struct orl_routes *routes = server->context.routes;
-    write_number(out, "oriel_http_connections", "gauge", "Connections open",
+    write_number(out, "oriel_http_connections", "gauge", "Open connections",
                  (double)connections->open);
     write_number(
-        out, "oriel_event_streams", "gauge", "Event streams open",
+        out, "oriel_event_streams", "gauge", "Open event streams",
         (double)(orl_events_count(server->events) + orl_event_broker_count(server->broker)));
     write_number(out, "oriel_http_slow_clients_total", "counter",
-                 "Connections cut off for slowness", (double)connections->cut);
-    write_head(
-        out, name, "histogram",
-        "From headers to the end of the answer, by route and class of status (0xx: broken off)");
+                 "Connections closed because the client was too slow", (double)connections->cut);
+    write_head(out, name, "histogram",
+               "Seconds from the headers to the end of the reply, by route and status class (0xx: "
+               "aborted)");
     for (size_t route = 0; route <= routes->count; route++)
         for (size_t hundreds = 0; hundreds < ORL_METRICS_CLASSES; hundreds++) {
             const struct orl_histogram *one = &server->metrics.http[route][hundreds];
@@ -223,15 +228,16 @@ static void write_watchdog(FILE *out, const struct orl_server *server)
 {
     static const char name[] = "oriel_loop_turn_seconds";
     const struct orl_loop_watchdog *watchdog = &server->watchdog;
-    write_head(out, name, "histogram", "Turns of the loop: everybody waits while one goes on");
+    write_head(out, name, "histogram",
+               "Seconds of each iteration of the event loop; requests wait meanwhile");
     write_histogram(out, name, "thread=\"loop\"", &watchdog->turns, orl_metrics_http_s);
-    write_number(out, "oriel_loop_longest_turn_seconds", "gauge", "The longest of them so far",
-                 watchdog->longest_s);
+    write_number(out, "oriel_loop_longest_turn_seconds", "gauge",
+                 "Seconds of the longest iteration so far", watchdog->longest_s);
     write_number(out, "oriel_pool_requests", "gauge",
-                 "Requests whose work is on the pool, or waits for it",
+                 "Requests that run on the thread pool or wait for it",
                  (double)server->context.working);
     write_number(out, "oriel_pool_wait_seconds", "gauge",
-                 "That the pool takes to begin a work: the last one asked of it every second",
+                 "Seconds until the thread pool starts a work item, measured every second",
                  orl_loop_watchdog_pool_s(watchdog));
 }
 
@@ -251,14 +257,17 @@ static void write_process(FILE *out, const struct orl_server *server)
 {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
-    write_head(out, "oriel_build_info", "gauge", "1, with the version");
+    write_head(out, "oriel_build_info", "gauge", "Always 1; the label is the version");
     fprintf(out, "oriel_build_info{version=\"%s\"} 1\n", ORL_VERSION);
-    write_number(out, "process_start_time_seconds", "gauge", "When it started, since 1970",
+    write_number(out, "process_start_time_seconds", "gauge",
+                 "Start of the process, in seconds since 1970",
                  (double)orl_time_now_ms() / 1000 - (orl_time_steady_s() - server->started_s));
-    write_number(out, "process_cpu_seconds_total", "counter", "Processor time, user and system",
+    write_number(out, "process_cpu_seconds_total", "counter",
+                 "Processor time, user and system, in seconds",
                  (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                      1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec));
-    write_number(out, "process_resident_memory_bytes", "gauge", "Memory in use", resident_bytes());
+    write_number(out, "process_resident_memory_bytes", "gauge", "Resident memory, in bytes",
+                 resident_bytes());
 }
 
 void orl_handle_metrics(struct orl_request *request)

@@ -42,8 +42,8 @@ void orl_handle_session_post(struct orl_request *request)
     int64_t expires_ms = 0;
     struct orl_error err;
     if (!request->context->config->needs_token) {
-        orl_reply_problem(request, 409, "not-needed", "There is nothing to sign in to",
-                          "this daemon asks for no tokens");
+        orl_reply_problem(request, 409, "not-needed", "Signing in is not needed",
+                          "this daemon does not require tokens");
         return;
     }
     /* A session may not create another one, so a stolen cookie is valid for its own time only. */

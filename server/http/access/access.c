@@ -78,7 +78,7 @@ static const char *check_origin_policy(struct orl_request *request, const char *
 static const char *check_target(struct orl_request *request, const char *host)
 {
     if (!is_own_scheme(request, request->target.https))
-        return "its target has another scheme than it came by";
+        return "its target's scheme is not the one of the connection";
     if (!request->context->config->needs_token && host && !orl_host_is_loopback(host))
         return "the Host header is not a name of this machine";
     return check_origin_policy(request, request->target.authority);
@@ -111,9 +111,8 @@ bool orl_access_refuse(struct orl_request *request, bool has_token)
 {
     orl_reply_problem(
         request, 401, "unauthorized", "An access token is needed", "%s",
-        has_token ? "the token sent is none of this daemon's, or was removed"
-                  : "this daemon asks for an access token, which `orield token add` makes, as "
-                    "Authorization: Bearer");
+        has_token ? "the daemon does not know this token, or it was removed"
+                  : "send an access token as Authorization: Bearer; `orield token add` makes one");
     orl_reply_header(request, "WWW-Authenticate",
                      has_token ? "Bearer realm=\"oriel\", error=\"invalid_token\""
                                : "Bearer realm=\"oriel\"");
@@ -126,7 +125,7 @@ static bool refuse_scope(struct orl_request *request, enum orl_token_scope wante
     const char *needs = orl_scope_name(wanted);
     char challenge[96];
     orl_reply_problem(request, 403, "insufficient-scope", "The token does not allow this",
-                      "%s takes a token of scope %s; the one sent has %s", what, needs,
+                      "%s requires a token of scope %s; the one sent has %s", what, needs,
                       orl_scope_name(request->token_row.scope));
     snprintf(challenge, sizeof challenge,
              "Bearer realm=\"oriel\", error=\"insufficient_scope\", scope=\"%s\"", needs);
@@ -180,7 +179,7 @@ static int identify_by_session(struct orl_request *request, bool *ret_known,
 static bool identify_by_link_or_session(struct orl_request *request)
 {
     const bool shown = orl_link_is_present(request);
-    const char *refusal = shown ? "the link is not as it was signed, or its time is over" : NULL;
+    const char *refusal = shown ? "the link was changed, or has expired" : NULL;
     struct orl_error err;
     bool known = false;
     int rc = shown ? orl_link_check(request, &request->token_row, &known, &err) : 0;
@@ -203,7 +202,7 @@ bool orl_access_check_token(struct orl_request *request)
         return false;
     snprintf(request->token, sizeof request->token, "%s", request->token_row.name);
     return request->token_row.scope >= request->route->scope ||
-           refuse_scope(request, request->route->scope, "this");
+           refuse_scope(request, request->route->scope, "this request");
 }
 
 const char *orl_access_owner(const struct orl_request *request)
@@ -215,7 +214,7 @@ bool orl_access_check_owner(struct orl_request *request, const char *owner)
 {
     return !request->context->config->needs_token || request->token_row.scope >= ORL_SCOPE_ADMIN ||
            (owner[0] && strcmp(owner, request->token_row.id) == 0) ||
-           refuse_scope(request, ORL_SCOPE_ADMIN, "what another token has submitted");
+           refuse_scope(request, ORL_SCOPE_ADMIN, "a job of another token");
 }
 
 struct orl_credentials orl_access_credentials(struct orl_request *request)

@@ -60,7 +60,7 @@ const char *orl_origin_policy_check(const struct orl_origin_policy_input *reques
     if (!request->tokens && request->host && !orl_host_is_loopback(request->host))
         return "its Host is not a name of this machine";
     if (!request->tokens && request->forwarded)
-        return "it was forwarded by a proxy, behind which orield takes --tokens always";
+        return "it was forwarded by a proxy, and this requires orield --tokens always";
     if (request->origin && !is_own(request)) {
         *ret_allowed = orl_origin_is_listed(request->origin, request->allowed, request->n_allowed);
         return *ret_allowed ? NULL : other_site;

@@ -21,9 +21,10 @@ static int check_owner(int fd, const char *path, struct orl_error *err)
     struct stat st;
     if (fstat(fd, &st) != 0 || (st.st_mode & 077) == 0)
         return 0;
-    orl_error_set(err, ORL_ERR_INVALID, "others can read %s, the key of signed links", path);
-    orl_error_hint(err, "Remove it, for it may be known: a new one is made; and look who reads "
-                        "the data folder");
+    orl_error_set(err, ORL_ERR_INVALID, "other users can read %s, the key of signed links", path);
+    orl_error_hint(
+        err,
+        "Remove it, since it may be known: a new key is made. Check who can read the data folder");
     return ORL_ERR_INVALID;
 }
 
@@ -36,7 +37,7 @@ static int read_key(int fd, const char *path, unsigned char ret_key[ORL_LINK_KEY
     if (read(fd, ret_key, ORL_LINK_KEY_BYTES) == ORL_LINK_KEY_BYTES)
         return 0;
     orl_error_set(err, ORL_ERR_CORRUPT, "%s, the key of signed links, is too short", path);
-    orl_error_hint(err, "Remove it: a new one is made, and links signed before are no longer good");
+    orl_error_hint(err, "Remove it: a new key is made, and links signed before become invalid");
     return ORL_ERR_CORRUPT;
 }
 

@@ -22,17 +22,17 @@ static int read_pem(const char *path, mode_t refused, char **ret_text, struct or
     if (fd < 0 || fstat(fd, &st) != 0) {
         rc = orl_error_set(err, ORL_ERR_IO, "cannot read %s: %s", path, orl_open_reason(errno));
     } else if (st.st_size <= 0 || st.st_size > PEM_MAX) {
-        rc = orl_error_set(err, ORL_ERR_INVALID, "%s is no PEM file", path);
+        rc = orl_error_set(err, ORL_ERR_INVALID, "%s is not a PEM file", path);
     } else if (st.st_mode & refused) {
         rc = orl_error_set(err, ORL_ERR_INVALID, "everyone on this machine can read the key %s",
                            path);
-        orl_error_hint(err, "chmod o= takes that away");
+        orl_error_hint(err, "Remove this permission with chmod o=");
     } else {
         text = calloc(1, (size_t)st.st_size + 1);
         if (!text)
             rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
         else if (read(fd, text, (size_t)st.st_size) != st.st_size)
-            rc = orl_error_set(err, ORL_ERR_IO, "cannot read %s whole", path);
+            rc = orl_error_set(err, ORL_ERR_IO, "cannot read all of %s", path);
     }
     if (fd >= 0)
         close(fd);

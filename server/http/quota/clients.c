@@ -69,7 +69,8 @@ bool orl_client_may_stream(struct orl_request *request)
     if (!request->client || request->client->streams < most)
         return true;
     orl_reply_problem(request, 429, "too-many-streams", "Too many event streams are open",
-                      "%u of this client's are; close some, or poll the job", (unsigned)most);
+                      "this client has %u open, the maximum; close some, or poll the job",
+                      (unsigned)most);
     orl_reply_header(request, "Retry-After", "10");
     return false;
 }
@@ -80,9 +81,10 @@ bool orl_client_may_queue(struct orl_request *request)
     if (!request->client || most == UINT64_MAX ||
         request->context->calls->jobs_of(request->server, orl_access_owner(request)) < most)
         return true;
-    orl_reply_problem(request, 429, "queue-full", "Too many jobs wait already",
-                      "%u of this client's wait or run; try again when some have ended",
-                      (unsigned)most);
+    orl_reply_problem(
+        request, 429, "queue-full", "Too many jobs are waiting",
+        "this client has %u queued or running, the maximum; try again when some have ended",
+        (unsigned)most);
     orl_reply_header(request, "Retry-After", "30");
     return false;
 }

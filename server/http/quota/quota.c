@@ -33,7 +33,7 @@ int orl_reservation_grow(struct orl_reservation *reservation, uint64_t bytes, st
         reservation->refused = ORL_QUOTA_CLIENT_FULL;
     }
     if (reservation->refused != ORL_QUOTA_FITS)
-        return orl_error_set(err, ORL_ERR_FULL, "there is no room for what is on its way here");
+        return orl_error_set(err, ORL_ERR_FULL, "there is not enough space for the upload");
     reservation->bytes += bytes;
     return 0;
 }

@@ -20,7 +20,7 @@ const char *orl_target_split(const char *url, struct orl_target *ret_target, con
     if (absolute) {
         const size_t length = strcspn(authority, "/");
         if (length == 0 || length >= sizeof target.authority)
-            return "its target has no authority that can be one";
+            return "its target has an empty or too long authority";
         memcpy(target.authority, authority, length);
         if (strpbrk(target.authority, "@#\\ \t"))
             return "its target has more than host and port before the path";
@@ -92,11 +92,11 @@ static const char *header_fault(const struct framing *framing, const char *name,
                                 const char *value, size_t value_size)
 {
     if (!is_token(name, name_size))
-        return "a header has a name that is none";
+        return "a header has an invalid name";
     if (!is_value(value, value_size))
         return "a header has control characters";
     if (!is_contiguous(framing, name))
-        return "a header has no name, has a NUL, or goes on in the next line";
+        return "a header has no name, has a NUL, or continues on the next line";
     return NULL;
 }
 
@@ -133,7 +133,7 @@ const char *orl_framing_check(struct MHD_Connection *connection, const char *met
     if (framing.fault)
         return framing.fault;
     if (!has_contiguous_end(&framing, connection, method))
-        return "a header has no name, has a NUL, or goes on in the next line";
+        return "a header has no name, has a NUL, or continues on the next line";
     if (framing.lengths > 1)
         return "it has more than one Content-Length";
     if (framing.codings > 0 && framing.lengths > 0)
@@ -146,7 +146,7 @@ const char *orl_framing_check(struct MHD_Connection *connection, const char *met
     const bool old = strcmp(version, MHD_HTTP_VERSION_1_0) == 0;
     if (framing.hosts == 0 && !old)
         return "it has no Host";
-    return framing.codings > 0 && old ? "its Transfer-Encoding is none of HTTP/1.0" : NULL;
+    return framing.codings > 0 && old ? "HTTP/1.0 has no Transfer-Encoding" : NULL;
 }
 
 bool orl_framing_cut_query(const char *uri)

@@ -126,7 +126,7 @@ void orl_reply_in_use(struct orl_request *request, const char *why)
 void orl_reply_stopping(struct orl_request *request)
 {
     orl_reply_problem(request, 503, "stopping", "The daemon is stopping",
-                      "try again when it has been started anew");
+                      "try again after it has restarted");
     orl_reply_header(request, "Retry-After", "10");
 }
 
@@ -178,8 +178,8 @@ void orl_reply_file_range(struct orl_request *request, int fd, uint64_t size, co
         kind = orl_range_parse(header, size, &range);
     if (kind == ORL_RANGE_NONE) {
         close(fd);
-        orl_reply_problem(request, 416, "range", "There is no such part", "the file has %llu bytes",
-                          (unsigned long long)size);
+        orl_reply_problem(request, 416, "range", "The range is outside the file",
+                          "the file has %llu bytes", (unsigned long long)size);
         snprintf(content, sizeof content, "bytes */%llu", (unsigned long long)size);
         orl_reply_header(request, "Content-Range", content);
         return;
@@ -234,10 +234,9 @@ bool orl_reply_if_none_match(struct orl_request *request, const char *tag)
 
 static void refuse_full(struct orl_request *request, uint64_t bytes)
 {
-    orl_reply_problem(request, 507, "storage-full", "There is no room to keep this",
-                      "this needs %llu of the %llu bytes there are, and others that have to stay "
-                      "leave less; fetch results, remove jobs, scenes or BSDFs, or raise "
-                      "--storage-budget",
+    orl_reply_problem(request, 507, "storage-full", "There is not enough storage",
+                      "this needs %llu of %llu bytes, and data that must be kept leaves less; "
+                      "fetch results, remove jobs, scenes or BSDFs, or raise --storage-budget",
                       (unsigned long long)bytes,
                       (unsigned long long)request->context->calls->budget(request->server));
     orl_reply_header(request, "Retry-After", "60");
@@ -245,9 +244,9 @@ static void refuse_full(struct orl_request *request, uint64_t bytes)
 
 static void refuse_disk(struct orl_request *request)
 {
-    orl_reply_problem(request, 507, "disk-full", "There is no room to keep this",
-                      "the disk that the daemon keeps everything on is full; remove jobs, photon "
-                      "maps, scenes or BSDFs, or files of others there");
+    orl_reply_problem(request, 507, "disk-full", "There is not enough storage",
+                      "the disk of the data folder is full; remove jobs, photon maps, scenes or "
+                      "BSDFs, or other files on it");
     orl_reply_header(request, "Retry-After", "60");
 }
 
@@ -264,9 +263,9 @@ void orl_reply_quota_exceeded(struct orl_request *request, uint64_t bytes)
         refuse_full(request, bytes);
         return;
     }
-    orl_reply_problem(request, 429, "too-many-bytes", "Too much of this client is on its way",
-                      "its uploads under way may take %llu bytes together, unpacked files among "
-                      "them; try again when others have ended",
+    orl_reply_problem(request, 429, "too-many-bytes", "This client uploads too much at a time",
+                      "its uploads may take %llu bytes together, including unpacked files; try "
+                      "again when others have ended",
                       (unsigned long long)own);
     orl_reply_header(request, "Retry-After", "10");
 }
@@ -284,8 +283,8 @@ static void on_synced(struct orl_wal_sync_wait *wait, int rc, const struct orl_e
         (struct orl_request *)((char *)wait - offsetof(struct orl_request, sync_wait));
     if (rc && !is_read_only(request)) {
         struct orl_error why = *err;
-        orl_error_hint(&why, "It may have been done all the same, but would not outlast a power "
-                             "cut; ask again");
+        orl_error_hint(
+            &why, "The change may be made, but a power cut could undo it; send the request again");
         orl_reply_error(request, &why);
     }
     orl_request_resume(request);

@@ -9,9 +9,9 @@ static int accept_any_scene(const struct orl_upload_contents *contents, struct o
 {
     if (contents->measured_rows == 0)
         return 0;
-    orl_error_set(err, ORL_ERR_INVALID, "measurements were uploaded there, and a scene is wanted");
+    orl_error_set(err, ORL_ERR_INVALID, "this is the id of measurements, not of a scene");
     orl_error_at(err, NULL, 0, "scene");
-    orl_error_hint(err, "A BSDF is fitted to them by \"kind\": \"bsdf_fit\"");
+    orl_error_hint(err, "To fit a BSDF to them, use \"kind\": \"bsdf_fit\"");
     return ORL_ERR_INVALID;
 }
 
@@ -133,10 +133,10 @@ static int check_annual_limits(const struct orl_job_request *job_request, struct
     if (maps <= ORL_LIMIT_PICTURES)
         return 0;
     orl_error_set(err, ORL_ERR_LIMIT,
-                  "grids: %zu of them with %zu metrics each are %zu pictures, and %u are taken",
+                  "%zu grids with %zu metrics each are %zu pictures; the maximum is %u",
                   job->request.n_grids, job->report_request.n_metrics, maps, ORL_LIMIT_PICTURES);
     orl_error_at(err, NULL, 0, "grids");
-    orl_error_hint(err, "Ask for fewer metrics, or for some of the grids in another job");
+    orl_error_hint(err, "Ask for fewer metrics, or move some of the grids to another job");
     return ORL_ERR_LIMIT;
 }
 
@@ -146,9 +146,10 @@ static int check_annual_contents(const struct orl_upload_contents *contents, str
     const int rc = accept_any_scene(contents, err);
     if (rc || contents->sources == 0)
         return rc;
-    orl_error_set(err, ORL_ERR_INVALID,
-                  "a year has skies and suns of its own, but the scene has %llu distant sources",
-                  (unsigned long long)contents->sources);
+    orl_error_set(
+        err, ORL_ERR_INVALID,
+        "an annual job has its own skies and suns, but the scene has %llu distant sources",
+        (unsigned long long)contents->sources);
     orl_error_at(err, NULL, 0, "scene");
     orl_error_hint(err, "Upload it without sky and sun");
     return ORL_ERR_INVALID;
@@ -300,7 +301,7 @@ static int check_bsdf_contents(const struct orl_upload_contents *contents, struc
     if (rc || contents->sources == 0)
         return rc;
     orl_error_set(err, ORL_ERR_INVALID,
-                  "a sun or sky is no part of a panel, but the scene has %llu distant sources",
+                  "a panel cannot contain a sun or sky, but the scene has %llu distant sources",
                   (unsigned long long)contents->sources);
     orl_error_at(err, NULL, 0, "scene");
     orl_error_hint(err, "Upload the panel alone");
@@ -335,10 +336,10 @@ static int check_fit_contents(const struct orl_upload_contents *contents, struct
 {
     if (contents->measured_rows > 0)
         return 0;
-    orl_error_set(err, ORL_ERR_INVALID, "a scene was uploaded there, and measurements are wanted");
+    orl_error_set(err, ORL_ERR_INVALID, "this is the id of a scene, not of measurements");
     orl_error_at(err, NULL, 0, "measurements");
-    orl_error_hint(err, "Upload what the goniophotometer wrote, or make a panel's BSDF of its "
-                        "geometry: \"kind\": \"bsdf_make\"");
+    orl_error_hint(err, "Upload the file of the goniophotometer, or compute a panel's BSDF from "
+                        "its geometry: \"kind\": \"bsdf_make\"");
     return ORL_ERR_INVALID;
 }
 

@@ -103,15 +103,14 @@ int orl_job_memory_refuse(const struct orl_job_memory *needs, uint64_t most, str
         if (parts[i].bytes > parts[largest].bytes)
             largest = i;
     orl_error_set(err, ORL_ERR_LIMIT,
-                  "the job would take about %llu MiB of memory, %llu MiB of them for %llu %s; "
-                  "there are %llu MiB for jobs here",
+                  "the job would take about %llu MiB of memory, %llu MiB of them for %llu %s; jobs "
+                  "may take %llu MiB here",
                   (unsigned long long)(orl_job_memory_estimate(needs) >> 20),
                   (unsigned long long)(parts[largest].bytes >> 20),
                   (unsigned long long)parts[largest].count, parts[largest].name,
                   (unsigned long long)(most >> 20));
     orl_error_hint(err,
-                   "Ask for fewer %s, or for parts of them in several jobs; --memory sets the "
-                   "bound",
+                   "Ask for fewer %s, or split them among several jobs; --memory sets the limit",
                    parts[largest].name);
     return ORL_ERR_LIMIT;
 }

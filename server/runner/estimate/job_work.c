@@ -86,9 +86,10 @@ struct orl_job_work orl_job_work(const struct orl_job_request *job_request,
 bool orl_job_is_split(const struct orl_job_work *work, double least_s, char ret_why[ORL_WHY_MAX])
 {
     static const char *const plain[ORL_WORK_CLASS_COUNT] = {
-        [ORL_WORK_INDIVISIBLE] = "a fit to measurements is one piece: all of them tell each value",
-        [ORL_WORK_DEADLINE] = "what it finds by its deadline depends on the machine",
-        [ORL_WORK_UNKNOWN] = "how much work its accuracy takes is not known beforehand"};
+        [ORL_WORK_INDIVISIBLE] =
+            "a fit to measurements cannot be split: each value depends on all of them",
+        [ORL_WORK_DEADLINE] = "what it computes before its deadline depends on the machine",
+        [ORL_WORK_UNKNOWN] = "the work for its accuracy is not known beforehand"};
     const bool large = work->s >= least_s;
     if (plain[work->work_class])
         snprintf(ret_why, ORL_WHY_MAX, "%s", plain[work->work_class]);

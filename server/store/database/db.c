@@ -91,7 +91,7 @@ static int run_check(struct orl_db *db, const char *pragma, struct orl_error *er
     } else if (strcmp(orl_db_text(stmt, 0), "ok") != 0) {
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the database is damaged: %.200s",
                            orl_db_text(stmt, 0));
-        orl_error_hint(err, "Put back a copy of the data folder, or give another one");
+        orl_error_hint(err, "Restore the data folder from a backup, or give another one");
     }
     sqlite3_finalize(stmt);
     return rc;

@@ -111,8 +111,9 @@ static int refuse_list(struct orl_error *err, const char *format, ...)
     va_start(args, format);
     orl_error_vset(err, ORL_ERR_CORRUPT, format, args);
     va_end(args);
-    orl_error_hint(err, "It is damaged, or another program's: put back oriel.db from a backup, or "
-                        "oriel.db.before-NNNN, the copy made before its latest migration");
+    orl_error_hint(err,
+                   "It is damaged, or belongs to another program: put back oriel.db from a backup, "
+                   "or oriel.db.before-NNNN, the copy made before its latest migration");
     return ORL_ERR_CORRUPT;
 }
 
@@ -199,9 +200,10 @@ static int apply_migration(struct orl_db *db, const struct orl_migration *migrat
     if (rc)
         orl_error_at(err, migration->name, 0, NULL);
     if (refused)
-        orl_error_hint(err, "The tables are not those that the list of migrations "
-                            "(schema_migrations) speaks of; put back oriel.db from a backup, or "
-                            "oriel.db.before-NNNN, the copy made before its latest migration");
+        orl_error_hint(
+            err,
+            "The tables do not match the list of migrations (schema_migrations); put back oriel.db "
+            "from a backup, or oriel.db.before-NNNN, the copy made before its latest migration");
     return rc;
 }
 

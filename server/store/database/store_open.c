@@ -51,11 +51,11 @@ static int refuse_lost(const struct orl_folders *folders, struct orl_error *err)
                   "%.200s has files of scenes, jobs or maps, but its database oriel.db is missing "
                   "or empty; without it they would all be lost",
                   folders->root);
-    orl_error_hint(err,
-                   "Put oriel.db back, from a backup or from oriel.db.before-NNNN; or start "
-                   "with --orphans set-aside, which moves the files to %.200s/orphans and "
-                   "begins anew",
-                   folders->root);
+    orl_error_hint(
+        err,
+        "Put oriel.db back, from a backup or from oriel.db.before-NNNN; or start with --orphans "
+        "set-aside, which moves the files to %.200s/orphans and starts with an empty database",
+        folders->root);
     return ORL_ERR_CORRUPT;
 }
 
@@ -130,7 +130,7 @@ static int read_id(struct orl_db *db, char ret_id[ID_TEXT], struct orl_error *er
     } else if (step == SQLITE_DONE) {
         rc = orl_error_set(err, ORL_ERR_CORRUPT,
                            "the database oriel.db has lost its id: table data_folder is empty");
-        orl_error_hint(err, "It was changed by something else: put it back from a backup");
+        orl_error_hint(err, "Another program has changed it: put it back from a backup");
     } else {
         rc = orl_db_error(db, "its id cannot be read", err);
     }
@@ -161,11 +161,11 @@ static int check_id(const struct orl_folders *folders, struct orl_db *db,
     const bool other = stat(path, &st) == 0 && st.st_size > 0;
     if (other && opening == ORL_LOST_DATABASE_REFUSE) {
         orl_error_set(err, ORL_ERR_CORRUPT,
-                      "the database oriel.db is not the one of the data folder %.200s",
+                      "the database oriel.db does not belong to the data folder %.200s",
                       folders->root);
         orl_error_hint(err,
-                       "Put back its own, from a backup; or start with --orphans set-aside, "
-                       "which moves what this one does not know to %.200s/orphans",
+                       "Put back the folder's own database from a backup; or start with --orphans "
+                       "set-aside, which moves files that this one does not know to %.200s/orphans",
                        folders->root);
         return ORL_ERR_CORRUPT;
     }

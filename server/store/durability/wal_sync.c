@@ -67,9 +67,9 @@ static int checkpoint_all(struct orl_wal_sync *wal_sync, struct orl_error *err)
     if (checkpoint_with_retries(wal_sync, &in_log, &copied) != SQLITE_OK)
         return orl_db_error(&wal_sync->own, "its log cannot be synced", err);
     if (copied < in_log)
-        return orl_error_set(err, ORL_ERR_IO,
-                             "database: a sync of its log has failed, and a "
-                             "reader kept it from being folded in");
+        return orl_error_set(
+            err, ORL_ERR_IO,
+            "database: a sync of its log has failed, and a reader prevented the checkpoint");
     if (in_log < wal_sync->failed_frames)
         wal_sync->sync_failed = false; /* the log was restarted: all of it was written since */
     wal_sync->failed_frames = in_log;

@@ -271,7 +271,7 @@ int orl_bundle_refuse_missing(const struct orl_bundle *bundle, const char *name,
                                     .other_case = provider_other_case};
     orl_error_set(err, ORL_ERR_NOT_FOUND, "no file named '%.200s' was uploaded", name);
     if (!orl_files_hint_case(&files, name, err))
-        orl_error_hint(err, "Upload it with the scene, under the name by which it is referred to");
+        orl_error_hint(err, "Upload it with the scene, under the name that the scene uses");
     return ORL_ERR_NOT_FOUND;
 }
 

@@ -47,7 +47,7 @@ static int gather_names(struct orl_db *db, const char *sql, struct names *names,
     while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW)
         rc = add_name(names, orl_db_text(stmt, 0), orl_db_text(stmt, 1), err);
     if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot list what is kept", err);
+        rc = orl_db_error(db, "cannot list the stored files", err);
     sqlite3_finalize(stmt);
     return rc;
 }
@@ -222,6 +222,6 @@ int orl_verify_file(int fd, const char sha[ORL_SHA_HEX], struct orl_error *err)
     if (rc || strcmp(found, sha) == 0)
         return rc;
     orl_error_set(err, ORL_ERR_CORRUPT, "the result file is damaged in the store");
-    orl_error_hint(err, "The same document, submitted again, gives it anew");
+    orl_error_hint(err, "Submit the same document again to compute it again");
     return ORL_ERR_CORRUPT;
 }

@@ -58,7 +58,7 @@ static int parse_number(const struct text_lines *lines, struct orl_slice word, c
     if (code < 0)
         return code;
     if (!(fabs(value) <= ORL_BSDF_VALUE_MAX))
-        return fail_at_line(lines, ORL_ERR_RANGE, err, "%s is beyond all bounds", what);
+        return fail_at_line(lines, ORL_ERR_RANGE, err, "%s is too large", what);
     *ret_value = value;
     return 0;
 }
@@ -103,7 +103,7 @@ static int add_scan(const struct text_lines *lines, struct orl_fit_data *data, b
 {
     if (data->n_scans >= ORL_LIMIT_MEASURED_SCANS)
         return fail_at_line(lines, ORL_ERR_LIMIT, err,
-                            "more than %u incident directions and sides out",
+                            "more than %u pairs of incident direction and exit side",
                             ORL_LIMIT_MEASURED_SCANS);
     if (!orl_array_reserve(&data->scans, &data->capacity, data->n_scans, sizeof *data->scans))
         return fail_at_line(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
@@ -143,16 +143,17 @@ static int check_angles(const struct text_lines *lines, const struct filed_angle
                         struct orl_error *err)
 {
     if (!(a->theta_in >= 0 && a->theta_in <= 180 && fabs(a->theta_in - 90) > 1e-6))
-        return fail_at_line(lines, ORL_ERR_RANGE, err,
-                            "theta of the incident direction is %g: from 0 to 180 degrees, and "
-                            "not 90",
-                            a->theta_in);
+        return fail_at_line(
+            lines, ORL_ERR_RANGE, err,
+            "theta of the incident direction is %g: it must be from 0 to 180 degrees, but not 90",
+            a->theta_in);
     if (!(a->theta_out >= 0 && a->theta_out <= 180))
         return fail_at_line(lines, ORL_ERR_RANGE, err,
-                            "theta of the direction out is %g: from 0 to 180 degrees are",
+                            "theta of the exit direction is %g: it must be from 0 to 180 degrees",
                             a->theta_out);
     if (!(fabs(a->phi_in) <= 720 && fabs(a->phi_out) <= 720 && fabs(a->up_deg) <= 720))
-        return fail_at_line(lines, ORL_ERR_RANGE, err, "an azimuth is from -720 to 720 degrees");
+        return fail_at_line(lines, ORL_ERR_RANGE, err,
+                            "an azimuth must be from -720 to 720 degrees");
     return 0;
 }
 
@@ -234,8 +235,8 @@ static int read_format(const struct text_lines *lines, struct orl_slice line, st
     header->has_format = true;
     return angles && known ? 0
                            : fail_at_line(lines, ORL_ERR_UNSUPPORTED, err,
-                                          "the format is none that is read: \"theta phi DSF\", or "
-                                          "BSDF, BRDF, BTDF in place of DSF");
+                                          "the format is not supported: write \"theta phi DSF\", "
+                                          "or BSDF, BRDF, BTDF in place of DSF");
 }
 
 static int read_colorimetry(const struct text_lines *lines, struct orl_slice word,
@@ -300,13 +301,13 @@ static int check_header(const struct text_lines *lines, const struct header *h,
                         struct orl_error *err)
 {
     if (!h->has_format)
-        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                            "before the first row there is no \"#format: theta phi DSF\" (or BSDF, "
-                            "BRDF, BTDF)");
+        return fail_at_line(
+            lines, ORL_ERR_SYNTAX, err,
+            "there is no \"#format: theta phi DSF\" (or BSDF, BRDF, BTDF) before the first row");
     if (!h->has_theta || !h->has_phi)
         return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                            "before the first row there is no \"#incident_angle theta phi\", nor "
-                            "#intheta and #inphi");
+                            "there is no \"#incident_angle theta phi\", nor #intheta and #inphi, "
+                            "before the first row");
     return 0;
 }
 
@@ -320,7 +321,7 @@ static int read_pab_row(const struct text_lines *lines, struct orl_slice line, s
     for (int i = 0; i < h->values && code == 0; i++)
         code = parse_number(lines, orl_slice_take_word(&line), "the value", &values[i], err);
     if (code == 0 && orl_slice_take_word(&line).length > 0)
-        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "a row is theta, phi and %s",
+        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "a row must be theta, phi and %s",
                             h->values == 3 ? "three values" : "one value");
     if (code == 0)
         code = add_row(lines, data, &h->angles, values[h->values / 2], h->is_dsf, err);
@@ -384,14 +385,14 @@ static int read_column_name(const struct text_lines *lines, struct orl_slice fie
         if (!orl_slice_is_nocase(field, names[kind]))
             continue;
         if (table->has[kind])
-            return fail_at_line(lines, ORL_ERR_SYNTAX, err, "the column %s comes twice",
+            return fail_at_line(lines, ORL_ERR_SYNTAX, err, "the column %s is given twice",
                                 names[kind]);
         table->has[kind] = true;
         table->kinds[table->n_columns++] = kind;
         return 0;
     }
     return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                        "\"%.*s\" is no column: they are theta_in, phi_in, theta_out, phi_out, "
+                        "\"%.*s\" is not a known column: use theta_in, phi_in, theta_out, phi_out, "
                         "bsdf or dsf, and up",
                         (int)(field.length < 40 ? field.length : 40), field.text);
 }
@@ -411,7 +412,7 @@ static int read_column_names(const struct text_lines *lines, struct orl_slice li
             return fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no column %s", names[kind]);
     if (table->has[BSDF] == table->has[DSF])
         return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                            "one column of bsdf or dsf is wanted, and one alone");
+                            "exactly one column of bsdf or dsf is needed");
     return 0;
 }
 
@@ -430,8 +431,8 @@ static int read_csv_row(const struct text_lines *lines, struct orl_slice line,
             return code;
     }
     if (column != table->n_columns)
-        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                            "a row has %zu columns here, not fewer or more", table->n_columns);
+        return fail_at_line(lines, ORL_ERR_SYNTAX, err, "each row must have %zu columns",
+                            table->n_columns);
     const struct filed_angles angles = {values[THETA_IN], values[PHI_IN], values[THETA_OUT],
                                         values[PHI_OUT], values[UP]};
     return add_row(lines, data, &angles, values[table->has[DSF] ? DSF : BSDF], table->has[DSF],

@@ -94,8 +94,8 @@ static int find_symmetry(const struct orl_fit_data *data, enum orl_bsdf_fit_symm
         return have_one_azimuth(data, true)
                    ? 0
                    : orl_error_set(err, ORL_ERR_INVALID,
-                                   "incident directions of an isotropic sample have one azimuth, "
-                                   "and these have several");
+                                   "an isotropic sample needs one incident azimuth, but the "
+                                   "incident directions have several");
     if (requested != ORL_BSDF_FIT_AUTO)
         return 0;
     if (have_one_azimuth(data, false)) {
@@ -110,9 +110,9 @@ static int find_symmetry(const struct orl_fit_data *data, enum orl_bsdf_fit_symm
         return 0;
     orl_error_set(
         err, ORL_ERR_INVALID,
-        "the azimuths of the incident directions do not say which symmetry the sample has");
-    orl_error_hint(err, "name the one that it has: isotropic, quadrilateral, left_right, up_down, "
-                        "half_turn or none");
+        "the sample's symmetry does not follow from the azimuths of the incident directions");
+    orl_error_hint(
+        err, "give its symmetry: isotropic, quadrilateral, left_right, up_down, half_turn or none");
     return ORL_ERR_INVALID;
 }
 
@@ -219,7 +219,7 @@ int orl_fit_sort_scans(struct orl_fit_data *data, enum orl_bsdf_fit_symmetry req
 {
     enum orl_bsdf_fit_symmetry symmetry;
     if (data->n_scans == 0)
-        return orl_error_set(err, ORL_ERR_INVALID, "there are no rows but grazing ones");
+        return orl_error_set(err, ORL_ERR_INVALID, "all rows are grazing");
     int code = find_symmetry(data, requested, &symmetry, err);
     if (code < 0)
         return code;

@@ -386,13 +386,11 @@ static double hidden_around(const struct orl_fit_rbf *k, struct orl_vec3 in)
 
 static int fail_few(const struct orl_fit_scan *scan, struct orl_error *err)
 {
-    orl_error_set(
-        err, ORL_ERR_INVALID,
-        "light from theta %.6g, phi %.6g is measured in too few directions out to say how "
-        "it scatters",
-        scan->theta_deg, scan->phi_deg);
-    orl_error_hint(err, "rows have to be spread over the hemisphere, %d of them at the least",
-                   MIN_CENTERS);
+    orl_error_set(err, ORL_ERR_INVALID,
+                  "light from theta %.6g, phi %.6g is measured in too few exit directions to fit "
+                  "its scattering",
+                  scan->theta_deg, scan->phi_deg);
+    orl_error_hint(err, "at least %d rows are needed, spread over the hemisphere", MIN_CENTERS);
     if (scan->n_rows > 0)
         orl_error_at(err, NULL, (int)scan->rows[0].line, NULL);
     return ORL_ERR_INVALID;

@@ -258,8 +258,10 @@ int orl_fit_mesh_make(const struct orl_fit_shape *const *shapes, size_t n, bool 
     if (!isotropic && !surrounds_normal(&m)) {
         orl_fit_mesh_done(&m);
         orl_error_set(err, ORL_ERR_INVALID,
-                      "the incident directions leave out azimuths around the normal");
-        orl_error_hint(err, "a symmetry that the sample has would fill them in");
+                      "the incident directions do not cover all azimuths around the normal");
+        orl_error_hint(
+            err,
+            "measure the missing azimuths, or give a symmetry of the sample that fills them in");
         return ORL_ERR_INVALID;
     }
     *ret_mesh = m;

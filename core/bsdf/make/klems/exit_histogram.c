@@ -9,7 +9,7 @@ int orl_gonio_histogram_init(struct orl_gonio_histogram *histogram, const char *
 {
     memset(histogram, 0, sizeof *histogram);
     if (orl_basis_standard(basis, &histogram->basis) < 0)
-        return orl_error_set(err, ORL_ERR_INTERNAL, "there is no basis %s", basis);
+        return orl_error_set(err, ORL_ERR_INTERNAL, "the basis %s is unknown", basis);
     const size_t cells = (size_t)histogram->basis.n_cells;
     histogram->symmetry = symmetry;
     histogram->items = 2 * cells;

@@ -12,14 +12,14 @@ static int refuse_lights(const struct orl_scene *scene, struct orl_error *err)
 {
     const struct orl_parsed_scene *d = &scene->parsed_scene;
     if (d->n_distant_sources > 0)
-        orl_error_set(err, ORL_ERR_INVALID, "source %s: a sun or sky is no part of a panel",
+        orl_error_set(err, ORL_ERR_INVALID, "source %s: a panel cannot contain a sun or sky",
                       d->distant_sources[0].name);
     else if (scene->n_emissive > 0)
-        orl_error_set(err, ORL_ERR_INVALID, "%s shines: a BSDF has no light of its own",
+        orl_error_set(err, ORL_ERR_INVALID, "%s emits light: a panel cannot contain lamps",
                       orl_scene_name_of(scene, scene->emissive[0]));
     else
         return 0;
-    orl_error_hint(err, "Leave lights out of the panel's files");
+    orl_error_hint(err, "Remove light sources from the panel's files");
     return ORL_ERR_INVALID;
 }
 
@@ -28,13 +28,14 @@ static int refuse_empty(const struct orl_geometry *g, const double moved[4], str
 {
     if (moved[0] < g->high.x && moved[1] > g->low.x && moved[2] < g->high.y && moved[3] > g->low.y)
         return 0;
-    orl_error_set(err, ORL_ERR_INVALID,
-                  "the cell has no surface in it: the panel is from x %.6g to %.6g, y %.6g to %.6g",
-                  g->low.x + g->center.x, g->high.x + g->center.x, g->low.y + g->center.y,
-                  g->high.y + g->center.y);
+    orl_error_set(
+        err, ORL_ERR_INVALID,
+        "the cell contains no surface: the panel extends from x %.6g to %.6g, y %.6g to %.6g",
+        g->low.x + g->center.x, g->high.x + g->center.x, g->low.y + g->center.y,
+        g->high.y + g->center.y);
     orl_error_at(err, NULL, 0, "cell");
-    orl_error_hint(err, "Move the cell onto the panel, or leave it out for the box around all "
-                        "surfaces");
+    orl_error_hint(err,
+                   "Move the cell onto the panel, or omit it to use the box around all surfaces");
     return ORL_ERR_INVALID;
 }
 
@@ -76,7 +77,7 @@ int orl_gonio_sample_load(const struct orl_bsdf_make_request *request,
     parsed_scene.cancel = env->cancel;
     code = orl_scene_new(&parsed_scene, &scene, err);
     if (code == 0 && orl_parsed_scene_count_surfaces(&scene->parsed_scene) == 0)
-        code = orl_error_set(err, ORL_ERR_INVALID, "there is no surface: no panel");
+        code = orl_error_set(err, ORL_ERR_INVALID, "the panel has no surfaces");
     if (code == 0)
         code = refuse_lights(scene, err);
     if (code == 0)

@@ -102,9 +102,8 @@ int orl_gonio_trees_fail(const struct orl_gonio_trees *t, int code, struct orl_e
 {
     if (code == ORL_ERR_LIMIT) {
         orl_error_set(err, code, "the panel's trees have more than %d branches", most_branches(t));
-        orl_error_hint(err,
-                       "Ask for a lower resolution, a larger cull, or more paths: what is noise "
-                       "of single cells then is none of those joined");
+        orl_error_hint(err, "Ask for a lower resolution, a larger cull, or more paths, so that "
+                            "noise does not keep cells from being merged");
         return code;
     }
     return orl_error_set(

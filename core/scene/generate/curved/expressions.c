@@ -48,7 +48,7 @@ int orl_expressions_define(struct orl_generator_expressions *expressions, const 
 {
     const char *word;
     if (strcmp(option, "-e") != 0 && strcmp(option, "-f") != 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is no option", words->program,
+        return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is not an option", words->program,
                              option);
     if (words->left == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "%s: %s needs a word after it", words->program,

@@ -89,10 +89,10 @@ static int read_data(struct gensurf *surface, size_t each, const char *text, con
     data->n_t = surface->n + (data->middles ? 0 : 1);
     data->each = each;
     if ((found != at_vertices && found != in_middles) || data->n_s < 2 || data->n_t < 2)
-        return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "gensurf: '%.80s' has %zu numbers; of %d x %d fields there are %zu, "
-                             "or %zu with the edges",
-                             name, found, surface->m, surface->n, in_middles, at_vertices);
+        return orl_error_set(
+            err, ORL_ERR_SYNTAX,
+            "gensurf: '%.80s' has %zu numbers; %d x %d fields need %zu, or %zu with the edges",
+            name, found, surface->m, surface->n, in_middles, at_vertices);
     return 0;
 }
 
@@ -136,7 +136,7 @@ static int read_file(struct gensurf *surface, const char *const texts[3],
     char *text = NULL;
     if (strcmp(texts[2], "-") == 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "gensurf: nothing is there to read at '-': name the file of numbers");
+                             "gensurf: '-' (standard input) has no data: name the file of numbers");
     if (files->read(files->ctx, texts[2], &text, &missing) < 0)
         return 0;
     const bool all = strcmp(texts[0], texts[2]) == 0 && strcmp(texts[1], texts[2]) == 0;
@@ -172,7 +172,7 @@ static int read_counts(struct gensurf *surface, const char *const words[2], stru
         code = orl_expressions_count(&surface->expressions, words[1], "fields along t", "gensurf",
                                      SIDE_MAX, &surface->n, err);
     if (code == 0 && (long)surface->m * surface->n > FIELDS_MAX)
-        return orl_error_set(err, ORL_ERR_LIMIT, "gensurf: %d x %d fields are more than %d",
+        return orl_error_set(err, ORL_ERR_LIMIT, "gensurf: %d x %d fields exceed the limit of %d",
                              surface->m, surface->n, FIELDS_MAX);
     return code;
 }

@@ -84,8 +84,9 @@ static int add_line(double change, double start, double before, double after, in
 {
     const double slope = change != 0 ? (after - before) / change : 0;
     if (!isfinite(slope))
-        return orl_error_set(err, ORL_ERR_RANGE,
-                             "genrev: the curve stands still beside a piece, which -s cannot take");
+        return orl_error_set(
+            err, ORL_ERR_RANGE,
+            "genrev: the curve does not move next to a segment, which -s does not allow");
     if (change != 0)
         orl_text_add(text, "\n %.12g %.12g", slope, before - slope * start);
     else

@@ -73,7 +73,7 @@ static int read_sides(struct orl_mgf_reader *r)
 {
     const int code = orl_mgf_expect_words(r, 1, 1);
     if (code == 0 && strcmp(r->words[1], "1") != 0 && strcmp(r->words[1], "2") != 0)
-        return orl_mgf_fail(r, ORL_ERR_RANGE, "surfaces have 1 side or 2");
+        return orl_mgf_fail(r, ORL_ERR_RANGE, "the number of sides must be 1 or 2");
     if (code == 0)
         changed_material(r)->one_sided = r->words[1][0] == '1';
     return code;
@@ -118,7 +118,7 @@ static int read_object(struct orl_mgf_reader *r)
     if (r->n_words > 1)
         return push_object(r, r->words[1]);
     if (r->n_objects == 0)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no object has been begun");
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no object is open");
     pop_objects(r, r->n_objects - 1);
     return 0;
 }
@@ -128,12 +128,10 @@ static int add_copy(void *ctx, const struct orl_xform_use *use, struct orl_error
 {
     struct orl_mgf_frame *frame = ctx;
     if (frame->n_copies >= frame->most)
-        return orl_error_set(err, ORL_ERR_LIMIT,
-                             "transforms within one another make more than %u "
-                             "copies",
+        return orl_error_set(err, ORL_ERR_LIMIT, "nested transforms make more than %u copies",
                              ORL_LIMIT_XFORM_ARRAY);
     if (use->n_files > 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "'%.60s' is no transform", use->files[0]);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "'%.60s' is not a transform", use->files[0]);
     if (!orl_array_reserve(&frame->copies, &frame->room, frame->n_copies, sizeof *frame->copies))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     struct orl_mgf_copy *const copy = &frame->copies[frame->n_copies++];
@@ -146,7 +144,7 @@ static int refuse_file(void *ctx, const char *name, char **ret_text, struct orl_
 {
     (void)ctx;
     (void)ret_text;
-    return orl_error_set(err, ORL_ERR_UNSUPPORTED, "'%.60s': files are not read here", name);
+    return orl_error_set(err, ORL_ERR_UNSUPPORTED, "'%.60s': files cannot be included here", name);
 }
 
 /* Makes the frame's current copy the active transform. */
@@ -179,7 +177,7 @@ static int begin_xform(struct orl_mgf_reader *r, const char *const *words, size_
     if (code < 0)
         return orl_mgf_fail(r, code, "%s", why.message);
     if (frame->n_copies == 0)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it makes no copy");
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "its count of copies is 0");
     return use_copy(r, frame);
 }
 
@@ -205,7 +203,7 @@ static int read_xform(struct orl_mgf_reader *r)
     if (r->n_words > 1)
         return begin_xform(r, r->words + 1, r->n_words - 1, &r->scanner);
     if (r->n_frames == r->texts[r->n_texts - 1].n_frames)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no transform has been begun");
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no transform is open");
     return end_xform(r, &ended);
 }
 
@@ -213,7 +211,8 @@ static int read_xform(struct orl_mgf_reader *r)
 
 static int refuse_entity(struct orl_mgf_reader *r)
 {
-    const int code = orl_mgf_fail(r, ORL_ERR_UNSUPPORTED, "'%s' is not read here", r->words[0]);
+    const int code =
+        orl_mgf_fail(r, ORL_ERR_UNSUPPORTED, "'%s' is not supported here", r->words[0]);
     orl_error_hint(r->err, "convert the geometry with mgf2rad beforehand, and include its output");
     return code;
 }
@@ -273,7 +272,7 @@ static int leave_text(struct orl_mgf_reader *r, bool *ret_ended)
     r->n_words = 0;
     r->n_read += LEAVE_COST;
     if (r->n_frames > current->n_frames)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "%zu transforms (xf) are not ended",
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "%zu transforms (xf) are not closed",
                             r->n_frames - current->n_frames);
     const int code = current->has_transform ? end_xform(r, &ended) : 0;
     *ret_ended = r->n_texts == 1;
@@ -324,7 +323,8 @@ static int add_word(struct orl_mgf_reader *r, struct orl_slice word, size_t *use
         return orl_mgf_fail(r, ORL_ERR_LIMIT, "the line is too long");
     for (size_t i = 0; i < word.length; i++) {
         if (word.text[i] == '\'' || word.text[i] == '\0')
-            return orl_mgf_fail(r, ORL_ERR_SYNTAX, "no name may hold this sign");
+            return orl_mgf_fail(r, ORL_ERR_SYNTAX,
+                                "a name contains a character that is not allowed");
         copy[i] = word.text[i];
     }
     copy[word.length] = '\0';
@@ -370,15 +370,15 @@ static int read_all(struct orl_mgf_reader *r)
 static void warn_of_content(const struct orl_mgf_reader *r)
 {
     if (r->smooth)
-        orl_text_warn(r->text, "the geometry's normals of corners are left out: its faces are "
-                               "shaded flat");
+        orl_text_warn(r->text,
+                      "the geometry's vertex normals are ignored: its faces are shaded flat");
     if (r->n_cut > 0)
         orl_text_warn(r->text,
-                      "%zu colours of the geometry's materials are brighter than such a colour can "
-                      "be: channels above 1 are cut to 1",
+                      "%zu colours of the geometry's materials are brighter than a surface of that "
+                      "colour can be: channels above 1 are clamped to 1",
                       r->n_cut);
     if (r->n_unknown > 0)
-        orl_text_warn(r->text, "%zu of the geometry's entities are none of MGF's, and passed over",
+        orl_text_warn(r->text, "%zu of the geometry's entities are unknown in MGF and ignored",
                       r->n_unknown);
 }
 

@@ -29,9 +29,9 @@ int orl_mgf_expect_words(struct orl_mgf_reader *r, size_t least, size_t most)
     if (n >= least && n <= most)
         return 0;
     if (n > most)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes %zu words at the most, not %zu", most, n);
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes at most %zu words, not %zu", most, n);
     return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes %zu words%s, not %zu", least,
-                        most > least ? " at the least" : "", n);
+                        most > least ? " or more" : "", n);
 }
 
 int orl_mgf_number(struct orl_mgf_reader *r, size_t i, double *ret_value)
@@ -43,7 +43,7 @@ int orl_mgf_number(struct orl_mgf_reader *r, size_t i, double *ret_value)
     if (orl_slice_is_decimal_comma(span))
         return orl_mgf_fail(r, ORL_ERR_SYNTAX, "%.60s: a decimal comma; write it with a point",
                             word);
-    return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' stands where a number should", word);
+    return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' is not a number", word);
 }
 
 /* ---- Names ----------------------------------------------------------------------------------- */
@@ -134,7 +134,8 @@ int orl_mgf_context(struct orl_mgf_reader *r, enum orl_mgf_kind kind)
     if (code < 0)
         return code;
     if (r->n_words > 2 && strcmp(r->words[2], "=") != 0)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' stands where '=' should", r->words[2]);
+        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' is found where '=' is expected",
+                            r->words[2]);
     if (r->n_words > 3)
         from = orl_mgf_find(r, kind, r->words[3]);
     if (r->n_words == 2)

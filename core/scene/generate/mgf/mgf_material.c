@@ -34,7 +34,7 @@ static int set_seen(struct orl_mgf_reader *r, struct orl_tristimulus seen)
 {
     const double sum = seen.x + seen.y + seen.z;
     if (!(seen.y > 0) || !isfinite(sum))
-        return orl_mgf_fail(r, ORL_ERR_RANGE, "nothing of the colour can be seen");
+        return orl_mgf_fail(r, ORL_ERR_RANGE, "the colour has no visible part");
     *current_color(r) = (struct orl_mgf_color){seen.x / sum, seen.y / sum};
     return 0;
 }
@@ -48,7 +48,7 @@ int orl_mgf_cxy(struct orl_mgf_reader *r)
     if (code == 0)
         code = orl_mgf_number(r, 2, &y);
     if (code == 0 && !(x >= 0 && y > 1e-4 && x + y <= 1.0001))
-        code = orl_mgf_fail(r, ORL_ERR_RANGE, "x %g and y %g are no chromaticity", x, y);
+        code = orl_mgf_fail(r, ORL_ERR_RANGE, "x %g and y %g are not a chromaticity", x, y);
     if (code == 0)
         *current_color(r) = (struct orl_mgf_color){x, y};
     return code;
@@ -313,8 +313,9 @@ const char *orl_mgf_use_material(struct orl_mgf_reader *r)
     if (m->written)
         return name;
     if (!(all <= 1.0001)) {
-        orl_mgf_fail(r, ORL_ERR_RANGE, "the material '%.60s' sends on %g of the light it gets",
-                     name, all);
+        orl_mgf_fail(r, ORL_ERR_RANGE,
+                     "the material '%.60s' reflects and transmits %g of the incident light", name,
+                     all);
         return NULL;
     }
     write_material(r, m, name);

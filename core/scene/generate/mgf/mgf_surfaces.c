@@ -118,7 +118,7 @@ int orl_mgf_face_with_holes(struct orl_mgf_reader *r)
     for (size_t first = 1; first < r->n_words && code == 0; first += length + 1) {
         length = count_outline(r, first);
         if (length < 3)
-            return orl_mgf_fail(r, ORL_ERR_SYNTAX, "an outline has fewer than three corners");
+            return orl_mgf_fail(r, ORL_ERR_SYNTAX, "an outline has fewer than three vertices");
         if (first > 1)
             order[n++] = first + length - 1;
         for (size_t i = 0; i < length; i++)
@@ -228,8 +228,8 @@ int orl_mgf_cone(struct orl_mgf_reader *r)
     for (size_t i = 0; i < 2 && code == 0; i++)
         code = read_radius(r, 2 + 2 * i, &radii[i]);
     if (code == 0 && (radii[0] * radii[1] < 0 || (radii[0] == 0 && radii[1] == 0)))
-        code =
-            orl_mgf_fail(r, ORL_ERR_RANGE, "radii of %g and %g make no cone", radii[0], radii[1]);
+        code = orl_mgf_fail(r, ORL_ERR_RANGE, "radii %g and %g do not define a cone", radii[0],
+                            radii[1]);
     if (code == 0)
         code = write_ends(r, 3, CONE, radii[0] + radii[1] < 0 ? "cup" : "cone", 8);
     if (code == 0)
@@ -344,7 +344,7 @@ int orl_mgf_torus(struct orl_mgf_reader *r)
         radii[0] = 0;
     const bool within = radii[0] < 0 || (radii[0] == 0 && radii[1] < 0);
     if (code == 0 && !(within ? radii[1] < radii[0] : radii[1] > radii[0]))
-        code =
-            orl_mgf_fail(r, ORL_ERR_RANGE, "radii of %g and %g make no torus", radii[0], radii[1]);
+        code = orl_mgf_fail(r, ORL_ERR_RANGE, "radii %g and %g do not define a torus", radii[0],
+                            radii[1]);
     return code == 0 ? write_torus(r, name, radii) : code;
 }

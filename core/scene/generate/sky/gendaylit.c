@@ -50,14 +50,14 @@ static int read_hour(struct gendaylit *sky, const char *word, struct orl_text *t
     const size_t length = strcspn(word, ":");
     double hour = 0;
     if (orl_number_read(word, length, &hour) != ORL_NUMBER_OK || hour < 0 || hour >= 24) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is no time of day", word);
+        orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is not a time of day", word);
         orl_error_hint(err, "write 14.5, or +14.5 for solar time");
         return ORL_ERR_SYNTAX;
     }
     if (word[length])
         orl_text_warn(text,
-                      "gendaylit takes '%.40s' for %g hours: it does not know minutes, "
-                      "write 12.5 for half past twelve",
+                      "gendaylit reads '%.40s' as %g hours: it does not support minutes; write "
+                      "12.5 for half past twelve",
                       word, hour);
     sky->moment.solar = *word == '+';
     sky->moment.hour = hour;
@@ -97,7 +97,7 @@ static int read_output(struct gendaylit *sky, struct orl_words *words, struct or
 
 static int fail_unknown_option(const char *option, struct orl_error *err)
 {
-    return orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is no option", option);
+    return orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is not an option", option);
 }
 
 static int read_option(struct gendaylit *sky, struct orl_words *words, struct orl_error *err)
@@ -186,7 +186,8 @@ static bool sun_is_up(const struct gendaylit *sky, double *hour, struct orl_text
     if (fabs(set - *hour) < margin)
         *hour = (*hour - margin + set) / 2.0;
     if (*hour != asked)
-        orl_text_warn(text, "gendaylit: the sun's position was moved into its sunlit part");
+        orl_text_warn(
+            text, "gendaylit: the sun was moved to the middle of the sunlit part of the interval");
     return !(*hour < rise - margin || *hour > set + margin);
 }
 
@@ -288,7 +289,8 @@ static void split_global(struct gendaylit *sky, struct orl_text *text)
     if (sky->sun.altitude_rad <= 0)
         return;
     if (global > most) {
-        orl_text_warn(text, "gendaylit: global irradiance exceeds what reaches the earth");
+        orl_text_warn(text,
+                      "gendaylit: the global irradiance exceeds the extraterrestrial irradiance");
         global = most * 0.999;
     }
     kt = global / most;
@@ -435,8 +437,8 @@ static void find_radiances(struct gendaylit *sky, struct orl_text *text)
     if (sky->sun.altitude_rad <= -HALF_SUN_DEG * ORL_DEG_TO_RAD) {
         /* The program includes direct light from below the horizon. */
         if (sky->with_sun && sky->solar > 0)
-            orl_text_warn(text, "gendaylit: the sun is below the horizon: its direct light is "
-                                "left out");
+            orl_text_warn(text,
+                          "gendaylit: the sun is below the horizon: its direct light is ignored");
         sky->with_sun = false;
         sky->solar = 0.0;
     }

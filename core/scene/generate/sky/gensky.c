@@ -60,8 +60,9 @@ static int set_zone(struct gensky *sky, const char *name, struct orl_error *err)
             return 0;
         }
     }
-    orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is no time zone", name);
-    orl_error_hint(err, "such as GMT, CET, CEST, EST, PST; or give the meridian with -m");
+    orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not a time zone", name);
+    orl_error_hint(err,
+                   "write for example GMT, CET, CEST, EST or PST, or give the meridian with -m");
     return ORL_ERR_SYNTAX;
 }
 
@@ -85,7 +86,7 @@ static int read_hour(struct gensky *sky, const char *word, struct orl_error *err
         good = good && orl_number_read(start, (size_t)(at - start), &hour) == ORL_NUMBER_OK;
     }
     if (!good || hour > 24 || (*at && (sky->moment.solar || !isalpha((unsigned char)*at)))) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is no time of day", word);
+        orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not a time of day", word);
         orl_error_hint(err, "write 14.5, 14:30, 14:30CET, or +14.5 for solar time");
         return ORL_ERR_SYNTAX;
     }
@@ -111,7 +112,7 @@ static int read_option(struct gensky *sky, struct orl_words *words, struct orl_e
     double unused;
     words->left--;
     if ((option[0] != '-' && option[0] != '+') || option[1] == '\0' || option[2] != '\0')
-        return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is no option", option);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not an option", option);
     switch (option[1]) {
     case 's':
         sky->type = SKY_CLEAR;
@@ -149,7 +150,7 @@ static int read_option(struct gensky *sky, struct orl_words *words, struct orl_e
         return orl_words_angle(words, option, sky->zone_given ? &unused : &sky->site.meridian_rad,
                                err);
     default:
-        return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is no option", option);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not an option", option);
     }
 }
 

@@ -240,14 +240,14 @@ static int read_option(struct orl_words *words, struct genbox *box, int *segment
         enum { SEGMENTS_MAX = 256 };
         code = orl_words_int(words, option, 1, SEGMENTS_MAX, segments, err);
     } else if (strcmp(option, "-o") == 0) {
-        code = refuse_option(option, "it writes no scene text, but an OBJ file: leave it out", err);
+        code = refuse_option(option, "remove it: it writes an OBJ file instead of a scene", err);
     } else if (strcmp(option, "-s") == 0) {
         code = refuse_option(option,
-                             "leave it out: normals do not vary over a polygon, and more segments "
-                             "(-n) are as smooth",
+                             "remove it: normals do not vary over a polygon; use more segments "
+                             "(-n) for a smoother result",
                              err);
     } else {
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is no option", option);
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is not an option", option);
     }
     return code;
 }

@@ -90,7 +90,7 @@ static int read_option(struct branch *branch, struct orl_words *words, struct or
     if (strcmp(option, "-r") == 0)
         return orl_words_int(words, option, 0, LEVELS_MAX, &branch->levels, err);
     if (strcmp(option, "-s") != 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "genbranch: '%.40s' is no option", option);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "genbranch: '%.40s' is not an option", option);
     code = orl_words_int(words, option, 0, 2000000000, &seed, err);
     skip_random(branch, seed);
     return code;
@@ -105,9 +105,9 @@ static int check_size(const struct branch *branch, struct orl_error *err)
     }
     if (sticks <= STICKS_MAX)
         return 0;
-    orl_error_set(err, ORL_ERR_LIMIT, "genbranch: the branch has %.3g sticks, more than %d", sticks,
-                  STICKS_MAX);
-    orl_error_hint(err, "fewer shoots (-n) or levels (-r) do");
+    orl_error_set(err, ORL_ERR_LIMIT, "genbranch: the branch has %.3g segments, more than %d",
+                  sticks, STICKS_MAX);
+    orl_error_hint(err, "use fewer shoots (-n) or levels (-r)");
     return ORL_ERR_LIMIT;
 }
 

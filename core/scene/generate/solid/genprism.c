@@ -73,7 +73,7 @@ static int read_outline_file(struct prism *prism, const struct orl_generator_fil
     char *text = NULL;
     int code, more = 1;
     if (strcmp(name, "-") == 0) {
-        orl_error_set(err, ORL_ERR_UNSUPPORTED, "genprism: nothing is there to read at '-'");
+        orl_error_set(err, ORL_ERR_UNSUPPORTED, "genprism: '-' (standard input) has no data");
         orl_error_hint(err, "name the file of corners instead, or write them in the command");
         return ORL_ERR_UNSUPPORTED;
     }
@@ -108,10 +108,9 @@ static int read_outline(struct prism *prism, const struct orl_generator_files *f
         }
     }
     if (code == 0 && prism->n < 3)
-        code = orl_error_set(err, ORL_ERR_SYNTAX,
-                             "genprism: an outline has three corners at least,"
-                             " not %zu",
-                             prism->n);
+        code =
+            orl_error_set(err, ORL_ERR_SYNTAX,
+                          "genprism: an outline needs at least three corners, not %zu", prism->n);
     return code;
 }
 
@@ -133,10 +132,10 @@ static int read_option(struct prism *prism, struct orl_words *words, struct orl_
         code = code < 0 ? code : orl_words_number(words, option, &v->z, err);
         if (code == 0 && fabs(v->z) <= tiny)
             code = orl_error_set(err, ORL_ERR_RANGE,
-                                 "genprism: -l %g %g %g does not leave the outline's plane", v->x,
+                                 "genprism: -l %g %g %g is parallel to the outline's plane", v->x,
                                  v->y, v->z);
     } else {
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "genprism: '%.40s' is no option", option);
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "genprism: '%.40s' is not an option", option);
     }
     return code;
 }
@@ -208,10 +207,10 @@ static int measure_corners(struct prism *prism, struct orl_error *err)
         const struct corner *before = &prism->corners[(i + n - 1) % n];
         const double x = before->x - c->x, y = before->y - c->y, length = sqrt(x * x + y * y);
         if (!(length > tiny))
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "genprism: corners %zu and %zu are in one place, and edges "
-                                 "between them cannot be round",
-                                 (i + n - 1) % n + 1, i + 1);
+            return orl_error_set(
+                err, ORL_ERR_RANGE,
+                "genprism: corners %zu and %zu coincide, so edges between them cannot be rounded",
+                (i + n - 1) % n + 1, i + 1);
         c->back[0] = x / length;
         c->back[1] = y / length;
     }
@@ -221,10 +220,10 @@ static int measure_corners(struct prism *prism, struct orl_error *err)
         const double cosine = c->back[0] * after->back[0] + c->back[1] * after->back[1];
         const double sine = after->back[0] * c->back[1] - after->back[1] * c->back[0];
         if (1 + cosine <= tiny)
-            return orl_error_set(err, ORL_ERR_RANGE,
-                                 "genprism: the outline turns back at corner %zu, where edges "
-                                 "cannot be round",
-                                 i + 1);
+            return orl_error_set(
+                err, ORL_ERR_RANGE,
+                "genprism: the outline reverses at corner %zu, where edges cannot be rounded",
+                i + 1);
         c->turn = cosine < 1 ? sqrt((1 - cosine) / (1 + cosine)) : 0;
         c->turn = sine < 0 ? -c->turn : c->turn;
     }
@@ -283,7 +282,7 @@ static int check_radius(struct prism *prism, struct orl_error *err)
 {
     if (prism->radius > tiny && prism->radius > fabs(prism->extrusion.z))
         return orl_error_set(err, ORL_ERR_RANGE,
-                             "genprism: the radius %g is larger than the prism is high",
+                             "genprism: the radius %g is larger than the prism's height",
                              prism->radius);
     prism->radius = prism->radius > tiny ? prism->radius * side_of(prism) : 0;
     return prism->radius != 0 ? measure_corners(prism, err) : 0;

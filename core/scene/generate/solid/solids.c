@@ -15,7 +15,7 @@ int orl_words_name(struct orl_words *words, const char *option, const char **ret
         return orl_error_set(err, ORL_ERR_SYNTAX, "%s: a name is missing for %.40s", words->program,
                              option);
     if (*name == '\0' || strchr(name, '\''))
-        return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is no name for %.40s",
+        return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is not a valid name for %.40s",
                              words->program, name, option);
     words->at++, words->left--;
     *ret_name = name;
@@ -88,12 +88,12 @@ static int read_blinds(struct blinds *blinds, struct orl_words *words, struct or
     const char *option = *words->at++;
     words->left--;
     if (strcmp(option, "-r") != 0 && strcmp(option, "+r") != 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "genblinds: '%.40s' is no option", option);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "genblinds: '%.40s' is not an option", option);
     code = orl_words_number(words, option, &blinds->radius, err);
     if (*option == '+')
         blinds->radius = -blinds->radius;
     if (code == 0 && words->left > 0)
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "genblinds: '%.40s' is one word too many",
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "genblinds: '%.40s' is an extra argument",
                              words->at[0]);
     return code;
 }
@@ -115,7 +115,7 @@ static int bend_slats(struct blinds *blinds, struct orl_error *err)
     const double sweep = 2 * asin(blinds->depth / (2 * r));
     if (!(sweep > 0))
         return orl_error_set(err, ORL_ERR_RANGE,
-                             "genblinds: slats of depth %g cannot be bent about a radius of %g",
+                             "genblinds: slats of depth %g cannot be bent to a radius of %g",
                              blinds->depth, r);
     const bool up = blinds->radius > 0;
     blinds->parts = (int)(sweep / (degree * step_deg) + 0.99999);
@@ -190,7 +190,7 @@ static int read_hour(const char *word, double *ret_hour, struct orl_error *err)
     }
     return good ? 0
                 : orl_error_set(err, ORL_ERR_SYNTAX,
-                                "genclock: '%.40s' is no time: write 10:35 or 10.58", word);
+                                "genclock: '%.40s' is not a time: write 10:35 or 10.58", word);
 }
 
 static int read_clock(struct clock *clock, struct orl_words *words, struct orl_error *err)
@@ -203,8 +203,9 @@ static int read_clock(struct clock *clock, struct orl_words *words, struct orl_e
                             : strcmp(option, "-c") == 0 ? &clock->case_
                             : strcmp(option, "-n") == 0 ? &clock->name
                                                         : NULL;
-        code = name ? orl_words_name(words, option, name, err)
-                    : orl_error_set(err, ORL_ERR_SYNTAX, "genclock: '%.40s' is no option", option);
+        code =
+            name ? orl_words_name(words, option, name, err)
+                 : orl_error_set(err, ORL_ERR_SYNTAX, "genclock: '%.40s' is not an option", option);
     }
     if (code == 0 && words->left != 1)
         code = orl_error_set(err, ORL_ERR_SYNTAX, "genclock: the time is missing");

@@ -109,9 +109,11 @@ static int check_closed(const struct orl_hole *hole, const struct orl_parsed_sce
     char name[ORL_ERROR_NAME_MAX];
     snprintf(name, sizeof name, "antimatter %.200s", m->name);
     orl_error_set(err, ORL_ERR_RANGE, "its surfaces enclose no volume%s",
-                  unlike ? ", or their normals do not all look outwards" : "");
+                  unlike ? ", or their normals do not all face outwards" : "");
     orl_error_at(err, surface->file, surface->line, name);
-    orl_error_hint(err, "what it cuts is what lies inside of it: close it, with normals outwards");
+    orl_error_hint(
+        err,
+        "antimatter cuts the volume inside its surfaces: close them, with all normals outwards");
     return ORL_ERR_RANGE;
 }
 
@@ -189,7 +191,7 @@ int orl_holes_build(struct orl_geometry *geometry, const struct orl_parsed_scene
         n * (geometry->n_facets + orl_geometry_triangles_end(geometry)) > ORL_LIMIT_CUT_FACETS) {
         code = orl_error_set(err, ORL_ERR_LIMIT,
                              "%zu antimatters in a scene of %zu surfaces; at most %u are allowed, "
-                             "and together %lu surfaces and triangles",
+                             "with %lu surfaces and triangles in total",
                              n, geometry->n_facets, ORL_LIMIT_ANTIMATTERS, ORL_LIMIT_CUT_FACETS);
         goto done;
     }

@@ -189,19 +189,17 @@ void orl_coincidence_warn(struct orl_coincidence_warnings *warnings,
         return;
     if (kind == ORL_COINCIDENCE_PANES)
         warn(parsed_scene,
-             "%s and %s are panes %.2g apart, which count as one in a scene of this size: light "
-             "passes one of them alone; where both are meant, move them at least %.1g apart",
+             "%s and %s are panes only %.2g apart, which count as one in a scene of this size: "
+             "light passes through only one; if both are intended, move them at least %.1g apart",
              names[0], names[1], distance_between(first, second), 2 * warnings->tolerance);
     else if (kind == ORL_COINCIDENCE_RESOLVED)
-        warn(parsed_scene,
-             "%s lies %sin one place with %s: there light meets %.60s, as in Radiance", names[0],
-             wholly ? "wholly " : "", names[1], second->name);
+        warn(parsed_scene, "%s coincides %swith %s: light hits %.60s there, as in Radiance",
+             names[0], wholly ? "entirely " : "", names[1], second->name);
     else
-        warn(
-            parsed_scene,
-            "%s and %s lie in one place: light may meet either, which is not as in Radiance; leave "
-            "one out, or move it off the other",
-            names[0], names[1]);
+        warn(parsed_scene,
+             "%s and %s coincide: light may hit either, unlike in Radiance; remove one, or move it "
+             "away from the other",
+             names[0], names[1]);
 }
 
 static void warn_of_opposed(const struct orl_coincidence_warnings *warnings,
@@ -213,22 +211,20 @@ static void warn_of_opposed(const struct orl_coincidence_warnings *warnings,
         snprintf(more, sizeof more, " (and %llu more pair%s)", (unsigned long long)n - 1,
                  n == 2 ? "" : "s");
     if (n > 0)
-        warn(
-            parsed_scene,
-            "%s and %s lie in one place and face opposite ways%s: light meets each from its "
-            "front, as in Radiance; what should be seen but is not has to be turned over, or moved "
-            "off the other",
-            warnings->opposed[0], warnings->opposed[1], more);
+        warn(parsed_scene,
+             "%s and %s coincide and face opposite ways%s: light hits each from its front, as in "
+             "Radiance; if one is wrongly hidden, reverse it or move it away from the other",
+             warnings->opposed[0], warnings->opposed[1], more);
 }
 
 void orl_coincidence_warn_totals(struct orl_coincidence_warnings *warnings,
                                  struct orl_parsed_scene *parsed_scene)
 {
     static const char *const texts[ORL_COINCIDENCES] = {
-        "polygons in one place, of which light meets one as in Radiance", NULL,
-        "surfaces in one place, of which light may meet either",
-        "surfaces of one material in one place, where it makes no difference which light meets",
-        "panes that count as one, of which light passes one alone"};
+        "coincident polygons, where light hits the same one as in Radiance", NULL,
+        "coincident surfaces, where light may hit either",
+        "coincident surfaces of the same material, where it does not matter which one light hits",
+        "panes that count as one, where light passes through only one"};
     warn_of_opposed(warnings, parsed_scene);
     for (int kind = 0; kind < ORL_COINCIDENCES; kind++) {
         const uint64_t left =

@@ -167,8 +167,8 @@ static int check_pane(const struct resolving *t, const struct orl_surface *pane,
     if (code < 0 || !shared)
         return code;
     orl_error_set(err, ORL_ERR_RANGE,
-                  "'%.100s' lies in the plane of '%.100s', which antimatter cuts: which of the two "
-                  "light meets there cannot be told",
+                  "'%.100s' lies in the plane of '%.100s', which antimatter cuts: it is undefined "
+                  "which of the two light hits",
                   pane->name, wall->name);
     orl_error_at(err, pane->file, pane->line, NULL);
     orl_error_hint(err, "move it into the hole by a millimetre");
@@ -256,9 +256,8 @@ int orl_coincident_resolve(struct orl_parsed_scene *parsed_scene, struct orl_err
     free(cut);
     orl_coincidence_warn_totals(&t.warnings, parsed_scene);
     if (t.cutting.cut_short)
-        orl_parsed_scene_warn(
-            parsed_scene, "so many polygons share planes that not all were looked at: where two "
-                          "lie in one place, light may meet either");
+        orl_parsed_scene_warn(parsed_scene, "too many polygons share planes, so not all were "
+                                            "checked: where two coincide, light may hit either");
     orl_cutting_done(&t.cutting);
     for (int lot = 0; lot < NOTHING; lot++)
         free(lots[lot].items);

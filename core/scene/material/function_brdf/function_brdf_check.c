@@ -41,24 +41,25 @@ static int judge_prism(struct orl_parsed_scene *d, const struct orl_material *m,
 {
     const double irreversible = f->all > 0 ? f->irreversible / f->all : 0;
     if (f->max_seen > 1 + slack) {
-        orl_error_set(err, ORL_ERR_RANGE, "it lets %.3g of the light through, more than all",
-                      f->max_seen);
+        orl_error_set(err, ORL_ERR_RANGE,
+                      "it transmits %.3g of the incident light, which is more than 1", f->max_seen);
         return refuse_pattern(m->prism_rays, err);
     }
     if (irreversible > most_one_way) {
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                      "its functions lead light and eyes different ways: %.3g %% of what they send "
-                      "on would not come back by the way it went",
+                      "its functions are not reversible: %.3g %% of the light would not return "
+                      "along the path by which it came",
                       100 * irreversible);
         return refuse_pattern(m->prism_rays, err);
     }
     if (irreversible > least_one_way)
-        warn(d, m->prism_rays,
-             "leads not back by the way it came, what is left out of what it sends on",
-             100 * irreversible);
+        warn(
+            d, m->prism_rays,
+            "is not reversible; the part of its light that cannot return along its path is ignored",
+            100 * irreversible);
     if (f->max_sent > 1 + slack)
         warn(d, m->prism_rays,
-             "makes beams wider without being dimmer, most light of what meets it",
+             "widens beams without dimming them; largest ratio of outgoing to incident light",
              100 * f->max_sent);
     return 0;
 }
@@ -73,17 +74,17 @@ static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
     m->lobes->opaque = !(f->integrals[1] > 0);
     if (f->max_steep > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE,
-                      "it returns up to %.3g of the light that meets it, more than all",
+                      "it scatters up to %.3g of the incident light, which is more than 1",
                       f->max_steep);
         return refuse_pattern(m->lobes, err);
     }
     if (f->maximum > 1 + slack)
-        warn(d, m->lobes, "returns more than all of the light at grazing, the most",
+        warn(d, m->lobes, "scatters more light than it receives at grazing angles; maximum",
              100 * f->maximum);
     if (m->lobes->narrow)
         warn(d, m->lobes,
-             "has lobes narrower than draws are made for: results are noisy, and no accuracy can "
-             "be asked for; of its light",
+             "has lobes too narrow to sample reliably: results are noisy, and an accuracy goal "
+             "cannot be met; affected share of its light",
              100 * coarse_error);
     return 0;
 }
@@ -206,12 +207,12 @@ static int judge_sum(struct orl_parsed_scene *d, const struct orl_geometry *g,
     if (!(maximum > 1 + slack))
         return 0;
     const struct orl_surface *const s = &d->surfaces[orl_facet_surface(g, hits[0].facet)];
-    orl_error_set(err, ORL_ERR_RANGE,
-                  "its material '%.200s' returns up to %.3g of the light that meets it, more than "
-                  "all",
-                  m->name, maximum);
+    orl_error_set(
+        err, ORL_ERR_RANGE,
+        "its material '%.200s' scatters up to %.3g of the incident light, which is more than 1",
+        m->name, maximum);
     orl_error_at(err, s->file, s->line, s->name);
-    orl_error_hint(err, "make its parts less: together they are to be no more than 1");
+    orl_error_hint(err, "reduce its parts: together they must not exceed 1");
     return ORL_ERR_RANGE;
 }
 
@@ -283,10 +284,10 @@ int orl_function_brdf_check(struct orl_parsed_scene *parsed_scene,
         code = looked <= ORL_LIMIT_FUNCTION_BRDFS
                    ? test_material(parsed_scene, geometry, &parsed_scene->materials[i],
                                    &parsed_scene->materials[i], &samples[i], err)
-                   : orl_error_set(err, ORL_ERR_LIMIT,
-                                   "more than %u materials of a scene are by functions of both "
-                                   "directions",
-                                   ORL_LIMIT_FUNCTION_BRDFS);
+                   : orl_error_set(
+                         err, ORL_ERR_LIMIT,
+                         "the scene has more than %u materials with functions of both directions",
+                         ORL_LIMIT_FUNCTION_BRDFS);
         if (code == 0 && orl_is_cancelled(parsed_scene->cancel))
             code = orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while reading the scene");
     }

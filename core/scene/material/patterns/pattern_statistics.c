@@ -51,10 +51,10 @@ static uint32_t *sort_facets(const struct orl_parsed_scene *d, const struct orl_
 static int too_long(const struct orl_pattern *pattern, struct orl_error *err)
 {
     orl_error_set(err, ORL_ERR_LIMIT,
-                  "its function takes more than %d operations, or calls itself too deeply",
+                  "its function takes more than %d operations, or recurses too deeply",
                   ORL_FUNCTION_OPERATIONS);
     orl_error_at(err, pattern->file, pattern->line, pattern->name);
-    orl_error_hint(err, "bound its recursion");
+    orl_error_hint(err, "limit its recursion");
     return ORL_ERR_LIMIT;
 }
 
@@ -121,8 +121,8 @@ static void warn(struct orl_parsed_scene *parsed_scene, const struct orl_pattern
     if (without == 0 || ++parsed_scene->n_undefined > TOLD)
         return;
     snprintf(text, sizeof text,
-             "%.200s:%d: the function of %.100s has no value at %zu of %zu places on what it lies "
-             "on: colours are left as they are there",
+             "%.200s:%d: the function of %.100s has no value at %zu of %zu points of its surfaces: "
+             "colours are not modified there",
              pattern->file, pattern->line, pattern->name, without, n);
     orl_parsed_scene_warn(parsed_scene, text);
 }
@@ -153,10 +153,11 @@ static void warn_of_concentration(struct orl_parsed_scene *parsed_scene,
     }
     if (n / 10 < FEW || !(few > most_share * all))
         return;
-    snprintf(text, sizeof text,
-             "%.200s:%d: %.100s has %.0f %% of the light of source %.100s in a thousandth of all "
-             "directions, which rays find by chance: give that light as a source of its own",
-             pattern->file, pattern->line, pattern->name, 100 * few / all, distant->name);
+    snprintf(
+        text, sizeof text,
+        "%.200s:%d: %.100s puts %.0f %% of the light of source %.100s into a thousandth of all "
+        "directions, which rays find only by chance: define that light as a separate source",
+        pattern->file, pattern->line, pattern->name, 100 * few / all, distant->name);
     orl_parsed_scene_warn(parsed_scene, text);
 }
 

@@ -32,7 +32,7 @@ static int read_option(struct orl_markers *markers, struct orl_marker *marker,
     } else if (strcmp(option, "-m") == 0)
         name = &marker->replacement;
     else
-        return orl_error_set(err, ORL_ERR_SYNTAX, "replmarks: '%.40s' is no option", option);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "replmarks: '%.40s' is not an option", option);
     return orl_words_name(words, option, name, err);
 }
 
@@ -159,9 +159,9 @@ static void say_axes(struct orl_shell_words *shell_words, struct orl_vec3 x, str
 
 static int fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
 {
-    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "it is no marker for replmarks");
-    orl_error_hint(err, "a marker is a right triangle: its longest side is passed over, the next "
-                        "is the x axis, the third the y axis of what is put there");
+    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "it is not a marker for replmarks");
+    orl_error_hint(err, "a marker is a right triangle: its second longest side is the x axis, its "
+                        "shortest the y axis of the inserted object");
     return ORL_ERR_SYNTAX;
 }
 

@@ -107,9 +107,9 @@ static int concatenate(struct run *run, const char *const *words, size_t count,
             return orl_error_set(err, ORL_ERR_UNSUPPORTED, "cat: '%.40s' is not supported",
                                  words[i]);
     if (run->stage == 0 && count < 2)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "cat has no file to read");
+        return orl_error_set(err, ORL_ERR_SYNTAX, "cat needs a file to read");
     if (run->stage > 0 && count > 1)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "cat behind '|' takes no files");
+        return orl_error_set(err, ORL_ERR_SYNTAX, "cat after '|' takes no files");
     if (run->stage > 0)
         return run_before(run, run->scope, err);
     for (size_t i = 1; i < count && code == 0; i++)
@@ -151,8 +151,8 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
     int code = 0;
     if ((run->stage == 0) != (use->n_files > 0))
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             run->stage == 0 ? "xform has no file to read"
-                                             : "xform behind '|' takes no files");
+                             run->stage == 0 ? "xform needs a file to read"
+                                             : "xform after '|' takes no files");
     if (use->prefix && outer->prefix &&
         strlen(use->prefix) + strlen(outer->prefix) + 2 > ORL_PREFIX_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the prefixes of -n are too long together");
@@ -241,8 +241,8 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
     code = orl_markers_read(markers, words + 1, count - 1, &used, err);
     if (code == 0 && (run->stage == 0) != (used + 1 < count))
         code = orl_error_set(err, ORL_ERR_SYNTAX,
-                             run->stage == 0 ? "replmarks has no file to read"
-                                             : "replmarks behind '|' takes no files");
+                             run->stage == 0 ? "replmarks needs a file to read"
+                                             : "replmarks after '|' takes no files");
     if (code == 0 && run->stage > 0) {
         markers->expand = true; /* xform has already expanded the commands that it found */
         code = run_before(run, &inner, err);
@@ -289,7 +289,7 @@ static int read_generated(struct run *run, const struct generator *generator, st
         return code;
     if (run->text.object)
         return orl_error_set(err, ORL_ERR_SYNTAX,
-                             "%s writes an OBJ file with -o: pipe it into obj2rad, or leave it out",
+                             "%s writes an OBJ file with -o: pipe it into obj2rad, or remove -o",
                              words[0]);
     return orl_parser_read(run->parser, run->scope, run->text.data, run->text.size, run->line, err);
 }
@@ -306,7 +306,7 @@ static int read_object(struct run *run, const char *const *words, size_t count,
         return orl_parser_obj2rad(run->parser, run->scope, words, count, NULL, 0, err);
     code = generator ? write_text(run, generator, before, start[1] - start[0], err) : 0;
     if (code == 0 && !run->text.object)
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "what comes before obj2rad is no OBJ file");
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "the input of obj2rad is not an OBJ file");
     if (code < 0)
         return code;
     const struct orl_file piped = {.data = run->text.data, .size = run->text.size};
@@ -315,12 +315,11 @@ static int read_object(struct run *run, const char *const *words, size_t count,
 
 static int refuse_command(const char *name, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not run", name);
-    orl_error_hint(
-        err, "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, genbranch, "
-             "genrev, genworm, gensurf, gensky, gendaylit, ies2rad, mgf2rad and pkgBSDF are read "
-             "here; run "
-             "others beforehand and include their output");
+    orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not supported", name);
+    orl_error_hint(err,
+                   "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, "
+                   "genbranch, genrev, genworm, gensurf, gensky, gendaylit, ies2rad, mgf2rad and "
+                   "pkgBSDF are supported; run others beforehand and include their output");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -340,8 +339,8 @@ static int run_stage(struct run *run, struct orl_error *err)
     if (!generator)
         return refuse_command(words[0], err);
     if (run->stage > 0)
-        return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                             "%s reads nothing: it cannot stand behind '|'", words[0]);
+        return orl_error_set(err, ORL_ERR_UNSUPPORTED, "%s reads no input: it cannot follow '|'",
+                             words[0]);
     return read_generated(run, generator, err);
 }
 

@@ -53,10 +53,11 @@ static int write_package(const struct package *package, struct orl_text *text,
 {
     const struct orl_bsdf_geometry *file_geometry = &package->file_geometry;
     if (!(file_geometry->width > 0 && file_geometry->height > 0)) {
-        orl_error_set(err, ORL_ERR_RANGE, "the BSDF gives no width and height of its panel");
+        orl_error_set(err, ORL_ERR_RANGE,
+                      "the BSDF does not give the width and height of its panel");
         orl_error_hint(err,
-                       "put Width and Height into the Material of %.80s, or name the BSDF as "
-                       "a material of a polygon of your own",
+                       "add Width and Height to the Material of %.80s, or use the BSDF as the "
+                       "material of your own polygon",
                        package->resolved);
         return ORL_ERR_RANGE;
     }
@@ -87,12 +88,13 @@ static int read_package_words(const char *const *words, size_t count, struct pac
     size_t i = 1;
     for (; i < count && words[i][0] == '-'; i++) {
         if (strcmp(words[i], "-s") != 0 && strcmp(words[i], "-i") != 0)
-            return orl_error_set(err, ORL_ERR_SYNTAX, "pkgBSDF: '%.40s' is none of its options",
+            return orl_error_set(err, ORL_ERR_SYNTAX, "pkgBSDF: '%.40s' is not an option",
                                  words[i]);
         to_output |= words[i][1] == 's';
     }
     if (!to_output) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "pkgBSDF writes a file, and nothing into the scene");
+        orl_error_set(err, ORL_ERR_SYNTAX,
+                      "pkgBSDF without -s writes a file and adds nothing to the scene");
         orl_error_hint(err, "add -s");
         return ORL_ERR_SYNTAX;
     }
@@ -188,8 +190,8 @@ int orl_parser_mgf2rad(struct orl_parser *parser, const struct orl_scope *scope,
                                  option);
     }
     if (code == 0 && left.left != 1)
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "mgf2rad takes one file here");
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "mgf2rad takes exactly one file");
     if (code == 0 && !(mgf.glow_radius >= 0 && mgf.emission >= 0))
-        code = orl_error_set(err, ORL_ERR_RANGE, "mgf2rad: numbers below 0");
+        code = orl_error_set(err, ORL_ERR_RANGE, "mgf2rad: numbers must not be negative");
     return code ? code : orl_parser_mgf(parser, scope, left.at[0], &mgf, text, err);
 }

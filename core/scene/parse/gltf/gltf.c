@@ -64,7 +64,7 @@ static int find_corner(struct reading *r, const struct primitive *p, size_t i, s
     return i < p->corners.count && !(p->has_indices && i == orl_gltf_accessor_max(&p->indices))
                ? 0
                : orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err,
-                               "a triangle has a corner, %zu, that the mesh has not", i);
+                               "a triangle uses corner %zu, which the mesh does not have", i);
 }
 
 static int read_vector(struct reading *r, const struct orl_gltf_accessor *accessor, size_t i,
@@ -144,7 +144,7 @@ static int open_attributes(struct reading *r, struct primitive *p)
         return code;
     if (p->has_normals && p->normals.count != p->corners.count)
         return orl_gltf_fail(&attributes, ORL_ERR_SYNTAX, r->err,
-                             "it has %zu corners, and %zu normals of them", p->corners.count,
+                             "it has %zu corners but %zu normals", p->corners.count,
                              p->normals.count);
     p->n = p->corners.count;
     return 0;
@@ -162,7 +162,7 @@ static int open_indices(struct reading *r, struct primitive *p)
         return code;
     if (orl_gltf_accessor_max(&p->indices) == 0 || p->indices.normalized)
         return orl_gltf_fail(&p->indices.item, ORL_ERR_SYNTAX, r->err,
-                             "it is used as indices, and holds no whole numbers without a sign");
+                             "it is used for indices but does not hold unsigned integers");
     p->n = p->indices.count;
     return 0;
 }
@@ -177,10 +177,11 @@ static int open_primitive(struct reading *r, struct primitive *p)
     if (code)
         return code;
     if (p->mode > FAN)
-        return orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err, "there is no 'mode' %zu", p->mode);
+        return orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err, "the 'mode' %zu is unknown",
+                             p->mode);
     if (p->mode == TRIANGLES && p->n % 3 != 0)
         return orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err,
-                             "it has %zu corners, which is no multiple of 3", p->n);
+                             "it has %zu corners, which is not a multiple of 3", p->n);
     return 0;
 }
 
@@ -258,11 +259,10 @@ static int enter_node(struct reading *r, const struct orl_gltf_item *by, size_t 
         return code;
     if (r->nodes[index] != NEW)
         return orl_gltf_fail(ret_node, ORL_ERR_SYNTAX, r->err,
-                             r->nodes[index] == OPEN ? "it is within itself"
-                                                     : "it stands in two places");
+                             r->nodes[index] == OPEN ? "it contains itself" : "it has two parents");
     if (depth > MAX_DEPTH) {
-        orl_gltf_fail(ret_node, ORL_ERR_LIMIT, r->err,
-                      "nodes are within each other more than %d deep", MAX_DEPTH);
+        orl_gltf_fail(ret_node, ORL_ERR_LIMIT, r->err, "nodes are nested more than %d deep",
+                      MAX_DEPTH);
         orl_error_hint(r->err, "export it with its nodes merged");
         return ORL_ERR_LIMIT;
     }

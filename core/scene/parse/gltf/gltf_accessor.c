@@ -90,12 +90,13 @@ static int find_values(struct orl_gltf_file *file, const struct orl_gltf_item *a
     if (code)
         return code;
     if (begin > buffer.size || length > buffer.size - begin)
-        return orl_gltf_fail(&view, ORL_ERR_SYNTAX, err, "it ends behind its buffer's end");
+        return orl_gltf_fail(&view, ORL_ERR_SYNTAX, err, "it extends beyond its buffer's end");
     if (step < element)
-        return orl_gltf_fail(&view, ORL_ERR_SYNTAX, err, "its 'byteStride' is less than a value");
+        return orl_gltf_fail(&view, ORL_ERR_SYNTAX, err,
+                             "its 'byteStride' is less than the size of a value");
     if (!fits(length, offset, step, element, count))
-        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it ends behind its bufferViews[%zu]'s end",
-                             index);
+        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err,
+                             "it extends beyond the end of its bufferViews[%zu]", index);
     if (stride)
         *stride = step;
     *ret_data = buffer.data + begin + offset;
@@ -115,7 +116,7 @@ static int check_sparse_indices(const struct orl_gltf_accessor *a,
         const size_t place = read_whole(a->sparse_component, a->sparse_indices + size * i);
         if (place < least || place >= a->count)
             return orl_gltf_fail(sparse, ORL_ERR_SYNTAX, err,
-                                 "its places do not rise, or are beyond the accessor's count");
+                                 "its indices do not increase, or exceed the accessor's count");
         least = place + 1;
     }
     return 0;
@@ -135,9 +136,9 @@ static int open_sparse(struct orl_gltf_file *file, const struct orl_gltf_item *s
     if (code)
         return code;
     if (a->n_sparse < 1 || a->n_sparse > a->count || most_of(a->sparse_component) == 0)
-        return orl_gltf_fail(sparse, ORL_ERR_SYNTAX, err,
-                             "its 'count' is none, or more than the accessor's, or its places are "
-                             "no whole numbers");
+        return orl_gltf_fail(
+            sparse, ORL_ERR_SYNTAX, err,
+            "its 'count' is missing or exceeds the accessor's, or its indices are not integers");
     code = find_values(file, &indices, size_of(a->sparse_component), a->n_sparse, NULL,
                        &a->sparse_indices, err);
     if (code == 0)
@@ -175,9 +176,9 @@ static int open_values(struct orl_gltf_file *file, struct orl_gltf_accessor *a,
     struct orl_gltf_item sparse;
     int code = 0;
     if (element == 0 || a->count < 1 || (a->normalized && size_of(a->component) == 4))
-        return orl_gltf_fail(&a->item, ORL_ERR_SYNTAX, err,
-                             "its 'componentType', or 'count', is none that there is, or not one "
-                             "that is 'normalized'");
+        return orl_gltf_fail(
+            &a->item, ORL_ERR_SYNTAX, err,
+            "its 'componentType' or 'count' is invalid, or the type cannot be 'normalized'");
     a->stride = element;
     if (json_object_get(a->item.object, "bufferView"))
         code = find_values(file, &a->item, element, a->count, &a->stride, &a->data, err);

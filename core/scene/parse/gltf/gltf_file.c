@@ -18,7 +18,7 @@ int orl_gltf_fail(const struct orl_gltf_item *at, int code, struct orl_error *er
     va_start(args, format);
     orl_error_vset(err, code, format, args);
     va_end(args);
-    orl_error_hint(err, "the file is damaged, or what wrote it is at fault: export it again");
+    orl_error_hint(err, "the file is damaged, or its exporter is faulty: export it again");
     orl_error_at(err, at->file, 0, at->name);
     return code;
 }
@@ -28,7 +28,7 @@ int orl_gltf_find(const struct orl_gltf_item *at, const char *list, size_t index
 {
     const json_t *const object = json_array_get(json_object_get(at->root, list), index);
     if (!json_is_object(object))
-        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "there is no %s[%zu], which is named here",
+        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it refers to %s[%zu], which does not exist",
                              list, index);
     *ret_item = (struct orl_gltf_item){at->file, at->root, object, ""};
     snprintf(ret_item->name, sizeof ret_item->name, "%s[%zu]", list, index);
@@ -52,7 +52,7 @@ int orl_gltf_element(const struct orl_gltf_item *at, const char *list, size_t in
     snprintf(ret_part->name, sizeof ret_part->name, "%.70s[%zu]", all.name, index);
     return json_is_object(ret_part->object)
                ? 0
-               : orl_gltf_fail(ret_part, ORL_ERR_SYNTAX, err, "an object is wanted here");
+               : orl_gltf_fail(ret_part, ORL_ERR_SYNTAX, err, "an object is expected here");
 }
 
 int orl_gltf_member(const struct orl_gltf_item *at, const char *key,
@@ -61,7 +61,7 @@ int orl_gltf_member(const struct orl_gltf_item *at, const char *key,
     name_inner(at, key, ret_inner);
     return !ret_inner->object || json_is_object(ret_inner->object)
                ? 0
-               : orl_gltf_fail(ret_inner, ORL_ERR_SYNTAX, err, "an object is wanted here");
+               : orl_gltf_fail(ret_inner, ORL_ERR_SYNTAX, err, "an object is expected here");
 }
 
 int orl_gltf_length(const struct orl_gltf_item *at, const char *list, size_t *ret_length,
@@ -72,7 +72,7 @@ int orl_gltf_length(const struct orl_gltf_item *at, const char *list, size_t *re
     *ret_length = json_array_size(all.object);
     return !all.object || json_is_array(all.object)
                ? 0
-               : orl_gltf_fail(&all, ORL_ERR_SYNTAX, err, "a list is wanted here");
+               : orl_gltf_fail(&all, ORL_ERR_SYNTAX, err, "a list is expected here");
 }
 
 static bool read_whole(const json_t *value, size_t *ret_value)
@@ -90,7 +90,8 @@ int orl_gltf_integer(const struct orl_gltf_item *at, const char *key, size_t *va
     const json_t *const member = json_object_get(at->object, key);
     return !member || read_whole(member, value)
                ? 0
-               : orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "'%s' is no whole number from 0 on", key);
+               : orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "'%s' is not a whole number from 0 up",
+                               key);
 }
 
 int orl_gltf_integer_in_list(const struct orl_gltf_item *at, const char *list, size_t i,
@@ -100,7 +101,7 @@ int orl_gltf_integer_in_list(const struct orl_gltf_item *at, const char *list, s
     return read_whole(member, ret_value)
                ? 0
                : orl_gltf_fail(at, ORL_ERR_SYNTAX, err,
-                               "'%s' has a member that is no whole number from 0 on", list);
+                               "'%s' has a member that is not a whole number from 0 up", list);
 }
 
 int orl_gltf_numbers(const struct orl_gltf_item *at, const char *key, size_t n, double *values,
@@ -171,21 +172,21 @@ static int refuse_file(const struct orl_gltf_file *file, int code, const char *w
 static int read_chunks(struct orl_gltf_file *file, const char *data, size_t size,
                        struct orl_gltf_bytes *ret_json, struct orl_error *err)
 {
-    static const char cut[] = "the file is cut short: copy or export it again";
+    static const char cut[] = "the file is truncated: copy or export it again";
     size_t at = GLB_HEAD;
     if (read_u32(data + 4) != 2)
-        return refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2",
+        return refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not version 2",
                            "export it again as glTF 2.0", err);
     if (read_u32(data + 8) > size)
-        return refuse_file(file, ORL_ERR_SYNTAX, "its head says that the file is longer", cut, err);
+        return refuse_file(file, ORL_ERR_SYNTAX, "its header gives a longer file", cut, err);
     size = read_u32(data + 8);
     while (at <= size && size - at >= CHUNK_HEAD) {
         const size_t length = read_u32(data + at);
         const char *const type = data + at + 4;
         const struct orl_gltf_bytes chunk = {(const unsigned char *)type + 4, length};
         if (length > size - at - CHUNK_HEAD)
-            return refuse_file(file, ORL_ERR_SYNTAX, "a chunk of it ends behind the file's end",
-                               cut, err);
+            return refuse_file(file, ORL_ERR_SYNTAX,
+                               "one of its chunks extends beyond the file's end", cut, err);
         if (at == GLB_HEAD && memcmp(type, "JSON", 4) == 0)
             *ret_json = chunk;
         else if (!file->chunk.data && memcmp(type, "BIN", 4) == 0)
@@ -193,7 +194,7 @@ static int read_chunks(struct orl_gltf_file *file, const char *data, size_t size
         at += CHUNK_HEAD + length;
     }
     return ret_json->data ? 0
-                          : refuse_file(file, ORL_ERR_SYNTAX, "its first chunk is no JSON",
+                          : refuse_file(file, ORL_ERR_SYNTAX, "its first chunk is not JSON",
                                         "export it again as glTF 2.0", err);
 }
 
@@ -208,13 +209,13 @@ static int read_json(struct orl_gltf_file *file, const char *text, size_t size,
         size--; /* strips the chunk's padding */
     if (orl_json_memory_estimate(text + begin, size - begin) > ORL_LIMIT_JSON_MEMORY)
         return refuse_file(file, ORL_ERR_LIMIT, "its JSON has too many values",
-                           "export it as .glb, or in several files", err);
+                           "export it as .glb, or split it into several files", err);
     file->document = orl_json_read(text + begin, size - begin, JSON_REJECT_DUPLICATES, &where);
     if (!file->document && errno == ENOMEM)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
     if (!file->document) {
         orl_gltf_fail(&file->root, ORL_ERR_SYNTAX, err,
-                      "this is no glTF 2.0 that can be read: its JSON, line %d, column %d: %s",
+                      "this is not a readable glTF 2.0 file: JSON line %d, column %d: %s",
                       where.line, where.column, where.text);
         return ORL_ERR_SYNTAX;
     }
@@ -233,12 +234,12 @@ static int check_version(const struct orl_gltf_file *file, struct orl_error *err
     if (!version)
         return refuse_file(
             file, ORL_ERR_SYNTAX,
-            "this is no glTF 2.0 that can be read: it has no 'asset' with a 'version'",
+            "this is not a readable glTF 2.0 file: it has no 'asset' with a 'version'",
             "export it again as glTF 2.0", err);
     return version[0] == '2' && (version[1] == '.' || !version[1]) &&
                    (!least || strcmp(least, "2.0") == 0)
                ? 0
-               : refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not of version 2.0",
+               : refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not version 2.0",
                              "export it again as glTF 2.0", err);
 }
 
@@ -273,9 +274,9 @@ static int check_extensions(const struct orl_gltf_file *file, struct orl_error *
         const char *const name = json_string_value(json_array_get(names, i));
         if (name && is_known(name))
             continue;
-        orl_gltf_fail(&file->root, ORL_ERR_UNSUPPORTED, err, "the extension '%.80s' is not read",
-                      name ? name : "");
-        orl_error_hint(err, "export it without, as without compression");
+        orl_gltf_fail(&file->root, ORL_ERR_UNSUPPORTED, err,
+                      "the extension '%.80s' is not supported", name ? name : "");
+        orl_error_hint(err, "export it without this extension, for example without compression");
         return ORL_ERR_UNSUPPORTED;
     }
     return code;
@@ -308,7 +309,7 @@ static int decode_text(const struct orl_gltf_item *at, const char *uri,
     const char *const comma = strchr(uri, ',');
     if (!comma || (size_t)(comma - uri) < sizeof mark - 1 ||
         memcmp(comma - (sizeof mark - 1), mark, sizeof mark - 1) != 0)
-        return orl_gltf_fail(at, ORL_ERR_UNSUPPORTED, err, "its 'uri' holds data not as base64");
+        return orl_gltf_fail(at, ORL_ERR_UNSUPPORTED, err, "the data in its 'uri' are not base64");
     size_t length = strlen(comma + 1);
     while (length > 0 && comma[length] == '=')
         length--;
@@ -318,7 +319,7 @@ static int decode_text(const struct orl_gltf_item *at, const char *uri,
     if (sodium_base642bin(buffer->decoded, length / 4 * 3 + 3, comma + 1, length, NULL,
                           &buffer->bytes.size, NULL,
                           sodium_base64_VARIANT_ORIGINAL_NO_PADDING) != 0)
-        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "its base64 does not decode");
+        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "its base64 data are invalid");
     buffer->bytes.data = buffer->decoded;
     return 0;
 }
@@ -353,9 +354,9 @@ static int open_buffer(struct orl_gltf_file *file, const struct orl_gltf_item *a
     else if (index == 0 && file->chunk.data)
         buffer->bytes = file->chunk;
     else
-        code = orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "its bytes are nowhere");
+        code = orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it has neither a 'uri' nor a binary chunk");
     if (code == 0 && buffer->bytes.size < length)
-        code = orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it has %zu bytes, not the %zu that it says",
+        code = orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it has %zu bytes, but states %zu",
                              buffer->bytes.size, length);
     buffer->bytes.size = length;
     return code;
@@ -381,11 +382,11 @@ int orl_gltf_file_step(struct orl_gltf_file *file, const struct orl_gltf_item *a
     file->steps += steps;
     if (file->steps <= ORL_LIMIT_SURFACES)
         return 0;
-    orl_gltf_fail(at, ORL_ERR_LIMIT, err,
-                  "with this it has more than %lu triangles, meshes in their places and vertices "
-                  "given apart",
-                  ORL_LIMIT_SURFACES);
-    orl_error_hint(err, "export less of it, or repeat parts of it by instances of octrees");
+    orl_gltf_fail(
+        at, ORL_ERR_LIMIT, err,
+        "here the file exceeds %lu triangles, counting every use of a mesh and sparse vertices",
+        ORL_LIMIT_SURFACES);
+    orl_error_hint(err, "export less of it, or repeat parts of it with octree instances");
     return ORL_ERR_LIMIT;
 }
 

@@ -26,7 +26,7 @@ static int read_matrix(const struct orl_gltf_item *node, const double m[16],
 {
     if (fabs(m[3]) + fabs(m[7]) + fabs(m[11]) + fabs(m[15] - 1) > 1e-5)
         return orl_gltf_fail(node, ORL_ERR_UNSUPPORTED, err,
-                             "its 'matrix' has another last row than 0 0 0 1");
+                             "the last row of its 'matrix' is not 0 0 0 1");
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++)
             ret_transform->row[i][j] = m[4 * j + i];
@@ -44,8 +44,8 @@ static int compose(const struct orl_gltf_item *at, const double scale[3], const 
         length += rotation[k] * rotation[k];
     length = sqrt(length);
     if (!(fabs(length - 1) < 0.05))
-        return orl_gltf_fail(at, ORL_ERR_RANGE, err, "its rotation is a quaternion of length %.3g",
-                             length);
+        return orl_gltf_fail(at, ORL_ERR_RANGE, err,
+                             "its rotation quaternion has length %.3g instead of 1", length);
     const double x = rotation[0] / length, y = rotation[1] / length, z = rotation[2] / length,
                  w = rotation[3] / length;
     const double turned[3][3] = {
@@ -76,7 +76,7 @@ int orl_gltf_transform_read(const struct orl_gltf_item *node,
         return code;
     if (whole && (scaled || rotated || moved))
         return orl_gltf_fail(node, ORL_ERR_SYNTAX, err,
-                             "it has a 'matrix', and a 'scale', 'rotation' or 'translation'");
+                             "it has both a 'matrix' and a 'scale', 'rotation' or 'translation'");
     return whole ? read_matrix(node, matrix, ret_transform, err)
                  : compose(node, scale, rotation, translation, ret_transform, err);
 }
@@ -126,7 +126,8 @@ int orl_gltf_instances_open(struct orl_gltf_file *file, const struct orl_gltf_it
         code = open_attribute(file, &attributes, "TRANSLATION", "VEC3", &instances->translation,
                               &instances->count, &instances->given[2], err);
     return code == 0 && instances->count == 0
-               ? orl_gltf_fail(&own, ORL_ERR_SYNTAX, err, "it says of no copy where it is")
+               ? orl_gltf_fail(&own, ORL_ERR_SYNTAX, err,
+                               "it does not give the position of any copy")
                : code;
 }
 

@@ -39,7 +39,7 @@ int orl_binary_open(const char *data, size_t size, const char *format,
     const size_t most = size < HEADER_MAX ? size : HEADER_MAX;
     const char *end = most > 2 ? memmem(data, most, "\n\n", 2) : NULL;
     if (!end || memcmp(data, "#?", 2) != 0 || !says_format(data, (size_t)(end - data) + 1, format))
-        return orl_error_set(err, ORL_ERR_SYNTAX, "it is not a file of format %s", format);
+        return orl_error_set(err, ORL_ERR_SYNTAX, "its format is not %s", format);
     *ret = (struct orl_binary_reader){
         .data = (const unsigned char *)data, .size = size, .at = (size_t)(end - data) + 2};
     return 0;

@@ -59,7 +59,7 @@ static int open_file(struct inside *inside, const struct orl_file *file, const c
         return code;
     const int64_t bytes = orl_binary_int(&inside->reader, 2) - magic;
     if (bytes < 1 || bytes > NUMBER_BYTES_MAX)
-        return orl_binary_fail(&inside->reader, "it is of an unknown version of its format", err);
+        return orl_binary_fail(&inside->reader, "the version of its format is unknown", err);
     inside->bytes = (unsigned)bytes;
     for (int i = 0; i < 4; i++)
         ret_cube[i] = strtod(orl_binary_string(&inside->reader), NULL);
@@ -77,13 +77,13 @@ static int read_named(struct inside *inside, size_t *ret_count, struct orl_error
     while (code == 0 && *(name = orl_binary_string(&inside->reader))) {
         if (name[0] == '!')
             return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                                 "its octree was made of a command's output ('%.60s')", name);
+                                 "its octree was made from a command's output ('%.60s')", name);
         code = orl_parser_include(inside->parser, &inside->scope, name, err);
         ++*ret_count;
     }
     if (code == ORL_ERR_NOT_FOUND && err->hint[0] == '\0')
-        orl_error_hint(err, "the octree names the files that it was made of, and they are read in "
-                            "its place: send them along, or freeze it (oconv -f)");
+        orl_error_hint(err, "the octree only names the files that it was made from: upload them "
+                            "too, or freeze it (oconv -f)");
     return code == 0 && inside->reader.ended ? orl_binary_fail(&inside->reader, "", err) : code;
 }
 
@@ -217,7 +217,7 @@ static int begin_file(struct orl_parser *parser, const struct orl_scope *scope,
     const char *modifier = scope->modifier ? scope->modifier : primitive->modifier;
     if (primitive->n_strings < 1 || primitive->n_reals != 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "it takes a file and a transform, and no numbers");
+                               "it takes a file and a transform, but no numbers");
     *inside = (struct inside){.parser = parser, .scope = *scope};
     inside->scope.outer = scope;
     inside->scope.modifier = NULL;

@@ -175,7 +175,7 @@ static int read_entry(const struct orl_lamp_table *table, int number, struct orl
     const char delimiter = *line.at++;
     ret->pattern = (struct span){line.at, find_end(line, delimiter)};
     if (ret->pattern.end == line.end)
-        return fail(table, number, ORL_ERR_SYNTAX, "a lamp's pattern does not end", err);
+        return fail(table, number, ORL_ERR_SYNTAX, "a lamp's pattern is not closed", err);
     if (ret->pattern.end - ret->pattern.at > LONGEST)
         return fail(table, number, ORL_ERR_LIMIT, "a lamp's pattern is too long", err);
     ret->rest = (struct span){ret->pattern.end + 1, line.end};
@@ -188,8 +188,8 @@ static int read_entry(const struct orl_lamp_table *table, int number, struct orl
 static int read_lamp(const struct orl_lamp_table *table, int line, struct span rest,
                      struct orl_lamp_entry *ret, struct orl_error *err)
 {
-    static const char what[] = "behind a lamp's pattern x, y and the share of its light are "
-                               "expected, or another's name between ()";
+    static const char what[] = "x, y and the share of light, or another lamp's name in (), are "
+                               "expected after a lamp's pattern";
     const struct orl_scanner scanner = {.name = table->name, .line = line};
     double *const numbers[] = {&ret->x, &ret->y, &ret->share};
     struct orl_slice left = {rest.at, (size_t)(rest.end - rest.at)};
@@ -202,8 +202,8 @@ static int read_lamp(const struct orl_lamp_table *table, int line, struct span r
     }
     const double x = ret->x, y = ret->y, share = ret->share;
     if (!(x >= 0 && y >= 1e-3 && x + y <= 1 && share >= 0 && share <= 1e6))
-        return fail(table, line, ORL_ERR_RANGE, "a lamp's x y are no colour, or its share below 0",
-                    err);
+        return fail(table, line, ORL_ERR_RANGE,
+                    "a lamp's x y are not a colour, or its share is below 0", err);
     ret->color = orl_tristimulus_rgb(
         (struct orl_tristimulus){x / y * share, share, (1 - x - y) / y * share});
     return 1;
@@ -226,7 +226,8 @@ static int find_entry(struct orl_lamp_table *table, struct span words, int befor
         if (code > 0 && is_in(ret->pattern, words, &table->steps))
             return number;
         if (table->steps < 0)
-            return fail(table, number, ORL_ERR_LIMIT, "the patterns of lamps take too long", err);
+            return fail(table, number, ORL_ERR_LIMIT, "the lamp patterns take too long to match",
+                        err);
     }
     return 0;
 }
@@ -241,8 +242,7 @@ int orl_lamp_find(struct orl_lamp_table *table, const char *words, size_t length
     for (int n = 0; line > 0 && entry.rest.at < entry.rest.end && *entry.rest.at == '('; n++) {
         const int named = line;
         if (n == LONGEST)
-            return fail(table, named, ORL_ERR_LIMIT,
-                        "from one lamp's name to another's it is too far", err);
+            return fail(table, named, ORL_ERR_LIMIT, "the chain of lamp names is too long", err);
         wanted.at = entry.rest.at + 1;
         wanted.end = find_end((struct span){wanted.at, entry.rest.end}, ')');
         line = find_entry(table, wanted, named, &entry, err);

@@ -44,8 +44,8 @@ static struct luminaire_shape ellipse(double length, double width, double height
 {
     const double mean = (length + width) / 2;
     const bool round = fabs(length - mean) < mean / 2;
-    orl_text_warn(text, "its opening is an ellipse: it shines as a %s",
-                  round ? "circular one" : "box");
+    orl_text_warn(text, "its opening is an ellipse: it is simulated as a %s",
+                  round ? "circle" : "box");
     return round ? disc(width, height) : box(width, length, height);
 }
 
@@ -105,7 +105,8 @@ static bool read_shape(const struct orl_ies *ies, struct orl_text *text,
     default:
         break;
     }
-    orl_text_warn(text, "its opening is a lying cylinder or an ellipsoid: it shines as a box");
+    orl_text_warn(text,
+                  "its opening is a horizontal cylinder or an ellipsoid: it is simulated as a box");
     *ret = box(l, w, h);
     return l > 0 || w > 0;
 }
@@ -236,16 +237,15 @@ static void warn_of_angles(const struct orl_ies *ies, struct orl_text *text)
 {
     const double first = ies->horizontal[0], last = ies->horizontal[ies->n_horizontal - 1];
     if (!orl_ies_is_complete(ies))
-        orl_text_warn(text,
-                      "its vertical angles are from %g to %g degrees: beyond these it gives no "
-                      "light",
-                      ies->vertical[0], ies->vertical[ies->n_vertical - 1]);
+        orl_text_warn(
+            text, "its vertical angles are from %g to %g degrees: it emits no light beyond these",
+            ies->vertical[0], ies->vertical[ies->n_vertical - 1]);
     if (!orl_ies_has_all_planes(ies))
         orl_text_warn(text, "its horizontal angles are from %g to %g degrees: beyond these %s",
                       first, last,
-                      ies->type_b          ? "it gives no light"
-                      : last - first > 180 ? "it is interpolated to the first of them"
-                                           : "it gives what it gives at the last of them");
+                      ies->type_b          ? "it emits no light"
+                      : last - first > 180 ? "it is interpolated towards the first angle"
+                                           : "it emits as at the last angle");
 }
 
 /* Writes the whole luminaire except its geometry, around which it is an illum. */
@@ -256,7 +256,7 @@ static int add_luminaire(const struct luminaire *lamp, const struct orl_ies *ies
     const double size = 2 * lamp->illum_radius / lamp->unit;
     struct luminaire_shape shape = {BODY_BALL, size, size, size};
     if (!(lamp->illum_radius > 0) && !read_shape(ies, text, &shape))
-        return orl_error_set(err, ORL_ERR_RANGE, "its sizes make no shape that LM-63 has");
+        return orl_error_set(err, ORL_ERR_RANGE, "its sizes do not define a shape of LM-63");
     if (lamp->illum_radius > 0 && size < MIN_M)
         return orl_error_set(err, ORL_ERR_RANGE, "ies2rad: the radius of -i is too small");
     struct faces faces = {
@@ -299,7 +299,7 @@ static void take_lamp(struct luminaire *lamp, const struct orl_lamp_entry *known
     lamp->color[0] = known->color.r;
     lamp->color[1] = known->color.g;
     lamp->color[2] = known->color.b;
-    orl_text_warn(text, "by %.80s its lamp gives %g of its first light, of CIE x %g y %g",
+    orl_text_warn(text, "by %.80s its lamp gives %g of its initial light, with CIE x %g y %g",
                   lamp->table, known->share, known->x, known->y);
 }
 
@@ -346,7 +346,7 @@ static int apply_lamp_table(struct luminaire *lamp, struct orl_parser *parser, c
     const int code = orl_sources_find(&parser->sources, folder, lamp->table, &index, &missing);
     if (code == ORL_ERR_NOT_FOUND && strcmp(lamp->table, usual_table) == 0) {
         if (lamp->type || lamp->otherwise)
-            orl_text_warn(text, "there is no %s to look up its lamp in", usual_table);
+            orl_text_warn(text, "its lamp cannot be looked up: there is no %s", usual_table);
         return 0;
     }
     if (code < 0) {
@@ -393,7 +393,8 @@ static int find_geometry(struct orl_parser *parser, const char *folder, const st
     const int code = orl_sources_find(&parser->sources, folder, ies->geometry, &index, &missing);
     *ret_found = code == 0;
     if (code == ORL_ERR_NOT_FOUND)
-        orl_text_warn(text, "its geometry, %.80s, is not there: it shines without", ies->geometry);
+        orl_text_warn(text, "its geometry, %.80s, is missing: it is simulated without",
+                      ies->geometry);
     else if (code < 0)
         *err = missing;
     return code == ORL_ERR_NOT_FOUND ? 0 : code;
@@ -438,7 +439,8 @@ static int name_lamp(struct luminaire *lamp, const char *file, struct orl_error 
     const char *const slash = strrchr(file, '/'), *const base = slash ? slash + 1 : file;
     const char *const dot = strrchr(base, '.');
     if (strchr(file, '\''))
-        return orl_error_set(err, ORL_ERR_SYNTAX, "a luminaire's file has no ' in its name");
+        return orl_error_set(err, ORL_ERR_SYNTAX,
+                             "the name of a luminaire's file must not contain '");
     snprintf(lamp->name, sizeof lamp->name, "%.*s", dot && dot > base ? (int)(dot - base) : 100,
              base);
     lamp->file = file;
@@ -463,7 +465,8 @@ static int read_unit(const char *option, double *ret_unit, struct orl_error *err
             return 0;
         }
     return orl_error_set(err, ORL_ERR_SYNTAX,
-                         "ies2rad: '%.40s' is no unit: -dm, -dc, -di or -df, and /1000 of it, say",
+                         "ies2rad: '%.40s' is not a unit: use -dm, -dc, -di or -df, optionally "
+                         "divided as in -dm/1000",
                          option);
 }
 
@@ -502,7 +505,7 @@ static int read_option(struct orl_words *words, struct luminaire *lamp, struct o
         code = orl_error_set(err, ORL_ERR_UNSUPPORTED, "ies2rad: '%.40s' is not supported", option);
     if (code == 0 && !(lamp->factor >= 0 && lamp->illum_radius >= 0 && lamp->color[0] >= 0 &&
                        lamp->color[1] >= 0 && lamp->color[2] >= 0))
-        code = orl_error_set(err, ORL_ERR_RANGE, "ies2rad: numbers below 0");
+        code = orl_error_set(err, ORL_ERR_RANGE, "ies2rad: numbers must not be negative");
     return code;
 }
 
@@ -520,7 +523,7 @@ int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
     while (code == 0 && left.left > 0 && left.at[0][0] == '-')
         code = read_option(&left, &lamp, err);
     if (code == 0 && left.left != 1)
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "ies2rad takes one file here");
+        code = orl_error_set(err, ORL_ERR_SYNTAX, "ies2rad takes exactly one file");
     if (code == 0)
         code = name_lamp(&lamp, left.at[0], err);
     if (code == 0)

@@ -29,7 +29,7 @@ static int find_cut(struct orl_parser *parser, const struct orl_scope *scope, si
     const struct orl_symbol *const symbol = orl_symbols_find(&parser->symbols, name);
     if (!symbol)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                               "'%.200s', which it cuts, is not defined before", name);
+                               "'%.200s', which it cuts, is not defined before it", name);
     if (symbol->kind == ORL_SYMBOL_MATERIAL &&
         is_cuttable(&parser->out->materials[symbol->index])) {
         *ret_index = symbol->index;
@@ -37,8 +37,8 @@ static int find_cut(struct orl_parser *parser, const struct orl_scope *scope, si
     }
     orl_parser_fail(
         parser, scope, err, ORL_ERR_UNSUPPORTED,
-        "antimatter cuts plastic, metal, ashik2 and mixtures of these: '%.200s' is none", name);
-    orl_error_hint(err, "cut the hole into the polygons of that");
+        "antimatter can cut only plastic, metal, ashik2 and mixtures of these, not '%.200s'", name);
+    orl_error_hint(err, "cut the hole into the polygons of that material");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -50,10 +50,10 @@ int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_sco
     if (code < 0)
         return code;
     if (n < 1 || n > ORL_LIMIT_CUT)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "antimatter takes the names of 1 to %u materials that it cuts; here "
-                               "are %zu",
-                               ORL_LIMIT_CUT, n);
+        return orl_parser_fail(
+            parser, scope, err, ORL_ERR_SYNTAX,
+            "antimatter takes the names of 1 to %u materials that it cuts, not %zu", ORL_LIMIT_CUT,
+            n);
     uint32_t *const cut = orl_arena_alloc(parser->out->arena, n * sizeof *cut);
     if (!cut)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");

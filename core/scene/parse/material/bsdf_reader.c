@@ -64,8 +64,8 @@ static void warn_of_gain(struct orl_parser *parser, const struct orl_material *m
     for (int front = 0; front < 2; front++)
         if (added[front] > 0 && fmin(1, info.max_albedo[front]) + added[front] > 1)
             orl_parser_warn(parser,
-                            "BSDF %s: with its diffuse parts it sends out up to %.3f of the light "
-                            "from its %s; where that is above 1 it is rescaled to 1",
+                            "BSDF %s: with its diffuse parts it scatters up to %.3f of the light "
+                            "from its %s; values above 1 are rescaled to 1",
                             parser->primitive.id, fmin(1, info.max_albedo[front]) + added[front],
                             front ? "front" : "back");
 }
@@ -81,7 +81,7 @@ static int read_bsdf_numbers(struct orl_parser *parser, const struct orl_scope *
         code = orl_material_number(parser, scope, file + 1 + i, up + i, err);
     if (code == 0 && strcmp(orl_primitive_string(&parser->primitive, file + 4), ".") != 0)
         code = orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "function files ('%.60s') are not read: '.' must stand there",
+                               "function files ('%.60s') are not supported here: write '.' instead",
                                orl_primitive_string(&parser->primitive, file + 4));
     if (code == 0)
         code = orl_parser_string_xform(parser, scope, file + 5, &xform, err);
@@ -106,7 +106,7 @@ int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *sc
     material->peak = file == 0;
     if (primitive->n_strings < file + 5)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "%s string arguments: %sfile, up x y z, and '.'; here are %zu",
+                               "%s string arguments: %sfile, up x y z, and '.', not %zu",
                                file == 0 ? "an aBSDF takes five" : "a BSDF takes six",
                                file == 0 ? "" : "thickness, ", primitive->n_strings);
     code = read_bsdf_numbers(parser, scope, file, material, err);

@@ -18,8 +18,8 @@ static int refuse_directed(struct orl_material_sum *sum)
 {
     orl_parser_fail(sum->parser, sum->scope, sum->err, ORL_ERR_UNSUPPORTED,
                     "a pattern of one of its parts depends on the ray's direction (Dx Dy Dz, "
-                    "Rdot), which is simulated on what shines only");
-    orl_error_hint(sum->err, "write void in its place");
+                    "Rdot), which is simulated only on light sources");
+    orl_error_hint(sum->err, "write void instead");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -97,10 +97,10 @@ int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl
     const bool trans = strncmp(type, "trans", 5) == 0;
     const size_t least = trans ? 6 : 4;
     if (parser->primitive.n_reals < least)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "%s takes %zu numbers, and those that its function asks for; here "
-                               "are %zu",
-                               type, least, parser->primitive.n_reals);
+        return orl_parser_fail(
+            parser, scope, err, ORL_ERR_SYNTAX,
+            "%s takes at least %zu numbers, plus those that its function uses, but has %zu", type,
+            least, parser->primitive.n_reals);
     material->color = orl_material_rgb(parser, 0);
     material->specular = r[3];
     material->transmitted = trans ? r[4] : 0;
@@ -139,10 +139,11 @@ static int refuse_gain(struct orl_parser *parser, const struct orl_scope *scope,
                        double sum, struct orl_error *err)
 {
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                    "at a cosine of %g it returns %g of the light, more than all", cosine, sum);
+                    "at a cosine of %g it scatters %g of the incident light, which is more than 1",
+                    cosine, sum);
     orl_error_hint(err,
-                   "what it mirrors, lets pass and spreads evenly (%s of the nine numbers, and "
-                   "the last three) are to add up to 1 at most in each colour",
+                   "its mirrored, straight and diffuse light (%s of the nine numbers, and the last "
+                   "three) must add up to at most 1 in each colour",
                    cosine > 0 ? "the first three" : "the second three");
     return ORL_ERR_RANGE;
 }
@@ -187,8 +188,8 @@ static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
     }
     if (code == 0 && most > 1 + slack)
         orl_parser_warn(parser,
-                        "BRTDfunc %.100s at %.200s:%d: at grazing it returns up to %.3g of the "
-                        "light: cut to all",
+                        "BRTDfunc %.100s at %.200s:%d: at grazing angles it scatters up to %.3g of "
+                        "the incident light: clamped to 1",
                         parser->primitive.id, scope->file, parser->primitive.line, most);
     return code;
 }
@@ -237,9 +238,9 @@ static int refuse_texture(struct orl_parser *parser, const struct orl_scope *sco
                           struct orl_error *err)
 {
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                    "textures are not simulated on BRTDfunc: '%.200s' is one",
+                    "textures such as '%.200s' are not simulated on BRTDfunc",
                     parser->primitive.modifier);
-    orl_error_hint(err, "write void in its place");
+    orl_error_hint(err, "write void instead");
     return ORL_ERR_UNSUPPORTED;
 }
 

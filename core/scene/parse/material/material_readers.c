@@ -24,9 +24,9 @@ int orl_material_check_range(struct orl_parser *parser, const struct orl_scope *
     orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its %s (%g %g %g) is not from 0 to %s1",
                     what, c.r, c.g, c.b, closed ? "" : "below ");
     if (rgb_min(c) < 0)
-        orl_error_hint(err, "shares of light are not negative: is 0 meant?");
+        orl_error_hint(err, "shares of light cannot be negative: write 0 instead?");
     else
-        orl_error_hint(err, "a surface that returns all light, or more, has no answer");
+        orl_error_hint(err, "a surface must not return all incident light, or more");
     return ORL_ERR_RANGE;
 }
 
@@ -37,7 +37,7 @@ int orl_material_number(struct orl_parser *parser, const struct orl_scope *scope
     if (orl_number_read(text, strlen(text), ret_value) == ORL_NUMBER_OK)
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED, "'%.60s' is not a number", text);
-    orl_error_hint(err, "expressions are not evaluated: write the number itself");
+    orl_error_hint(err, "expressions are not evaluated here: write the number itself");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -49,7 +49,8 @@ static int expect_no_function(struct orl_parser *parser, const struct orl_scope 
     if (strcmp(text, ".") == 0)
         return 0;
     return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                           "function files ('%.60s') are not read: '.' must stand there", text);
+                           "function files ('%.60s') are not supported here: write '.' instead",
+                           text);
 }
 
 bool orl_material_is_patterned(enum orl_material_kind kind, bool directed)
@@ -86,8 +87,7 @@ static int find_alternate(struct orl_parser *parser, const struct orl_scope *sco
     }
     if (!symbol || symbol->kind != ORL_SYMBOL_MATERIAL)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                               "'%.100s', which it is to be seen as, is no material defined before",
-                               name);
+                               "its alternate '%.100s' is not a material defined before it", name);
     const struct orl_material *m = parser->out->materials + symbol->index;
     *ret_seen_as = m->kind == ORL_MATERIAL_ILLUM ? m->seen_as : (int32_t)symbol->index;
     return 0;
@@ -216,10 +216,10 @@ static int read_anisotropy_axis(struct orl_parser *parser, const struct orl_scop
     double anisotropy_axis[3] = {0, 0, 0};
     int code = 0;
     if (parser->primitive.n_strings < 4)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "%s takes four string arguments: the grain's x y z, and '.'; here "
-                               "are %zu",
-                               parser->primitive.type, parser->primitive.n_strings);
+        return orl_parser_fail(
+            parser, scope, err, ORL_ERR_SYNTAX,
+            "%s takes four string arguments: the grain's x y z, and '.', not %zu",
+            parser->primitive.type, parser->primitive.n_strings);
     for (size_t i = 0; i < 3 && code == 0; i++)
         code = orl_material_number(parser, scope, i, anisotropy_axis + i, err);
     if (code == 0)
@@ -259,7 +259,7 @@ int orl_material_read_anisotropic(struct orl_parser *parser, const struct orl_sc
         code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its roughness is too small: %g along the grain, %g across", r[4],
                                r[5]);
-        orl_error_hint(err, "what is smooth has no grain: use %s",
+        orl_error_hint(err, "a smooth surface has no grain: use %s",
                        trans                                  ? "trans"
                        : material->kind == ORL_MATERIAL_METAL ? "metal"
                                                               : "plastic");
@@ -309,8 +309,9 @@ int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *s
     code = orl_material_check_range(parser, scope, material->transmissivity, true, "transmissivity",
                                     err);
     if (code == ORL_ERR_RANGE)
-        orl_error_hint(err, "transmissivity excludes reflection: clear glass that transmits 0.88 "
-                            "has 0.96");
+        orl_error_hint(
+            err,
+            "transmissivity excludes reflection: for clear glass that transmits 0.88 it is 0.96");
     return code == 0 ? check_index(parser, scope, material->ior, err) : code;
 }
 
@@ -362,10 +363,9 @@ int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *sc
     const size_t n = parser->primitive.n_reals;
     const double per_length = 1 / scope->xform.scale;
     if (n != 0 && n != 3 && n != 6 && n != 7)
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "mist takes no numbers, or three of extinction, then perhaps three "
-                               "of albedo, and one of what is scattered forward; here are %zu",
-                               n);
+        return orl_parser_fail(
+            parser, scope, err, ORL_ERR_SYNTAX,
+            "mist takes 0, 3, 6 or 7 numbers (extinction, albedo, eccentricity), not %zu", n);
     const struct orl_rgb extinction = n >= 3 ? orl_material_rgb(parser, 0) : orl_gray(0);
     const struct orl_rgb albedo = n >= 6 ? orl_material_rgb(parser, 3) : orl_gray(0);
     material->asymmetry = n == 7 ? parser->primitive.reals[6] : 0;
@@ -425,10 +425,10 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
     material->transmissivity = glass ? seen->transmissivity : orl_gray(seen ? 0 : 1);
     material->ior = glass ? seen->ior : 1;
     orl_parser_warn(parser,
-                    "illum %.100s at %.200s:%d: it shines in place of the sky and all else behind "
-                    "it, of which %s",
+                    "illum %.100s at %.200s:%d: its light replaces the sky and everything behind "
+                    "it; through it, %s",
                     parser->primitive.id, scope->file, parser->primitive.line,
-                    seen && !glass ? "nothing passes" : "suns and lamps alone pass");
+                    seen && !glass ? "no light passes" : "only light from suns and lamps passes");
     return check_radiance(parser, scope, material->color, err);
 }
 
@@ -489,11 +489,11 @@ static void use_alternate(struct orl_parser *parser, const struct orl_scope *sco
                                                    .sky = -1};
     if (material->bsdf)
         orl_bsdf_ref(material->bsdf);
-    orl_parser_warn(
-        parser,
-        "mirror %.100s at %.200s:%d: it is '%.100s', which it is to be seen as, for all "
-        "light: suns are mirrored as by that",
-        primitive->id, scope->file, primitive->line, orl_primitive_string(primitive, 0));
+    orl_parser_warn(parser,
+                    "mirror %.100s at %.200s:%d: its alternate '%.100s' is used for all light, "
+                    "including the reflection of suns",
+                    primitive->id, scope->file, primitive->line,
+                    orl_primitive_string(primitive, 0));
 }
 
 int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *scope,
@@ -513,8 +513,8 @@ int orl_material_read_mirror(struct orl_parser *parser, const struct orl_scope *
     material->color = orl_material_rgb(parser, 0);
     if (instead != ORL_SEEN_AS_ITSELF)
         orl_parser_warn(parser,
-                        "mirror %.100s at %.200s:%d: it is a mirror for all light and every view, "
-                        "not '%.100s'",
+                        "mirror %.100s at %.200s:%d: it is simulated as a mirror for all light and "
+                        "every view; its alternate '%.100s' is ignored",
                         parser->primitive.id, scope->file, parser->primitive.line,
                         orl_primitive_string(&parser->primitive, 0));
     clamp_clear(parser, scope, &material->color);

@@ -144,7 +144,8 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
     if (!symbol) {
         orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
                         "its modifier '%.200s' is not defined", name);
-        orl_error_hint(err, "a pattern must be defined before what it modifies; void is none");
+        orl_error_hint(
+            err, "a pattern must be defined before what it modifies; write void for no pattern");
         return ORL_ERR_NOT_FOUND;
     }
     if (symbol->kind == ORL_SYMBOL_PATTERN) {
@@ -157,8 +158,8 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
     }
     if (symbol->kind != ORL_SYMBOL_SKY) {
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "a material cannot modify another: '%.200s' is one", name);
-        orl_error_hint(err, "write void in its place, or alias for another name of the same");
+                        "a material such as '%.200s' cannot modify another", name);
+        orl_error_hint(err, "write void instead, or use alias to give the material another name");
         return ORL_ERR_UNSUPPORTED;
     }
     material->sky = (int32_t)symbol->index;
@@ -172,15 +173,14 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
 {
     if (material->pattern &&
         !orl_material_is_patterned(material->kind, material->pattern->directed)) {
-        orl_parser_fail(
-            parser, scope, err, ORL_ERR_UNSUPPORTED,
-            orl_material_is_patterned(material->kind, false)
-                ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot) are "
-                  "simulated on what shines only: '%.200s' is one"
-                : "patterns are not simulated on dielectrics, BSDFs, BRTDfunc, "
-                  "prisms, antimatter and mixtures of unlike materials: '%.200s' is one",
-            parser->primitive.modifier);
-        orl_error_hint(err, "write void in its place");
+        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                        orl_material_is_patterned(material->kind, false)
+                            ? "patterns that depend on the ray's direction (Dx Dy Dz, Rdot), such "
+                              "as '%.200s', are simulated only on light sources"
+                            : "patterns such as '%.200s' are not simulated on dielectrics, BSDFs, "
+                              "BRTDfunc, prisms, antimatter and mixtures of unlike materials",
+                        parser->primitive.modifier);
+        orl_error_hint(err, "write void instead");
         return ORL_ERR_UNSUPPORTED;
     }
     if (material->texture &&
@@ -188,18 +188,18 @@ static int check_lit(struct orl_parser *parser, const struct orl_scope *scope,
          material->kind == ORL_MATERIAL_PRISM || material->kind == ORL_MATERIAL_FUNCTION_LOBES ||
          material->kind == ORL_MATERIAL_ANTIMATTER)) {
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "textures are not simulated on BSDFs, BRTDfunc, prisms, antimatter and "
-                        "lobes by functions or data: '%.200s' is one",
+                        "textures such as '%.200s' are not simulated on BSDFs, BRTDfunc, prisms, "
+                        "antimatter and lobes by functions or data",
                         parser->primitive.modifier);
-        orl_error_hint(err, "write void in its place");
+        orl_error_hint(err, "write void instead");
         return ORL_ERR_UNSUPPORTED;
     }
     if (material->sky < 0 || material->kind == ORL_MATERIAL_LIGHT ||
         material->kind == ORL_MATERIAL_GLOW)
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                    "a sky can modify light and glow only");
-    orl_error_hint(err, "write void in its place: what a surface reflects is not patterned by it");
+                    "a sky can modify only light and glow");
+    orl_error_hint(err, "write void instead: a sky cannot be a pattern of reflected light");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -229,9 +229,9 @@ static int overlay_pattern(struct orl_parser *parser, const struct orl_scope *sc
     const bool texture = strncmp(parser->primitive.type, "tex", 3) == 0;
     if (material.sky >= 0 || (material.mixed && !texture))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "'%.200s', which it lies on, %s", parser->primitive.modifier,
-                               material.mixed ? "mixes unlike materials"
-                                              : "shines by a sky's function");
+                               "'%.200s', which it modifies, %s", parser->primitive.modifier,
+                               material.mixed ? "is a mixture of unlike materials"
+                                              : "is modified by a sky");
     int code = orl_parser_pattern(parser, scope, material.pattern, material.texture, true, err);
     if (code < 0)
         return code;
@@ -330,14 +330,14 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
         return code;
     if (!symbol)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                               "'%.200s', which it stands for, is not defined", target);
+                               "its original '%.200s' is not defined", target);
     if (symbol->kind != ORL_SYMBOL_MATERIAL)
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
     const bool mixture = material.mixed || (material.pattern && material.pattern->mixture);
     if (mixture && (own.pattern || own.sky >= 0 || (material.mixed && own.texture)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "a mixture, '%.200s', has no pattern but those of what it mixes",
+                               "the mixture '%.200s' can have only the patterns of its materials",
                                target);
     material.sky = inherit ? material.sky : own.sky;
     material.pattern = inherit || mixture ? material.pattern : own.pattern;

@@ -29,10 +29,11 @@ static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, 
     }
     if (!symbol)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                               "'%.200s', which it mixes, is not defined", name);
+                               "its material '%.200s' is not defined", name);
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                    "mixtures are simulated of two materials: '%.200s' is none", name);
-    orl_error_hint(err, "name one of the materials instead");
+                    "only mixtures of two materials are simulated: '%.200s' is not a material",
+                    name);
+    orl_error_hint(err, "use one of the materials instead");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -75,18 +76,19 @@ static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope
 {
     const char *what = NULL;
     if (!is_mixable(two[0].kind) || !is_mixable(two[1].kind))
-        what = "mixtures of unlike materials are simulated of plastic, metal, trans, "
-               "those by functions, ashik2, glass, BRTDfunc, mirror, glow and void";
+        what = "mixtures of unlike materials are simulated only for plastic, metal, trans, those "
+               "by functions, ashik2, glass, BRTDfunc, mirror, glow and void";
     else if (two[0].sky >= 0 || two[1].sky >= 0)
         what = "a glow that a sky modifies cannot be mixed";
     else if (two[0].texture != two[1].texture && !has_no_normal(&two[0]) && !has_no_normal(&two[1]))
-        what = "mixtures of unlike materials are simulated where both have one texture, or none";
+        what = "mixtures of unlike materials are simulated only if both have the same texture, or "
+               "none";
     else if (count_leaves(&two[0]) + count_leaves(&two[1]) > ORL_MIXED_MAX)
-        what = "with all that it mixes it is more than eight materials";
+        what = "it mixes more than eight materials in total";
     if (!what)
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED, "%s", what);
-    orl_error_hint(err, "name one of the materials instead");
+    orl_error_hint(err, "use one of the materials instead");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -105,9 +107,9 @@ static int check_direction(struct orl_parser *parser, const struct orl_scope *sc
                            !orl_material_is_window(&two[1])))
         return 0;
     orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                    "its function asks for the ray's direction: so mixtures of unlike materials "
-                    "are simulated by Rdot alone, and of what lets no light through");
-    orl_error_hint(err, "name one of the materials instead");
+                    "its function uses the ray's direction: such mixtures of unlike materials may "
+                    "depend only on Rdot, and must be opaque");
+    orl_error_hint(err, "use one of the materials instead");
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -151,7 +153,7 @@ int orl_parser_texture_mixture(struct orl_parser *parser, const struct orl_scope
             continue;
         if (!can_be_turned(turned[i].kind))
             return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                                   "'%.200s', which it lies on, mixes BRTDfunc or lobes by "
+                                   "'%.200s', which it modifies, mixes BRTDfunc or lobes by "
                                    "functions or data: textures are not simulated on these",
                                    parser->primitive.modifier);
         turned[i].texture = mixture->texture;
@@ -170,7 +172,7 @@ int orl_parser_mix(struct orl_parser *parser, const struct orl_scope *scope,
     int code = 0;
     if (parser->primitive.n_strings < 2 || strcmp(parser->primitive.modifier, "void") != 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "a mixture takes two materials, and is modified by void");
+                               "a mixture takes two materials, and its modifier must be void");
     for (size_t i = 0; i < 2 && code == 0; i++) {
         code = find_mixed(parser, scope, i, &two[i], err);
         bare[i] = two[i];

@@ -61,12 +61,11 @@ static int find_modifier(struct reading *r, size_t i, struct orl_material *ret)
     }
     const struct orl_symbol *const symbol = orl_symbols_find(&r->parser->symbols, name);
     if (!symbol || symbol->kind != ORL_SYMBOL_PATTERN)
-        return orl_parser_fail(r->parser, r->scope, r->err,
-                               symbol ? ORL_ERR_UNSUPPORTED : ORL_ERR_NOT_FOUND,
-                               symbol ? "'%.200s', which modifies a part of it, is no pattern that "
-                                        "is simulated"
-                                      : "'%.200s', which modifies a part of it, is not defined",
-                               name);
+        return orl_parser_fail(
+            r->parser, r->scope, r->err, symbol ? ORL_ERR_UNSUPPORTED : ORL_ERR_NOT_FOUND,
+            symbol ? "'%.200s', which modifies a part of it, is not a pattern that is simulated"
+                   : "'%.200s', which modifies a part of it, is not defined",
+            name);
     struct orl_pattern *const top = r->parser->out->patterns[symbol->index];
     struct orl_pattern *const other =
         top->other ? r->parser->out->patterns[top->other->index] : NULL;
@@ -231,9 +230,9 @@ static int find_texture(struct reading *r, const struct orl_material *m,
         return 0;
     if (*found && *texture != m->texture) {
         orl_parser_fail(r->parser, r->scope, r->err, ORL_ERR_UNSUPPORTED,
-                        "its parts have textures that differ: WGMDfunc is simulated where all that "
-                        "is reflected has one, or none");
-        orl_error_hint(r->err, "give them one modifier ('inherit')");
+                        "its parts have different textures: WGMDfunc is simulated only if all "
+                        "reflected parts have the same texture, or none");
+        orl_error_hint(r->err, "give them the same modifier ('inherit')");
         return ORL_ERR_UNSUPPORTED;
     }
     *texture = m->texture;

@@ -93,22 +93,22 @@ static int read_condition(struct orl_scanner *r, struct rule *rule, struct orl_e
     char name[ORL_WAVEFRONT_NAME];
     int q = 0;
     if (!take_name(r, name))
-        return fail(r, "a condition is (Group \"name\") or (Face [1:20])", err);
+        return fail(r, "a condition must be like (Group \"name\") or (Face [1:20])", err);
     while (q < QUALIFIERS && strcmp(qualifiers[q], name) != 0)
         q++;
     if (q == QUALIFIERS)
-        return fail(r, "a condition is of Material, Map, Group, Object or Face", err);
+        return fail(r, "a condition must begin with Material, Map, Group, Object or Face", err);
     struct condition *c = &rule->conditions[q];
     if (c->asked)
-        return fail(r, "a rule has two conditions of one kind", err);
+        return fail(r, "a rule has two conditions of the same kind", err);
     c->asked = true;
     c->is_range = take_character(r, '[');
     if (c->is_range && (!take_whole(r, &c->low) || !take_character(r, ':') ||
                         !take_whole(r, &c->high) || !take_character(r, ']')))
-        return fail(r, "a range is [1:20]", err);
+        return fail(r, "a range must be like [1:20]", err);
     if (!c->is_range && !take_name(r, c->name))
-        return fail(r, "a condition has a name or a range", err);
-    return take_character(r, ')') ? 0 : fail(r, "a condition ends with ')'", err);
+        return fail(r, "a condition needs a name or a range", err);
+    return take_character(r, ')') ? 0 : fail(r, "a condition must end with ')'", err);
 }
 
 static int read_rule(struct orl_scanner *r, struct rule *rule, struct orl_error *err)
@@ -116,11 +116,11 @@ static int read_rule(struct orl_scanner *r, struct rule *rule, struct orl_error 
     int code = 0;
     *rule = (struct rule){.material = ""};
     if (!take_name(r, rule->material))
-        return fail(r, "a rule begins with a material", err);
+        return fail(r, "a rule must begin with a material", err);
     while (code == 0 && take_character(r, '('))
         code = read_condition(r, rule, err);
     if (code == 0 && !take_character(r, ';'))
-        code = fail(r, "a rule ends with ';'", err);
+        code = fail(r, "a rule must end with ';'", err);
     return code;
 }
 

@@ -186,8 +186,8 @@ static void warn_of_normals(const struct object *object)
 {
     if (object->unturned > 0)
         orl_parser_warn(object->parser,
-                        "%.200s: %llu faces are flat, whose corners have normals: those look away "
-                        "from the face, or the face is not convex",
+                        "%.200s: %llu faces are shaded flat: their vertex normals point away from "
+                        "the face, or the face is not convex",
                         object->scope->file, (unsigned long long)object->unturned);
 }
 
@@ -202,10 +202,10 @@ static int read_obj(struct object *object, const struct orl_file *file, struct o
     if (code == 0)
         warn_of_normals(object);
     if (code == 0 && ignored.curved > 0)
-        orl_parser_warn(object->parser,
-                        "%.200s: %llu curves and curved surfaces are passed over: export them as "
-                        "polygons",
-                        object->scope->file, (unsigned long long)ignored.curved);
+        orl_parser_warn(
+            object->parser,
+            "%.200s: %llu curves and curved surfaces are ignored: export them as polygons",
+            object->scope->file, (unsigned long long)ignored.curved);
     free(object->reals);
     free(object->next);
     return code;
@@ -264,12 +264,12 @@ static void warn_of_ignored(const struct object *object, const struct orl_gltf_i
         orl_parser_warn(object->parser, "%.200s has no triangles in its scene", file);
     if (ignored->skinned > 0)
         orl_parser_warn(object->parser,
-                        "%.200s: %llu meshes that a skeleton moves stand as they are without it",
-                        file, (unsigned long long)ignored->skinned);
+                        "%.200s: %llu meshes with a skeleton are used in their rest pose", file,
+                        (unsigned long long)ignored->skinned);
     if (ignored->blended > 0)
         orl_parser_warn(object->parser,
-                        "%.200s: %llu meshes whose shape is blended of several stand in the first",
-                        file, (unsigned long long)ignored->blended);
+                        "%.200s: %llu meshes with morph targets are used in their base shape", file,
+                        (unsigned long long)ignored->blended);
 }
 
 static int read_gltf(struct object *object, const struct orl_file *file, struct orl_error *err)
@@ -341,7 +341,7 @@ static int read_options(const char *const *words, size_t count, bool piped, stru
             *value = words[++i];
         else if (words[i][0] == '-')
             return orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                                 "obj2rad: '%.40s' is not supported, or nothing follows it",
+                                 "obj2rad: '%.40s' is not supported, or its argument is missing",
                                  words[i]);
         else if (ret->file)
             return orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad reads one file");
@@ -349,9 +349,9 @@ static int read_options(const char *const *words, size_t count, bool piped, stru
             ret->file = words[i];
     }
     if (piped && ret->file)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad behind '|' takes no file");
+        return orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad after '|' takes no file");
     return ret->file || piped ? 0
-                              : orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad has no file to read");
+                              : orl_error_set(err, ORL_ERR_SYNTAX, "obj2rad needs a file to read");
 }
 
 static int read_rules(struct orl_parser *parser, const struct orl_scope *scope, const char *name,

@@ -65,7 +65,7 @@ static int fail(const struct orl_scanner *scanner, const char *what, struct orl_
 static int read_corner(struct orl_scanner *scanner, struct orl_vec3 *ret_corner,
                        struct orl_error *err)
 {
-    static const char what[] = "a vertex is three numbers";
+    static const char what[] = "a vertex needs three numbers";
     double place[3];
     struct orl_slice word;
     for (int k = 0; k < 3; k++) {
@@ -94,11 +94,11 @@ static int read_loop(struct orl_scanner *scanner, const struct orl_stl_sink *sin
     int code = 0;
     for (int k = 0; k < 3 && code == 0; k++) {
         if (!is_next(scanner, "vertex"))
-            return fail(scanner, "a facet has three lines 'vertex x y z'", err);
+            return fail(scanner, "a facet needs three lines 'vertex x y z'", err);
         code = read_corner(scanner, &corners[k], err);
     }
     if (code == 0 && !is_next(scanner, "endloop"))
-        return fail(scanner, "a facet has three lines 'vertex x y z', then 'endloop'", err);
+        return fail(scanner, "a facet needs three lines 'vertex x y z', then 'endloop'", err);
     return code ? code : sink->add(sink->ctx, corners, line, err);
 }
 
@@ -114,7 +114,7 @@ static int read_text(struct orl_scanner *scanner, const struct orl_stl_sink *sin
                  orl_slice_is(word, "facet"))
             orl_scanner_next_line(scanner); /* skips a name or a normal */
         else if (!orl_slice_is(word, "outer") && !orl_slice_is(word, "endfacet"))
-            code = fail(scanner, "'facet', 'outer loop' or 'endsolid' is wanted here", err);
+            code = fail(scanner, "'facet', 'outer loop' or 'endsolid' is expected here", err);
     }
     return code;
 }

@@ -53,7 +53,7 @@ static int add_place(struct places *places, struct orl_vec3 place, struct orl_er
 /* Reads a vertex or normal. */
 static int read_place_of(struct reading *r, struct places *into, struct orl_error *err)
 {
-    static const char what[] = "a vertex, or normal, is three numbers";
+    static const char what[] = "a vertex or normal needs three numbers";
     double place[3];
     struct orl_slice word;
     for (int k = 0; k < 3; k++) {
@@ -118,14 +118,14 @@ static int read_face(struct reading *r, const struct orl_wavefront_sink *sink,
     r->corners.count = r->corner_normals.count = 0;
     while (code == 0 && next_word(r, &word)) {
         if (!r->vertices.items || !read_corner(r, &word, &vertex, &normal))
-            return fail(r, "a face names a vertex or a normal that is not there", err);
+            return fail(r, "a face uses a vertex or a normal that does not exist", err);
         code = add_place(&r->corners, r->vertices.items[vertex], err);
         with_normals = with_normals && normal != no_normal && r->normals.items;
         if (code == 0 && with_normals)
             code = add_place(&r->corner_normals, r->normals.items[normal], err);
     }
     if (code == 0 && r->corners.count < 3)
-        return fail(r, "a face has three corners at least", err);
+        return fail(r, "a face needs at least three corners", err);
     face->corners = r->corners.items;
     face->n_corners = r->corners.count;
     face->normals = with_normals ? r->corner_normals.items : NULL;

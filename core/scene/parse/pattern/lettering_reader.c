@@ -82,10 +82,9 @@ static int read_font(struct orl_parser *parser, const struct orl_source *source,
         if (!read_glyph(&numbers, parser->out->arena, code, font, &memory)) {
             const int error = memory ? ORL_ERR_SYNTAX : ORL_ERR_NOMEM;
             orl_error_set(err, error,
-                          memory
-                              ? "no letter: a font file has a code from 1 to 255, each once, how "
-                                "many corners, and these from 0 to 255"
-                              : "out of memory for a font");
+                          memory ? "not a letter: a font file has, per letter, a unique code from "
+                                   "1 to 255, a count of corners, and coordinates from 0 to 255"
+                                 : "out of memory for a font");
             orl_error_at(err, source->name, numbers.line, NULL);
             return error;
         }
@@ -321,7 +320,7 @@ static int place_text(struct orl_parser *parser, const struct orl_scope *scope,
     text->origin = orl_xform_point(&scope->xform, orl_v3(r[0], r[1], r[2]));
     if (!(area2 > 1e-12 * rr * dd) || !isfinite(area2))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its right and down vectors span no plane");
+                               "its right and down vectors do not span a plane");
     text->right = orl_scale(orl_madd(orl_scale(right, dd), down, -rd), 1 / area2);
     text->down = orl_scale(orl_madd(orl_scale(down, rr), right, -rd), 1 / area2);
     return 0;
@@ -340,11 +339,10 @@ int orl_lettering_read(struct orl_parser *parser, const struct orl_scope *scope,
         return ORL_ERR_NOMEM;
     *text = (struct orl_lettering){.unit = ORL_GLYPH_SIDE};
     if (p->n_strings < first + 2 || p->n_reals < n || !(fabs(spacing) <= 100))
-        return orl_parser_fail(
-            parser, scope, err, ORL_ERR_SYNTAX,
-            "%s takes a font file, a text file or '.' and words, and %zu numbers "
-            "or one more, the spacing",
-            p->type, n);
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "%s takes a font file, a text file or '.' and words, and %zu "
+                               "numbers, optionally followed by the spacing",
+                               p->type, n);
     int code = find_file(parser, scope, first, &source, err);
     if (code == 0)
         code = read_font(parser, source, &font, err);

@@ -122,10 +122,10 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
         if (directed)
             continue;
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function asks for %s: patterns of the place (Px Py Pz, Lu Lv) and the "
-                        "normal (Nx Ny Nz), and of what shines the direction, are simulated",
+                        "its function uses %s: patterns may use only the point (Px Py Pz, Lu Lv), "
+                        "the normal (Nx Ny Nz), and on light sources the direction",
                         orl_function_ray_names[i]);
-        orl_error_hint(err, "leave what depends on the ray's length and the like out of it");
+        orl_error_hint(err, "remove terms that depend on the ray's length or similar values");
         return ORL_ERR_UNSUPPORTED;
     }
     return 0;
@@ -140,8 +140,7 @@ static int check_angles(struct orl_parser *parser, const struct orl_scope *scope
         if (!(inputs >> i & 1) || i == ORL_RAY_RDOT || i == ORL_RAY_RDOTP)
             continue;
         orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function asks for %s: glazing is simulated by the angle alone (Rdot, "
-                        "RdotP)",
+                        "its function uses %s: glazing may depend only on the angle (Rdot, RdotP)",
                         orl_function_ray_names[i]);
         orl_error_hint(err, "describe it as a BSDF");
         return ORL_ERR_UNSUPPORTED;

@@ -278,7 +278,7 @@ static int combine_properties(struct orl_parser *parser, const struct orl_scope 
     if (pattern->steps <= ORL_PATTERN_STEPS)
         return 0;
     return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
-                           "with all that it depends on it has more than %d functions",
+                           "it and the patterns that it depends on have more than %d functions",
                            ORL_PATTERN_STEPS);
 }
 
@@ -312,12 +312,13 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
     if (code < 0)
         return code;
     if (type->spectral && axes == 1 && !is_fixed(type))
-        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "its data has one axis: wavelengths are one more than coordinates");
+        return orl_parser_fail(
+            parser, scope, err, ORL_ERR_SYNTAX,
+            "its data has one axis: it needs an axis of wavelengths and one per coordinate");
     axes -= type->spectral && axes > 0;
     if (!is_fixed(type) && parser->primitive.n_strings < file + 1 + axes)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "its %s takes %zu coordinates behind the function file",
+                               "its %s needs %zu coordinates after the function file",
                                type->picture ? "picture" : "data", axes);
     if (!is_fixed(type))
         code = orl_parser_string_xform(parser, scope, file + 1 + axes, &to_world, err);
@@ -346,17 +347,17 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
         type->n_materials + type->n_before + type->n_functions + type->n_files + !is_fixed(type);
     if (is_fixed(type) && parser->primitive.n_strings != least) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                        "%s takes %zu string arguments; here are %zu", type->name, least,
+                        "%s takes %zu string arguments, not %zu", type->name, least,
                         parser->primitive.n_strings);
         return NULL;
     }
     if (parser->primitive.n_strings < least) {
         orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                        "%s takes %s%zu expression%s%s and a function file ('.': none), and "
-                        "perhaps a transform; here are %zu string arguments",
+                        "%s takes %s%zu expression%s%s, a function file ('.': none) and optionally "
+                        "a transform, not %zu string arguments",
                         type->name, type->n_materials > 0 ? "two materials, " : "",
                         type->n_functions, type->n_functions == 1 ? "" : "s",
-                        type->n_files > 0 ? ", what to interpolate" : "",
+                        type->n_files > 0 ? ", the data to interpolate" : "",
                         parser->primitive.n_strings);
         return NULL;
     }

@@ -36,8 +36,8 @@ static int check_size(struct orl_parser *parser, const struct orl_scope *scope,
         const double high = perez && i == 3 ? steepest : perez && i == 5 ? sharpest : most;
         if (!(sky->a[i] >= -most && sky->a[i] <= high))
             return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                                   "its argument A%d, %g, makes a sky without bounds", i + 1,
-                                   sky->a[i]);
+                                   "its argument A%d, %g, makes a sky with infinite radiance",
+                                   i + 1, sky->a[i]);
     }
     if (!perez && sky->n_args == 7 && sky->a[0] != 2 && sky->a[0] != 3 && sky->a[3] < 1 / most)
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
@@ -112,7 +112,7 @@ static int turn_sky(struct orl_parser *parser, const struct orl_scope *scope, st
     up = orl_scale(orl_xform_vector(&xform, orl_v3(0, 0, 1)), 1.0 / xform.scale);
     if (!(up.z > 1.0 - 1e-9))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                               "a sky can be turned about the vertical only");
+                               "a sky can be rotated only about the vertical");
     if (at < 0)
         return 0;
     sun = orl_xform_vector(&xform, orl_v3(sky->a[at], sky->a[at + 1], sky->a[at + 2]));

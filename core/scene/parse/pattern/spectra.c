@@ -12,8 +12,8 @@ static void warn_of_range(struct orl_parser *parser, const struct orl_scope *sco
 {
     if (white.y < least_covered)
         orl_parser_warn(parser,
-                        "%.40s %.100s at %.200s:%d: its wavelengths hold %.0f %% of what an eye "
-                        "sees; the others count as dark",
+                        "%.40s %.100s at %.200s:%d: its wavelengths cover %.0f %% of the eye's "
+                        "response; it is dark at the others",
                         parser->primitive.type, parser->primitive.id, scope->file,
                         parser->primitive.line, 100 * white.y);
 }
@@ -75,7 +75,7 @@ static int read_file(struct orl_parser *parser, const struct orl_scope *scope,
     struct orl_tristimulus seen = {0, 0, 0}, white = seen;
     if (grid->n_axes != 1)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "its data has %u axes: a spectrum has one, of wavelengths",
+                               "its data has %u axes: a spectrum needs exactly one, of wavelengths",
                                grid->n_axes);
     if (axis->n > MOST_SAMPLES)
         return too_many(parser, scope, err);
@@ -181,7 +181,7 @@ int orl_spectrum_bands(struct orl_parser *parser, const struct orl_scope *scope,
         code = bands_of_data(parser, pattern, &white);
     } else if (p->n_reals < 2) {
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                               "specfunc's first two numbers are wavelengths, in nm");
+                               "specfunc's first two numbers must be wavelengths, in nm");
     } else {
         const double from = fmax(fmin(p->reals[0], p->reals[1]), FIRST_NM);
         const double to = fmin(fmax(p->reals[0], p->reals[1]), LAST_NM);
