@@ -1,7 +1,7 @@
 /*
- * Light that arrives straight from suns and lamps, estimated by shadow rays: through thin panes and
- * by way of flat mirrors. MIS weights for lamps that both shadow rays and BSDF-sampled rays can
- * find.
+ * Next-event estimation: light that arrives straight from suns and lamps, estimated by shadow rays,
+ * through thin panes and by way of flat mirrors. MIS weights for lamps that both shadow rays and
+ * BSDF-sampled rays can find.
  */
 #ifndef ORL_LIGHT_DIRECT_H
 #define ORL_LIGHT_DIRECT_H
