@@ -66,7 +66,7 @@ static void sign_link(const unsigned char key[ORL_LINK_KEY_BYTES],
                       int64_t until_s, char ret_signature[MAC_TEXT])
 {
     unsigned char mac[MAC_BYTES];
-    char text[ORL_PARAM_MAX * 2 + sizeof token->id + sizeof token->hash + 80];
+    char text[(size_t)ORL_PARAM_MAX * 2 + sizeof token->id + sizeof token->hash + 80];
     /* Fields end with a newline, which no id or file name contains. The file still comes last. */
     const int size = snprintf(text, sizeof text, "oriel-link 2\n%s\n%s\n%s\n%lld\n%s", token->id,
                               token->hash, job, (long long)until_s, file);

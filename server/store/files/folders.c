@@ -226,7 +226,7 @@ bool orl_blob_exists(const struct orl_folders *folders, const char *sha)
 static bool is_whole(const struct orl_folders *folders, const char *sha)
 {
     char path[ORL_PATH_MAX], found[ORL_SHA_HEX];
-    struct orl_file file;
+    struct orl_file file = {0};
     orl_blob_path(folders, sha, path);
     if (!orl_blob_exists(folders, sha) || orl_map_file(path, &file, NULL))
         return false;
