@@ -203,10 +203,22 @@ static void test_lanes(void **state)
 
 static void test_undefined(void **state)
 {
-    static const char *const expressions[] = {
-        "1/0",        "log(0)",    "sqrt(-1)",         "asin(2)",        "exp(1000)",
-        "(-8)^(1/3)", "0^-1",      "select(4,1,2,3)",  "select(-1,1,2)", "10^400",
-        "log10(-1)",  "arg(3+Px)", "noise3(1e300,0,0)"};
+    static const char *const expressions[] = {"1/0",
+                                              "log(0)",
+                                              "sqrt(-1)",
+                                              "asin(2)",
+                                              "exp(1000)",
+                                              "(-8)^(1/3)",
+                                              "0^-1",
+                                              "select(4,1,2,3)",
+                                              "select(-1,1,2)",
+                                              "10^400",
+                                              "log10(-1)",
+                                              "arg(3+Px)",
+                                              "noise3(1e300,0,0)",
+                                              "noise3x(1e300,0,0)",
+                                              "noise3y(0,1e300,0)",
+                                              "noise3z(0,0,1e300)"};
     double inputs[ORL_RAY_INPUTS] = {0};
     (void)state;
     inputs[ORL_RAY_PX] = 4;

@@ -325,7 +325,7 @@ static double at_noise3(const double *a, uint32_t n, bool *undefined)
 
 static double at_gradient(const double *a, int axis, bool *undefined)
 {
-    double gradient[3];
+    double gradient[3] = {NAN, NAN, NAN}; /* where the noise is undefined */
     perlin_noise3(a, gradient);
     return finite_or_undefined(gradient[axis], undefined);
 }
