@@ -44,7 +44,8 @@ static void put_warning(const struct orl_page_canvas *s, const char *text,
         return;
     }
     warning_list->cut = warning_list->cut || n_all > n;
-    orl_canvas_disc(s->canvas, ORL_PAGE_MARGIN + 5, warning_list->y - ORL_PAGE_TEXT / 2, 5, amber);
+    orl_canvas_disc(s->canvas, ORL_PAGE_MARGIN + 5, warning_list->y - ORL_PAGE_TEXT / 2.0, 5,
+                    amber);
     orl_page_draw_wrapped(s, x, warning_list->y, width, LINES_OF_ONE, orl_page_ink, text);
     warning_list->y += (double)n * ORL_PAGE_FINE_LINE + 3;
     warning_list->lines += n;

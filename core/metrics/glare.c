@@ -205,7 +205,7 @@ static const double usual_radius_rad = 0.2, usual_peak = 50000;
 float *orl_film_luminances(const struct orl_film *film)
 {
     const size_t count = (size_t)film->width * film->height;
-    float *cd_m2 = malloc(count * sizeof *cd_m2);
+    float *cd_m2 = malloc((count + 1) * sizeof *cd_m2);
     for (size_t i = 0; cd_m2 && i < count; i++) {
         const float *p = film->pixels[i];
         const struct orl_rgb color = {(double)p[0], (double)p[1], (double)p[2]};

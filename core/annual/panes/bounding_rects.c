@@ -425,8 +425,8 @@ size_t orl_pane_bvh_sample(const struct orl_pane_bvh *tree, struct orl_vec3 poin
 
 static int allocate_rects(struct orl_port_rects *windows, size_t most)
 {
-    windows->at = malloc((most + 1) * sizeof *windows->at);
-    windows->clear = malloc((most + 1) * sizeof *windows->clear);
+    windows->at = calloc(most + 1, sizeof *windows->at);
+    windows->clear = calloc(most + 1, sizeof *windows->clear);
     return windows->at && windows->clear ? 0 : ORL_ERR_NOMEM;
 }
 

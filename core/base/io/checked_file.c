@@ -70,7 +70,7 @@ void orl_checked_writer_put(struct orl_checked_writer *writer, const void *data,
     if (bytes > ORL_CHECKED_WRITER_BUFFER / 2) {
         flush_buffer(writer);
         write_all(writer, data, bytes);
-    } else if (bytes > 0) {
+    } else if (data && bytes > 0) {
         memcpy(writer->buffer + writer->filled, data, bytes);
         writer->filled += bytes;
     }

@@ -245,8 +245,10 @@ int orl_apng_open(const char *path, uint32_t width, uint32_t height, uint32_t fr
 {
     const double delay = fmin(fmax(frame_s * THOUSANDTHS, 1), UINT16_MAX);
     struct orl_apng *apng = calloc(1, sizeof *apng);
-    if (!apng)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an animation");
+    if (!apng) {
+        orl_error_set(err, ORL_ERR_NOMEM, "out of memory writing an animation");
+        return ORL_ERR_NOMEM;
+    }
     *apng = (struct orl_apng){
         .width = width, .height = height, .frames = frames, .delay = (uint16_t)lrint(delay)};
     apng->row = malloc((size_t)CHANNELS * width + 1);

@@ -238,7 +238,7 @@ static bool orl_vpl_sample(const struct orl_vpls *vpls, const struct orl_vpl_cut
         return false;
     for (u *= cut->sum; i + 1 < cut->count && u >= cut->light[i]; i++)
         u -= cut->light[i];
-    if (!(cut->light[i] > 0)) /* possible only by rounding */
+    if (i >= cut->count || !(cut->light[i] > 0)) /* possible only by rounding */
         return false;
     double probability = cut->light[i] / cut->sum;
     u /= cut->light[i];

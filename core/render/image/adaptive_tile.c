@@ -321,7 +321,7 @@ void orl_tile_painter_paint(void *ctx, const struct orl_tile *tile, struct orl_s
         .painter = painter,
         .tile = tile,
         .search = search,
-        .tile_pixels = malloc(ORL_TILE_SIDE_WITH_MARGIN * sizeof *tile_state.tile_pixels),
+        .tile_pixels = calloc(ORL_TILE_SIDE_WITH_MARGIN, sizeof *tile_state.tile_pixels),
         .recent_records = calloc(1, sizeof *tile_state.recent_records),
         .width = (int)(tile->x1 - tile->x0),
         .height = (int)(tile->y1 - tile->y0)};

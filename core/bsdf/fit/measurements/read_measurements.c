@@ -332,7 +332,7 @@ static int read_pab(struct text_lines *lines, struct orl_fit_data *data, struct 
 {
     struct header header = {.values = 1};
     struct orl_slice line;
-    bool more, in_rows = false;
+    bool more = false, in_rows = false;
     int code;
     while ((code = next_line(lines, &line, &more, err)) == 0 && more) {
         struct orl_slice rest = line;
@@ -443,7 +443,7 @@ static int read_csv(struct text_lines *lines, struct orl_fit_data *data, struct 
 {
     struct table table = {0};
     struct orl_slice line;
-    bool more, any = false;
+    bool more = false, any = false;
     int code;
     while ((code = next_line(lines, &line, &more, err)) == 0 && more) {
         struct orl_slice rest = line;

@@ -229,7 +229,7 @@ int orl_fit_transport(const double *supply, size_t n_from, const double *demand,
 {
     struct simplex s = {
         .n_from = n_from, .n_to = n_to, .n = n_from + n_to, .cost = cost, .cancel = cancel};
-    struct orl_fit_flow *flows = malloc(s.n * sizeof *flows);
+    struct orl_fit_flow *flows = calloc(s.n, sizeof *flows);
     int code = make_room(&s) && flows ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
         begin_tree(&s, supply, demand);

@@ -96,7 +96,7 @@ static bool fill_block(struct orl_gonio_subtree *subtree,
     builder->count = builder->capacity = builder->colors_capacity = branches;
     fine = fine && (!subtree->top_nodes.nodes ||
                     are_valid_nodes(subtree->top_nodes.nodes, top_nodes, branches));
-    for (size_t i = 0; i < branches && fine; i++)
+    for (size_t i = 0; fine && builder->branches && i < branches; i++)
         fine = are_valid_nodes(builder->branches[i].child, ORL_GONIO_MAX_BRANCHING, i);
     return fine;
 }
