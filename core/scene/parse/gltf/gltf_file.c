@@ -365,7 +365,7 @@ static int open_buffer(struct orl_gltf_file *file, const struct orl_gltf_item *a
 int orl_gltf_file_buffer(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t index,
                          struct orl_gltf_bytes *ret_bytes, struct orl_error *err)
 {
-    struct orl_gltf_item item;
+    struct orl_gltf_item item = {0};
     int code = orl_gltf_find(at, "buffers", index, &item, err);
     if (code == 0 && !file->buffers[index].bytes.data)
         code = open_buffer(file, &item, index, &file->buffers[index], err);
