@@ -72,7 +72,8 @@ static int read_lamp(struct luminaire_writer *w, char *ret_options, size_t size,
     if (rc == 0)
         rc = read_shares(w, lamp, &at, "white_xy", white, 2, &is_white);
     if (rc == 0 && is_rgb == is_white)
-        rc = orl_hb_fail(&at, w->hb->err, ORL_ERR_INVALID, "either rgb or white_xy is expected here");
+        rc = orl_hb_fail(&at, w->hb->err, ORL_ERR_INVALID,
+                         "either rgb or white_xy is expected here");
     if (rc)
         return rc;
     if (is_rgb) {

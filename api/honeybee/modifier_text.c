@@ -198,7 +198,8 @@ static int write_bsdf_strings(struct modifier_writer *w, struct orl_hb_modifier 
     if (rc == 0 && with &&
         (!json_is_string(with) ||
          count_words(json_string_value(with), json_string_length(with), &words)))
-        rc = orl_hb_fail(&in_with, w->hb->err, ORL_ERR_INVALID, "options of xform are expected here");
+        rc = orl_hb_fail(&in_with, w->hb->err, ORL_ERR_INVALID,
+                         "options of xform are expected here");
     if (rc)
         return rc;
     FILE *stream = w->file->stream;

@@ -118,7 +118,8 @@ int orl_hb_modifier_find(struct orl_hb *hb, const json_t *value, const struct or
     if (json_is_object(value))
         return add_own(hb, value, at, false, ret_index);
     if (!identifier)
-        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "a modifier's identifier is expected here");
+        return orl_hb_fail(at, hb->err, ORL_ERR_INVALID,
+                           "a modifier's identifier is expected here");
     if (index) {
         *ret_index = (size_t)json_integer_value(index);
         return 0;

@@ -113,7 +113,8 @@ int orl_json_whole(const json_t *value, const char *path, uint64_t min, uint64_t
         return orl_json_wrong_type(value, path, "a whole number", err);
     }
     if (!ok || whole < min || whole > max)
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "a whole number from %llu to %llu is expected",
+        return orl_json_fail(err, ORL_ERR_RANGE, path,
+                             "a whole number from %llu to %llu is expected",
                              (unsigned long long)min, (unsigned long long)max);
     *ret_value = whole;
     return 0;
