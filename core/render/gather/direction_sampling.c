@@ -49,7 +49,8 @@ static bool list_panes(struct orl_direction_sampler *sampler)
 {
     const struct orl_lit_scene *lit_scene = sampler->lit_scene;
     sampler->n_panes = (uint32_t)lit_scene->n_ports;
-    if (lit_scene->n_ports > 0)
+    sampler->panes_are_ports = lit_scene->n_ports > 0;
+    if (sampler->panes_are_ports)
         return true;
     sampler->panes = malloc(MOST_FREE_PANES * sizeof *sampler->panes);
     for (uint32_t i = 0;
@@ -62,14 +63,14 @@ static bool list_panes(struct orl_direction_sampler *sampler)
 
 static uint32_t pane_facet(const struct orl_direction_sampler *sampler, uint32_t pane)
 {
-    return sampler->panes ? sampler->panes[pane] : sampler->lit_scene->ports[pane].facet;
+    return sampler->panes_are_ports ? sampler->lit_scene->ports[pane].facet : sampler->panes[pane];
 }
 
 /* Returns the index of a facet's pane, or ORL_NO_PORT. */
 static int32_t pane_of(const struct orl_direction_sampler *sampler, uint32_t facet)
 {
     uint32_t low = 0, high = sampler->n_panes;
-    if (!sampler->panes)
+    if (sampler->panes_are_ports)
         return orl_lit_scene_port_of(sampler->lit_scene, facet);
     while (low < high) {
         const uint32_t middle = low + (high - low) / 2;
@@ -89,7 +90,7 @@ static int add_window_lobes(const struct maker *maker, uint32_t pane)
     if (!is_pane(lit_scene, facet))
         return 0;
     for (size_t s = 0; s < lit_scene->n_suns; s++) {
-        if (!sampler->panes &&
+        if (sampler->panes_are_ports &&
             !(orl_dot(lit_scene->suns[s].frame.n, lit_scene->ports[pane].outward) > 0))
             continue;
         const int sun_lobe = find_sun_lobe(maker, facet, &lit_scene->suns[s]);

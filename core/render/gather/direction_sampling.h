@@ -133,7 +133,8 @@ struct orl_direction_sampler {
     struct orl_sun_lobe_cells *cells;
     uint32_t n_sun_lobes, n_window_lobes;
     uint32_t *first_window_lobe; /* index of each pane's first window lobe, and one past the last */
-    uint32_t *panes; /* facets, ascending, owned; NULL: panes are the lit scene's ports */
+    bool panes_are_ports;        /* true: the lit scene's ports; false: free-standing panes */
+    uint32_t *panes;             /* facets of free-standing panes, ascending, owned */
     uint32_t n_panes;
     struct orl_targets targets;
 };

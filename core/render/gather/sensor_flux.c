@@ -43,7 +43,10 @@ struct sensor {
 
 struct orl_sensor_flux {
     const struct orl_lit_scene *lit_scene;
-    const struct orl_gather *gather; /* NULL: measures what paths find only by chance */
+    /* True if it measures what paths find only by chance, at all sensors; false if it measures
+     * caustics, at sensors in free space. */
+    bool unsampled_only;
+    const struct orl_gather *gather; /* of the caustics; set unless unsampled_only */
     size_t n_sensors;
     struct sensor *sensors;
     struct orl_counting_disc *discs; /* one per sensor; after compact_discs the first n_discs */
@@ -63,9 +66,11 @@ int orl_sensor_flux_new(const struct orl_gather *gather, size_t sensors,
         !orl_sensor_flux_may_exist(gather->lit_scene))
         return 0;
     const int code = orl_sensor_flux_new_unsampled(gather->lit_scene, sensors, ret_flux);
-    if (code == 0)
-        (*ret_flux)->gather = gather;
-    return code;
+    if (code < 0)
+        return code;
+    (*ret_flux)->unsampled_only = false;
+    (*ret_flux)->gather = gather;
+    return 0;
 }
 
 int orl_sensor_flux_new_unsampled(const struct orl_lit_scene *lit_scene, size_t sensors,
@@ -76,6 +81,7 @@ int orl_sensor_flux_new_unsampled(const struct orl_lit_scene *lit_scene, size_t 
     if (!sensor_flux)
         return ORL_ERR_NOMEM;
     sensor_flux->lit_scene = lit_scene;
+    sensor_flux->unsampled_only = true;
     sensor_flux->n_sensors = sensors;
     sensor_flux->sensors = calloc(sensors, sizeof *sensor_flux->sensors);
     sensor_flux->discs = calloc(sensors, sizeof *sensor_flux->discs);
@@ -132,12 +138,13 @@ static void make_disc(const struct orl_sensor_flux *sensor_flux,
                       const struct orl_shading_point *place, struct orl_counting_disc *ret_disc)
 {
     const struct orl_geometry *g = sensor_flux->lit_scene->geometry;
-    const double by_itself = sensor_flux->gather
-                                 ? wider * sensor_flux->gather->max_radius[ORL_MAP_CAUSTIC]
-                                 : widest_of_distance * distance_about(g, place);
+    const double by_itself = sensor_flux->unsampled_only
+                                 ? widest_of_distance * distance_about(g, place)
+                                 : wider * sensor_flux->gather->max_radius[ORL_MAP_CAUSTIC];
     const double radius = fmin(by_itself, widest_of_scene * g->radius);
     *ret_disc = (struct orl_counting_disc){
-        .center = orl_madd(place->point, place->normal, sensor_flux->gather ? 0 : above * radius),
+        .center =
+            orl_madd(place->point, place->normal, sensor_flux->unsampled_only ? above * radius : 0),
         .frame = orl_frame_about(place->normal),
         .radius = radius,
         .curved_distance = INFINITY};
@@ -159,7 +166,7 @@ void orl_sensor_flux_set_sensor(struct orl_sensor_flux *sensor_flux, size_t sens
                                 const struct orl_estimate *rest)
 {
     sensor_flux->sensors[sensor] = (struct sensor){.rest = *rest, .disc = NONE};
-    if (sensor_flux->gather && !orl_gather_has_free_caustics(sensor_flux->gather, place))
+    if (!sensor_flux->unsampled_only && !orl_gather_has_free_caustics(sensor_flux->gather, place))
         return;
     sensor_flux->sensors[sensor].disc = (uint32_t)sensor;
     make_disc(sensor_flux, place, &sensor_flux->discs[sensor]);
@@ -235,7 +242,7 @@ static int trace_round(struct orl_sensor_flux *sensor_flux, struct round *round,
     int code = 0;
     for (size_t i = 0; i < tasks; i++)
         round->deposits[i] =
-            (struct orl_deposits){.discs = discs, .unsampled_only = !sensor_flux->gather};
+            (struct orl_deposits){.discs = discs, .unsampled_only = sensor_flux->unsampled_only};
     orl_parallel_for(round->env->pool, tasks, trace_task, round);
     if (orl_is_cancelled(round->env->cancel))
         code = ORL_ERR_CANCELLED;
