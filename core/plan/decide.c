@@ -1,5 +1,5 @@
-/* Names of techniques and effects, how a decision is filled in, and the decisions on materials,
- * lights and colour. */
+/* Names of effects, how a decision is filled in, and the decisions on materials, lights and
+ * colour. */
 #include "plan/decide.h"
 
 #include <stdarg.h>
@@ -9,13 +9,6 @@
 
 #include "scene/material/patterns/pattern.h"
 #include "scene/material/scatter.h"
-
-const char *orl_technique_name(enum orl_technique technique)
-{
-    static const char *const names[ORL_TECHNIQUE_COUNT] = {"auto", "backward", "gather", "direct",
-                                                           "precomputed"};
-    return technique < ORL_TECHNIQUE_COUNT ? names[technique] : "unknown";
-}
 
 const char *orl_effect_name(enum orl_effect effect)
 {

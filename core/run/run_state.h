@@ -6,7 +6,7 @@
 
 #include "base/statistics/estimate.h"
 #include "photon/emission/emit.h"
-#include "render/gather/gather.h"
+#include "render/technique/technique.h"
 #include "scene/surfaces.h"
 
 /* A round of sensors by backward, which continues the sample sequences of earlier rounds. */
@@ -77,8 +77,7 @@ struct orl_run_state {
     struct orl_lights *lights;
     struct orl_lit_scene *lit_scene; /* made of scene and lights by the plan; owned */
     struct orl_emission *emission;   /* set when photons are first needed, for all rounds */
-    /* Likewise, for that technique; its virtual lights are each round's. */
-    struct orl_backward *backward;
+    struct orl_renderer renderer;    /* likewise: the plan's technique, for the lit scene */
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool pinned[ORL_MAP_KINDS]; /* true if a pin of the store must be released */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];

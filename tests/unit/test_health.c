@@ -14,7 +14,7 @@
 
 #include "photon/tracing/trace.h"
 #include "render/film/film.h"
-#include "render/gather/gather.h"
+#include "render/technique/photon_maps.h"
 #include "support/cli.h"
 #include "support/room.h"
 
@@ -156,7 +156,8 @@ static void test_gather(void **state)
     (void)state;
     assert_non_null(search);
     assert_int_equal(
-        orl_gather_init(&gather, lit_scene, ORL_INDIRECT_GATHERED, maps, NULL, 1, NULL, search), 0);
+        orl_gather_init(&gather, lit_scene, &orl_indirect_gathered, maps, NULL, 1, NULL, search),
+        0);
     gather.near = INFINITY; /* forces new lighting of all hits, so that albedo is used */
     struct orl_shading_point place =
         orl_gather_sensor_point(&gather, orl_sub(orl_v3(2, 2, 0.5), lit_scene->geometry->center),

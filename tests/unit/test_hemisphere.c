@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "render/gather/gather.h"
+#include "render/technique/photon_maps.h"
 #include "support/room.h"
 
 static struct orl_lit_scene *make_lit_scene(const char *text)
@@ -25,7 +25,7 @@ static void init(struct orl_gather *gather, const struct orl_lit_scene *lit_scen
 {
     const struct orl_photon_map *const maps[ORL_MAP_KINDS] = {NULL};
     assert_int_equal(
-        orl_gather_init(gather, lit_scene, ORL_INDIRECT_GATHERED, maps, NULL, 1, NULL, search), 0);
+        orl_gather_init(gather, lit_scene, &orl_indirect_gathered, maps, NULL, 1, NULL, search), 0);
 }
 
 /* ---- A window -------------------------------------------------------------------------------- */

@@ -18,8 +18,8 @@
 #include "light/virtual_suns.h"
 #include "photon/density/precomputed_irradiance.h"
 #include "photon/map/quantization.h"
-#include "render/gather/gather.h"
 #include "render/gather/icache.h"
+#include "render/technique/photon_maps.h"
 #include "support/scene_text.h"
 
 static atomic_int polls;     /* polls since the count began */
@@ -62,7 +62,7 @@ static int make_map(const struct bench *bench)
     return code;
 }
 
-static int make_gather(const struct bench *bench, enum orl_indirect_mode indirect)
+static int make_gather(const struct bench *bench, const struct orl_indirect_estimator *indirect)
 {
     const struct orl_photon_map *maps[ORL_MAP_KINDS] = {
         [ORL_MAP_GLOBAL] = bench->map, [ORL_MAP_CAUSTIC] = bench->map};
@@ -77,12 +77,12 @@ static int make_gather(const struct bench *bench, enum orl_indirect_mode indirec
 
 static int make_final_gather(const struct bench *bench)
 {
-    return make_gather(bench, ORL_INDIRECT_GATHERED);
+    return make_gather(bench, &orl_indirect_gathered);
 }
 
 static int make_density(const struct bench *bench)
 {
-    return make_gather(bench, ORL_INDIRECT_DENSITY);
+    return make_gather(bench, &orl_indirect_density);
 }
 
 /* Runs neighbour clamping; a cancelled run leaves the radii unchanged. */

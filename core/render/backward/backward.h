@@ -1,11 +1,7 @@
 /*
- * The backward technique (xxx in Grobe 2019): unbiased, without a cache or a density
- * estimate. Irradiance at a place is the mean of samples. Each sample adds up
- * - direct light: one shadow ray to every sun and lamp, and to their images in flat mirrors;
- * - importance-sampled rays (direction_sampling.h): they see sky and glow, and suns and lamps
- * through the lobes of the surfaces they meet, mainly BSDF panes;
- * - connections to a few virtual point lights (vpl.h): light from all diffuse surfaces.
- * Every light path belongs to exactly one of the three.
+ * Samples of the backward technique, whose estimator render/technique/backward_technique.c
+ * describes: shadow rays, importance-sampled rays (direction_sampling.h), and connections to
+ * virtual point lights (vpl.h).
  *
  * Sensors: samples fall into 16 groups. Each group has its own random numbers and its own virtual
  * lights, from emissions independent of the other groups'. The spread of the groups gives the
@@ -17,13 +13,8 @@
  * an overestimate: the samples of all groups are stratified together, those of one group are not.
  * With one sample a pixel the error is unknown.
  *
- * Suns and lamps reached by a curved mirror, a dielectric or several mirrors have no shadow rays:
- * only a ray that hits the light by chance finds them. That is noise, not bias, but few jobs have
- * enough samples to notice it. Photons therefore measure such light at the sensors, intervals are
- * widened to include it, and a warning names the sensors that lack it
- * (run/diagnostics/missed_light.c). Exterior paths are traced by exterior.h until they enter a
- * building. Rays meet BSDFs with a thickness as light does; only the views' own rays see the
- * geometry that the BSDF stands for.
+ * Exterior paths are traced by exterior.h until they enter a building. Rays meet BSDFs with a
+ * thickness as light does; only the views' own rays see the geometry that the BSDF stands for.
  */
 #ifndef ORL_RENDER_BACKWARD_BACKWARD_H
 #define ORL_RENDER_BACKWARD_BACKWARD_H

@@ -2,7 +2,6 @@
 
 #include <stdlib.h>
 
-#include "photon/density/precomputed_irradiance.h"
 #include "photon/map/quantization.h"
 #include "render/gather/sensor_flux.h"
 #include "scene/built/scene.h"
@@ -80,21 +79,28 @@ static int build_error(const struct orl_thread_pool *pool)
     return orl_thread_pool_cancelled(pool) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
+/* Sets the maps that the estimator and the caustic part read. */
+static void set_maps(struct orl_gather *gather,
+                     const struct orl_photon_map *const maps[ORL_MAP_KINDS])
+{
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
+        gather->maps[kind] =
+            kind == (int)gather->indirect->map || kind == ORL_MAP_CAUSTIC ? maps[kind] : NULL;
+}
+
 int orl_gather_init(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
-                    enum orl_indirect_mode indirect,
+                    const struct orl_indirect_estimator *indirect,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
                     const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_thread_pool *pool, struct orl_search *search)
 {
     const double widest = fmax(0.1 * lit_scene->geometry->radius, 1e-9);
-    const int unread = indirect == ORL_INDIRECT_PRECOMPUTED ? ORL_MAP_GLOBAL : ORL_MAP_PRECOMPUTED;
     *gather = (struct orl_gather){.lit_scene = lit_scene, .indirect = indirect, .seed = seed};
     orl_sobol_init(&gather->sobol);
-    for (int kind = 0; kind < ORL_MAP_KINDS; kind++) {
-        gather->maps[kind] = kind == unread ? NULL : maps[kind];
+    set_maps(gather, maps);
+    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         choose_radii(gather, (enum orl_map_kind)kind, bandwidths ? bandwidths[kind] : 1, widest,
                      search);
-    }
     gather->only_virtual_suns =
         gather->maps[ORL_MAP_CAUSTIC] && orl_sensor_flux_is_virtual_suns(lit_scene);
     if (gather->maps[ORL_MAP_GLOBAL]) {
@@ -104,15 +110,9 @@ int orl_gather_init(struct orl_gather *gather, const struct orl_lit_scene *lit_s
         if (!gather->leaf_irradiance)
             return build_error(pool);
     }
-    if (indirect == ORL_INDIRECT_GATHERED && gather->maps[ORL_MAP_GLOBAL]) {
-        const int code = orl_photon_guide_init(&gather->guide, maps[ORL_MAP_GLOBAL], pool);
-        if (code < 0)
-            return code;
-    }
-    if (indirect == ORL_INDIRECT_DENSITY && gather->maps[ORL_MAP_GLOBAL])
-        return orl_adaptive_density_init(&gather->adaptive, maps[ORL_MAP_GLOBAL], widest, pool,
-                                         search);
-    return 0;
+    return indirect->init && gather->maps[indirect->map]
+               ? indirect->init(gather, widest, pool, search)
+               : 0;
 }
 
 int orl_gather_for_views(struct orl_gather *gather, struct orl_thread_pool *pool)
@@ -124,8 +124,7 @@ int orl_gather_for_views(struct orl_gather *gather, struct orl_thread_pool *pool
         if (!gather->caustic_kernels)
             return build_error(pool);
     }
-    if (!gather->maps[ORL_MAP_GLOBAL] || gather->indirect != ORL_INDIRECT_GATHERED ||
-        gather->texels)
+    if (!gather->maps[ORL_MAP_GLOBAL] || !gather->indirect->gathered || gather->texels)
         return 0;
     gather->texels = orl_texels_new(gather->maps[ORL_MAP_GLOBAL], gather->lit_scene,
                                     texel_share * gather->k[ORL_MAP_GLOBAL], pool);
@@ -151,25 +150,26 @@ bool orl_gather_find_surface(const struct orl_gather *gather, struct orl_vec3 po
     return orl_surface_point_find(gather->lit_scene, point, normal, rounding, ret_surface_point);
 }
 
-/* With an adaptive estimate, found and radius are those of the photons; with records, found only
- * says that there were some. */
 struct orl_density orl_gather_indirect(const struct orl_gather *gather,
                                        const struct orl_surface_point *surface_point,
                                        struct orl_search *search)
 {
-    const struct orl_density density = {.found = 0};
-    if (gather->indirect == ORL_INDIRECT_DENSITY && gather->maps[ORL_MAP_GLOBAL]) {
-        const struct orl_density_query query = {.point = surface_point->point,
-                                                .normal = surface_point->normal,
-                                                .k = ORL_ADAPTIVE_DENSITY_MOST,
-                                                .max_radius = gather->adaptive.reach,
-                                                .surface_point = surface_point};
-        return orl_adaptive_density_estimate(&gather->adaptive, &query, search);
-    }
-    if (gather->indirect == ORL_INDIRECT_PRECOMPUTED && gather->maps[ORL_MAP_PRECOMPUTED])
-        return orl_precomputed_estimate(gather->maps[ORL_MAP_PRECOMPUTED], surface_point,
-                                        gather->max_radius[ORL_MAP_PRECOMPUTED], search);
-    return density;
+    const struct orl_indirect_estimator *indirect = gather->indirect;
+    return indirect->at_surface && gather->maps[indirect->map]
+               ? indirect->at_surface(gather, surface_point, search)
+               : (struct orl_density){.found = 0};
+}
+
+struct orl_rgb orl_gather_read_leaf(const struct orl_gather *gather,
+                                    const struct orl_surface_point *surface_point, bool roughly,
+                                    bool *relit, struct orl_search *search, struct orl_tally *tally)
+{
+    (void)roughly; /* a leaf has one value */
+    if (!gather->leaf_irradiance || *relit)
+        return orl_gray(0);
+    return orl_leaf_irradiance_estimate(gather->leaf_irradiance, surface_point->point,
+                                        surface_point->normal, surface_point, search,
+                                        &tally->parts[ORL_MAP_GLOBAL], relit);
 }
 
 double orl_tally_variance(const struct orl_tally *tally)
@@ -230,6 +230,7 @@ uint64_t orl_gather_detach(struct orl_gather *gather)
     uint64_t bytes = sizeof *gather + gather->guide.count * sizeof *gather->guide.patches;
     gather->lit_scene = NULL;
     gather->cancel = NULL;
+    gather->importance_sampled = false;
     gather->sampler = NULL;
     for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
         gather->maps[kind] = NULL;
@@ -252,12 +253,9 @@ uint64_t orl_gather_detach(struct orl_gather *gather)
 void orl_gather_attach(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
                        const struct orl_photon_map *const maps[ORL_MAP_KINDS], uint64_t seed)
 {
-    const int unread =
-        gather->indirect == ORL_INDIRECT_PRECOMPUTED ? ORL_MAP_GLOBAL : ORL_MAP_PRECOMPUTED;
     gather->lit_scene = lit_scene;
     gather->seed = seed;
-    for (int kind = 0; kind < ORL_MAP_KINDS; kind++)
-        gather->maps[kind] = kind == unread ? NULL : maps[kind];
+    set_maps(gather, maps);
     if (gather->leaf_irradiance)
         orl_leaf_irradiance_rebind(gather->leaf_irradiance, gather->maps[ORL_MAP_GLOBAL],
                                    lit_scene);

@@ -1,23 +1,16 @@
 /*
- * The techniques by photon maps. Light at a point is the sum of three parts:
+ * Light at a place from photon maps, for all techniques that read them. It is the sum of three
+ * parts:
  *   direct     from suns and lamps, by shadow rays, through thin glass (at sensors in free
  *              space also by flat mirrors);
  *   caustic    from suns and lights after a mirror, a lobe or a BSDF: density of caustic photons;
- *   rest       all other light. At a surface that a view sees, or that a sensor lies on, it is
- *     gathered   (technique gather, GCx in Grobe 2019) by a hemisphere of rays that see
- *                the domes, glow, and the radiance of diffuse surfaces by the density of global
- *                photons;
- *     density    (direct) by the local density of global photons, whose bandwidth is chosen to
- *                limit bias (photon/density/adaptive_density.h);
- *     records    (precomputed, xCP) from irradiance precomputed at a fraction of the photons
- *                (photon/density/precomputed_irradiance.h), without the global map.
- * Where the records about a place differ much, views gather instead (render/image/lighting.h).
+ *   rest       all other light. At a surface that a view sees, or that a sensor lies on, each
+ *              technique has an estimator of its own (orl_indirect_estimator).
  * Every light path belongs to exactly one of the three. Every technique uses a hemisphere of rays
  * where no photons are stored (in free space, outside), and where a search finds none.
  *
- * With gathering the global map holds photons of all light, otherwise only those of the rest
- * (omit.counted_light). Surfaces that these rays and those of glossy lobes meet are lit by the
- * density of global photons, or by all three parts again. The density is read from texels for
+ * Surfaces that these rays and those of glossy lobes meet are lit by what the estimator reads
+ * there, or by all three parts again. The density of global photons is read from texels for
  * views' hemispheres on flat surfaces, and from leaves otherwise. Rays pass through glass and are
  * sampled through BSDFs and mirrors. If the first surface met is a dim pane, both ways are
  * followed, because the daylight behind it may be most of the light. Rays that leave a sealed
@@ -44,14 +37,45 @@
 #include "photon/shooting/shoot.h"
 #include "render/gather/photon_guiding.h"
 
-enum orl_indirect_mode { ORL_INDIRECT_GATHERED, ORL_INDIRECT_DENSITY, ORL_INDIRECT_PRECOMPUTED };
-
 struct orl_direction_sampler;
+struct orl_gather;
 struct orl_icache;
+struct orl_tally;
+
+/* The estimator of the rest at surfaces, by which the techniques differ. render/technique/ defines
+ * one for each of them. */
+struct orl_indirect_estimator {
+    const char *name;
+    enum orl_map_kind map; /* the map that it reads, global or precomputed; the other is ignored */
+    /* True if hemispheres of rays give the rest at all places, and the global map holds photons of
+     * all light. Otherwise at_surface does inside, and the map holds photons of the rest alone
+     * (omit.counted_light). */
+    bool gathered;
+    /* True if at_surface also returns the spread of what it has read. Where that is large, views
+     * gather in spite of it (render/image/lighting.h). */
+    bool knows_spread;
+    /* Makes the data in *gather that only this estimator reads. Called if there is a map. Returns
+     * 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED. NULL: there are none. */
+    int (*init)(struct orl_gather *gather, double widest, struct orl_thread_pool *pool,
+                struct orl_search *search);
+    /* Estimates the irradiance at a surface point that a view sees or a sensor lies on. Called if
+     * there is a map. found is 0 if it holds nothing there. NULL: it is gathered. */
+    struct orl_density (*at_surface)(const struct orl_gather *gather,
+                                     const struct orl_surface_point *surface_point,
+                                     struct orl_search *search);
+    /*
+     * Reads the irradiance of a diffuse surface that a ray meets. roughly: the ray is one of many
+     * that are averaged. *relit: in: the surface is near; out: it must be lit again, and the
+     * result counts in addition. The tally receives the parts.
+     */
+    struct orl_rgb (*at_hit)(const struct orl_gather *gather,
+                             const struct orl_surface_point *surface_point, bool roughly,
+                             bool *relit, struct orl_search *search, struct orl_tally *tally);
+};
 
 struct orl_gather {
     const struct orl_lit_scene *lit_scene;
-    enum orl_indirect_mode indirect;                  /* method for the rest at surfaces */
+    const struct orl_indirect_estimator *indirect;    /* estimator of the rest at surfaces */
     const struct orl_photon_map *maps[ORL_MAP_KINDS]; /* NULL: no photons of that kind */
     uint32_t k[ORL_MAP_KINDS];                        /* number of neighbours per estimate */
     double max_radius[ORL_MAP_KINDS];
@@ -64,11 +88,12 @@ struct orl_gather {
     struct orl_texels *texels;
     /* Usual kernel radii of caustic photons; NULL likewise. */
     struct orl_kernel_density *caustic_kernels;
-    /* Bright patches of the global map, which guide sensors' rays. */
+    /* Bright patches of the global map, which guide sensors' rays, if the rest is gathered. */
     struct orl_photon_guide guide;
-    struct orl_adaptive_density adaptive; /* estimator for ORL_INDIRECT_DENSITY */
-    /* Importance sampling of sensors' rays, borrowed; NULL: none. */
-    const struct orl_direction_sampler *sampler;
+    struct orl_adaptive_density adaptive; /* data of the adaptive density, if that is read */
+    /* True if sensors' rays are also drawn towards ports and targets, by the sampler. */
+    bool importance_sampled;
+    const struct orl_direction_sampler *sampler; /* borrowed; set if importance_sampled */
     struct orl_sobol sobol;
     uint64_t seed;
     /* If set, ends a sensor's sampling, whose value is then invalid; may be NULL. */
@@ -76,12 +101,11 @@ struct orl_gather {
 };
 
 /*
- * Chooses neighbours and radii from the maps themselves. ORL_INDIRECT_PRECOMPUTED ignores the
- * global map, other methods the precomputed one. bandwidths: kernel areas relative to the usual
- * ones; NULL: the usual ones. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ * Chooses neighbours and radii from the maps themselves. bandwidths: kernel areas relative to the
+ * usual ones; NULL: the usual ones. Returns 0, ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
  */
 int orl_gather_init(struct orl_gather *gather, const struct orl_lit_scene *lit_scene,
-                    enum orl_indirect_mode indirect,
+                    const struct orl_indirect_estimator *indirect,
                     const struct orl_photon_map *const maps[ORL_MAP_KINDS],
                     const double bandwidths[ORL_MAP_KINDS], uint64_t seed,
                     struct orl_thread_pool *pool, struct orl_search *search);
@@ -142,9 +166,10 @@ struct orl_sobol_slice {
 struct orl_gather_ray {
     struct orl_vec3 origin, direction;
     bool outside;
-    /* Set for a ray of a view's lobe if no density counts caustics, so that the ray must find them;
-     * else NULL. */
-    const struct orl_mis_pdf *lobe_mis_pdf;
+    /* True for a ray of a view's lobe: no density counts caustics, so that the ray must find them.
+     * lobe_mis_pdf is then the MIS density of its direction. */
+    bool finds_caustics;
+    struct orl_mis_pdf lobe_mis_pdf;
     /* Numbers for the event at the first surface; NULL: random ones. */
     const struct orl_sobol_slice *first;
     /* The first hit if it is known, or hits_nothing; else NULL and false. */
@@ -153,10 +178,12 @@ struct orl_gather_ray {
     bool importance_sampled; /* true if matt surfaces draw importance-sampled rays */
     /* True if flat surfaces may be read from texels: for hemispheres, which average many rays. */
     bool reads_texels;
-    /* Irradiance cache that gives the rest at near surfaces within its reach; NULL: none. */
-    const struct orl_icache *icache;
-    struct orl_tally *tally; /* receives the parts of the radiance; may be NULL */
-    double share;            /* factor of the radiance in the tally */
+    /* True if the irradiance cache gives the rest at near surfaces within its reach. Otherwise they
+     * are all lit again by one more ray. */
+    bool reads_records;
+    const struct orl_icache *icache; /* set if reads_records */
+    struct orl_tally *tally;         /* receives the parts of the radiance; may be NULL */
+    double share;                    /* factor of the radiance in the tally */
     /* Receives the distance of the first surface inside, if any; may be NULL. */
     double *ret_distance;
     /* NULL, or empty at first. Receives the first texel met, whose light is then left out of the
@@ -216,11 +243,17 @@ orl_gather_virtual_sun_blur(const struct orl_gather *gather,
                             const struct orl_surface_point *surface_point, double radius,
                             uint32_t sequence);
 
-/* Returns the rest at a point of a surface, by density or from records. found is 0 if there are
- * none, or if the rest is to be gathered. */
+/* Returns the rest at a point of a surface by the estimator's at_surface. found is 0 if the map
+ * holds nothing there, or if the rest is gathered. */
 struct orl_density orl_gather_indirect(const struct orl_gather *gather,
                                        const struct orl_surface_point *surface_point,
                                        struct orl_search *search);
+
+/* Reads the density of global photons from leaves, for orl_indirect_estimator.at_hit. */
+struct orl_rgb orl_gather_read_leaf(const struct orl_gather *gather,
+                                    const struct orl_surface_point *surface_point, bool roughly,
+                                    bool *relit, struct orl_search *search,
+                                    struct orl_tally *tally);
 
 /*
  * Returns the gathered part at a place, by a stratified cosine-weighted hemisphere of rows x

@@ -1,5 +1,4 @@
 /* Rays of a final gather: the surfaces they meet, the light there, and their continuation. */
-#include "photon/density/precomputed_irradiance.h"
 #include "render/gather/direction_sampling.h"
 #include "render/gather/icache.h"
 #include "scene/material/kinds.h"
@@ -37,31 +36,17 @@ static struct orl_rgb relight_surface(const struct orl_gather *gather, const str
 }
 
 /* Returns the irradiance of a diffuse surface that a ray met: from a map, or lit again if it is
- * near or unreliable. *relit: in: near; out: lit again. The tally receives its parts. */
+ * near or the map is unreliable there. *relit: in: near; out: lit again. The tally receives its
+ * parts. */
 static struct orl_rgb met_irradiance(const struct orl_gather *gather, const struct orl_hit *hit,
                                      bool *relit, bool roughly, struct orl_random *random,
                                      struct orl_search *search, struct orl_tally *tally)
 {
     const struct orl_vec3 lit = orl_hit_facing(hit);
     const struct orl_surface_point surface_point = {gather->lit_scene, hit->point, lit, hit->facet};
-    struct orl_rgb irradiance = orl_gray(0);
-    if (gather->indirect == ORL_INDIRECT_PRECOMPUTED) {
-        const struct orl_density indirect =
-            roughly && gather->maps[ORL_MAP_PRECOMPUTED]
-                ? orl_precomputed_mean(gather->maps[ORL_MAP_PRECOMPUTED], &surface_point,
-                                       gather->max_radius[ORL_MAP_PRECOMPUTED], search)
-                : orl_gather_indirect(gather, &surface_point, search);
-        *relit = indirect.unreliable;
-        if (!*relit) {
-            tally->parts[ORL_MAP_PRECOMPUTED] = indirect.parts;
-            irradiance = indirect.irradiance;
-        }
-    } else if (gather->leaf_irradiance && !*relit) {
-        irradiance =
-            orl_leaf_irradiance_estimate(gather->leaf_irradiance, hit->point, lit, &surface_point,
-                                         search, &tally->parts[ORL_MAP_GLOBAL], relit);
-    }
-    if (*relit || gather->indirect != ORL_INDIRECT_GATHERED)
+    struct orl_rgb irradiance =
+        gather->indirect->at_hit(gather, &surface_point, roughly, relit, search, tally);
+    if (*relit || !gather->indirect->gathered)
         irradiance = orl_rgb_add(
             relight_surface(gather, hit, &surface_point, random, search, tally), irradiance);
     return irradiance;
@@ -118,7 +103,7 @@ static bool cached_radiance(const struct orl_gather *gather, const struct orl_ga
     const struct orl_shading_point place = {
         .point = orl_hit_ray_origin(gather->lit_scene->geometry, hit, lit), .normal = lit};
     struct orl_cached_irradiance indirect;
-    if (!ray->icache || !orl_icache_lookup(ray->icache, &place, &indirect))
+    if (!ray->reads_records || !orl_icache_lookup(ray->icache, &place, &indirect))
         return false;
     const struct orl_surface_point surface_point = {gather->lit_scene, hit->point, lit, hit->facet};
     const struct orl_rgb diffuse =
@@ -442,18 +427,18 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
 {
     struct leg through;
     through.eye.bounce = 0;
-    struct leg leg = {.eye = {.lit_scene = gather->lit_scene,
-                              .random = random,
-                              .path = orl_path_from(ray->origin, ray->direction),
-                              .chance = ray->lobe_mis_pdf ? *ray->lobe_mis_pdf : orl_mis_pdf_zero(),
-                              .outside = ray->outside},
-                      .gather = gather,
-                      .ray = ray,
-                      .search = search,
-                      .through = &through,
-                      .caustics = ray->lobe_mis_pdf != NULL,
-                      .importance_sampled =
-                          ray->importance_sampled && !gather->lit_scene->scene->mist};
+    struct leg leg = {
+        .eye = {.lit_scene = gather->lit_scene,
+                .random = random,
+                .path = orl_path_from(ray->origin, ray->direction),
+                .chance = ray->finds_caustics ? ray->lobe_mis_pdf : orl_mis_pdf_zero(),
+                .outside = ray->outside},
+        .gather = gather,
+        .ray = ray,
+        .search = search,
+        .through = &through,
+        .caustics = ray->finds_caustics,
+        .importance_sampled = ray->importance_sampled && !gather->lit_scene->scene->mist};
     search->health.paths++;
     if (ray->first_hit || ray->hits_nothing)
         orl_eye_path_set_next_hit(&leg.eye, ray->first_hit);

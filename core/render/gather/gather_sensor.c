@@ -19,8 +19,8 @@
  */
 struct orl_pane_query {
     const struct orl_lit_scene *lit_scene;
-    const struct orl_direction_sampler
-        *sampler; /* made for that lit scene; NULL: only uniform points */
+    bool by_sun_lobes; /* true if half of the points are drawn along sun lobes, by the sampler */
+    const struct orl_direction_sampler *sampler; /* made for that lit scene; set if by_sun_lobes */
     const struct orl_sobol *sobol;
     const struct orl_shading_point *place;
     /* Names of the sequences of uniform points and of those drawn, for all panes. */
@@ -46,10 +46,11 @@ struct seen {
 };
 
 /* Returns the window lobe of a port for a sun, or NULL if there is none. */
-static const struct orl_window_lobe *find_window_lobe(const struct orl_direction_sampler *sampler,
+static const struct orl_window_lobe *find_window_lobe(const struct orl_pane_query *query,
                                                       int32_t port, const struct orl_sun *sun)
 {
-    if (!sampler || sampler->n_window_lobes == 0 || port == ORL_NO_PORT)
+    const struct orl_direction_sampler *sampler = query->sampler;
+    if (!query->by_sun_lobes || sampler->n_window_lobes == 0 || port == ORL_NO_PORT)
         return NULL;
     for (uint32_t i = sampler->first_window_lobe[port]; i < sampler->first_window_lobe[port + 1];
          i++)
@@ -169,7 +170,7 @@ static struct orl_rgb orl_sun_through_panes(const struct orl_pane_query *query)
         for (size_t s = 0; s < lit_scene->n_suns; s++) {
             const struct pane pane = {
                 query, f, port == ORL_NO_PORT ? NULL : &lit_scene->ports[port], &lit_scene->suns[s],
-                find_window_lobe(query->sampler, port, &lit_scene->suns[s])};
+                find_window_lobe(query, port, &lit_scene->suns[s])};
             sum = orl_rgb_add(sum, light_by_pane(&pane));
         }
     }
@@ -216,6 +217,7 @@ static struct orl_rgb caustics_in_free_space(const struct orl_gather *gather,
 {
     const struct orl_pane_query query = {
         .lit_scene = gather->lit_scene,
+        .by_sun_lobes = gather->importance_sampled,
         .sampler = gather->sampler,
         .sobol = &gather->sobol,
         .place = place,
@@ -391,7 +393,7 @@ static struct orl_estimate gather_samples(const struct orl_gather *gather,
     struct orl_rgb means[HEMISPHERES];
     struct orl_ray_moments seen = {0, 0};
     orl_guide_distribution_build(&gather->guide, place->point, place->normal, samples, &guide);
-    const bool to_ports_or_targets = gather->sampler && !place->outside;
+    const bool to_ports_or_targets = gather->importance_sampled && !place->outside;
     const bool ports = to_ports_or_targets && gather->lit_scene->n_ports > 0;
     const bool targets = to_ports_or_targets && gather->sampler->targets.n > 0;
     const uint32_t share = (each + SHARE_PORTS - 1) / SHARE_PORTS;
@@ -534,8 +536,7 @@ struct orl_estimate orl_gather_sensor(const struct orl_gather *gather,
     static const struct orl_density none = {.found = 0};
     struct orl_density indirect = none, caustic = none;
     struct orl_virtual_sun_blur blur = {.found = 0};
-    const int kind_of_indirect =
-        gather->indirect == ORL_INDIRECT_PRECOMPUTED ? ORL_MAP_PRECOMPUTED : ORL_MAP_GLOBAL;
+    const enum orl_map_kind kind_of_indirect = gather->indirect->map;
     struct orl_tally tally = {.record_error = 0};
     if (!place->in_free_space)
         caustic = orl_gather_caustic_with_bias(gather, surface_point, search);

@@ -150,6 +150,7 @@ static void send_ray(struct making *m, uint32_t stratum, double down, double acr
         .outside = m->place->outside,
         .first = &w->first,
         .reads_texels = true,
+        .reads_records = m->icache != NULL,
         .icache = m->icache,
         .tally = tally,
         .share = ORL_PI / ((double)m->rows * m->columns),

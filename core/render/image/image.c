@@ -74,7 +74,7 @@ static uint64_t seed_of(const struct painter *p)
  * nothing. */
 static uint32_t finest_step(const struct painter *p)
 {
-    return p->gather->indirect == ORL_INDIRECT_GATHERED || p->outside ? 1 : 2;
+    return p->gather->indirect->gathered || p->outside ? 1 : 2;
 }
 
 /* Returns the factor of rays over the usual number. */
@@ -97,7 +97,7 @@ static uint32_t rows_of(const struct painter *p, const struct orl_shading_point 
 
 static uint32_t pane_samples_of(const struct painter *p)
 {
-    const bool gathered = p->gather->indirect == ORL_INDIRECT_GATHERED;
+    const bool gathered = p->gather->indirect->gathered;
     return (uint32_t)ceil((gathered ? PANE_SAMPLES : FEWER_PANE_SAMPLES) * rays_of(p));
 }
 
@@ -145,7 +145,7 @@ static bool is_doubted(const struct painter *p, const struct orl_vertex *v,
                        struct orl_search *search)
 {
     struct orl_surface_point surface_point;
-    if (p->gather->indirect != ORL_INDIRECT_PRECOMPUTED ||
+    if (!p->gather->indirect->knows_spread ||
         !orl_gather_find_surface(p->gather, v->on_surface, v->place.normal, &surface_point))
         return false;
     const struct orl_density read = orl_gather_indirect(p->gather, &surface_point, search);
@@ -213,8 +213,7 @@ static uint64_t look_for_places(const struct painter *p, uint32_t x, uint32_t y,
             request_record(row, v, &p->footprint);
         gathered = gathered || served || wants;
     }
-    return gathered && p->gather->indirect != ORL_INDIRECT_GATHERED ? SEEN_GATHERED
-                                                                    : shaded.path_signature | 1;
+    return gathered && !p->gather->indirect->gathered ? SEEN_GATHERED : shaded.path_signature | 1;
 }
 
 /* Finds the places along one lattice row. */
@@ -224,8 +223,7 @@ static void look_along_row(void *arg, size_t index, uint32_t member)
     struct orl_search *search = &p->painting->env->searches[member];
     const uint32_t step = p->step, y = (uint32_t)index * step;
     const bool all =
-        step >=
-        (uint32_t)(p->gather->indirect == ORL_INDIRECT_GATHERED ? ALL_OF_STEP : ALL_READ_OF_STEP);
+        step >= (uint32_t)(p->gather->indirect->gathered ? ALL_OF_STEP : ALL_READ_OF_STEP);
     for (uint32_t x = 0; x < p->painting->film->width && !cancelled(p); x += step) {
         if (!all && x % (2 * step) == 0 && y % (2 * step) == 0)
             continue; /* the previous lattice contains this point */
@@ -318,7 +316,7 @@ static double sum_of(const double shares[STEPS + 1])
 /* Estimates the pixels' share of the time from the coarsest lattice's rays. */
 static void foresee_pixels(struct painter *p, size_t looks, size_t lobes)
 {
-    const bool gathered = p->gather->indirect == ORL_INDIRECT_GATHERED;
+    const bool gathered = p->gather->indirect->gathered;
     const double records = sum_of(gathered ? shares_gathered : shares_read), rays = rays_of(p);
     const double met = gathered && looks > 0 ? (double)lobes / (double)looks : 0;
     const double pixels = (1 - records) * (1 + times_of_lobes * met * rays);
@@ -328,8 +326,7 @@ static void foresee_pixels(struct painter *p, size_t looks, size_t lobes)
 
 static double share_of_round(const struct painter *p, int round)
 {
-    const double *shares =
-        p->gather->indirect == ORL_INDIRECT_GATHERED ? shares_gathered : shares_read;
+    const double *shares = p->gather->indirect->gathered ? shares_gathered : shares_read;
     return p->records * shares[round] / sum_of(shares);
 }
 
@@ -379,9 +376,11 @@ static struct orl_rgb lobe_radiance(const void *ctx, const struct orl_lobe_ray *
     const struct orl_gather_ray ray = {.origin = lobe->origin,
                                        .direction = lobe->direction,
                                        .outside = lobe->outside,
-                                       .lobe_mis_pdf = &lobe->mis_pdf,
+                                       .finds_caustics = true,
+                                       .lobe_mis_pdf = lobe->mis_pdf,
                                        .reads_texels = faint,
-                                       .icache = faint ? &p->cache : NULL};
+                                       .reads_records = faint,
+                                       .icache = &p->cache};
     return orl_gather_radiance(p->gather, &ray, random, search);
 }
 

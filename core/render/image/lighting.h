@@ -24,12 +24,12 @@ struct orl_recent_records {
     uint32_t made;
 };
 
-/* Returns true if the rest is gathered at a place. Some techniques read maps where photons are
+/* Returns true if the rest is gathered at a place. Other estimators read maps where photons are
  * stored. */
 static inline bool orl_lighting_gathers(const struct orl_gather *gather,
                                         const struct orl_shading_point *place)
 {
-    return gather->indirect == ORL_INDIRECT_GATHERED || place->outside;
+    return gather->indirect->gathered || place->outside;
 }
 
 /*

@@ -78,7 +78,7 @@ static int load_chunk(void *ctx, size_t index, const void *data, size_t size, bo
     for (size_t i = 0; i < count; i++) {
         const size_t sensor = orl_rendering_sensor_at(rendering, first + i),
                      bytes = batches_of(rendering) * 8;
-        rendering->renderer->sensor_loaded(rendering->renderer->ctx, sensor, &rendering->found[i]);
+        orl_rendering_load_sensor(rendering, sensor, &rendering->found[i]);
         if (bytes > 0)
             memcpy(state->round.sensor_round->batches + sensor * ORL_MAP_BATCHES, from, bytes);
         from += bytes;

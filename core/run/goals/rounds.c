@@ -24,7 +24,8 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
 {
     *r = (struct orl_rounds){.state = state, .error = NAN};
     r->work = orl_work_of(state);
-    const bool of_pixels = r->work.of_views && r->work.technique == ORL_TECHNIQUE_BACKWARD;
+    const bool of_pixels =
+        r->work.of_views && orl_technique_facts(r->work.technique)->samples_paths;
     if (state->job->goal.deadline_s > 0 && !of_pixels)
         r->work.least *= short_round;
     if (state->pilot && state->pilot->samples > 0)
@@ -45,13 +46,9 @@ static int rounds_init(struct orl_rounds *r, struct orl_run_state *state, struct
     r->wanted = orl_rounds_estimate_samples(r);
     orl_rounds_estimate(r);
     orl_run_begin_stage(state, ORL_STAGE_PHOTONS);
-    if (r->work.technique == ORL_TECHNIQUE_BACKWARD) { /* once a job, not in every round */
-        int code = orl_run_ensure_emission(state, err);
-        if (code == 0)
-            code = orl_run_ensure_backward(state, err);
-        if (code < 0)
-            return code;
-    }
+    const int code = orl_run_ensure_renderer(state, err); /* once a job, not in every round */
+    if (code < 0)
+        return code;
     r->throughput.setup_s = orl_rounds_now(r) - state->clock.started_s;
     if (r->work.by_noise) {
         const size_t n = state->n_sensors;
@@ -169,8 +166,8 @@ static uint32_t share_of(uint32_t samples, uint32_t index, uint32_t shares)
 static void offset_rays(const struct orl_rounds *r, double ret_shift[2])
 {
     static const double step[2] = {0.7548776662466927, 0.5698402909980532};
-    const bool moved =
-        r->work.technique != ORL_TECHNIQUE_BACKWARD && orl_job_asks_for_glare(r->state->job);
+    const bool moved = !orl_technique_facts(r->work.technique)->samples_paths &&
+                       orl_job_asks_for_glare(r->state->job);
     for (int i = 0; i < 2; i++)
         ret_shift[i] = moved ? fmod(0.5 + r->count * step[i], 1) - 0.5 : 0;
 }

@@ -42,6 +42,18 @@ static int compute_chunks(struct orl_rendering *rendering, struct orl_error *err
     return code;
 }
 
+/* Adds the light that the technique estimates for all sensors together, by photons. */
+static int finish_sensors(struct orl_run_state *state, struct orl_error *err)
+{
+    const struct orl_renderer *renderer = &state->renderer;
+    if (!renderer->methods->finish_sensors)
+        return 0;
+    const double started = state->env->now_s(state->env->ctx);
+    const int code = renderer->methods->finish_sensors(renderer->technique, err);
+    orl_run_move_time(state, ORL_STAGE_PHOTONS, state->env->now_s(state->env->ctx) - started);
+    return code;
+}
+
 static int render_sensors(struct orl_rendering *rendering, struct orl_error *err)
 {
     struct orl_run_state *state = rendering->state;
@@ -67,10 +79,9 @@ static int render_sensors(struct orl_rendering *rendering, struct orl_error *err
     }
     rendering->stride = orl_golden_stride(n);
     orl_run_begin_phase(state, 0, rendering->share);
-    const struct orl_renderer *renderer = rendering->renderer;
     int code = compute_chunks(rendering, err);
-    if (code == 0 && renderer->finish_sensors)
-        code = renderer->finish_sensors(renderer->ctx, err);
+    if (code == 0)
+        code = finish_sensors(state, err);
     if (code == 0 && !state->round.receive_film)
         orl_run_add_sparse_errors(result, state->sensors, state->rays);
     if (code == 0 && !state->round.receive_film && state->env->sensors_done)
@@ -157,13 +168,10 @@ static int render_views(struct orl_rendering *rendering, struct orl_error *err)
     return code;
 }
 
-int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
-                   struct orl_error *err)
+int orl_run_render(struct orl_run_state *state, struct orl_error *err)
 {
-    struct orl_rendering rendering = {.state = state,
-                                      .renderer = renderer,
-                                      .share = orl_run_sensors_share(state),
-                                      .chunk = ORL_SENSOR_CHUNK};
+    struct orl_rendering rendering = {
+        .state = state, .share = orl_run_sensors_share(state), .chunk = ORL_SENSOR_CHUNK};
     orl_run_begin_stage(state, ORL_STAGE_RENDER);
     int code = render_sensors(&rendering, err);
     if (code == 0)

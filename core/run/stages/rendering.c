@@ -32,15 +32,45 @@ static void report_in_progress(const struct orl_rendering *rendering, double sam
     report_samples(rendering, fmin(fmax(alike, booked), booked + (members - 1) * samples));
 }
 
+/* Returns a sensor as the technique gets it; its seed and first sample are those of all rounds. */
+static struct orl_sensor_query query_of(const struct orl_run_state *state, size_t index,
+                                        struct orl_search *search)
+{
+    const struct orl_sensor *sensor = &state->sensors[index];
+    const struct orl_sensor_round *round = state->round.sensor_round;
+    return (struct orl_sensor_query){
+        .index = index,
+        .position = orl_sub(sensor->position, state->lit_scene->geometry->center),
+        .normal = orl_normalize(sensor->direction),
+        .samples = orl_run_sensor_samples(state, index),
+        .seed = round ? round->seed : state->job->seed,
+        .first = round ? round->before[index] : 0,
+        .search = search};
+}
+
+static void store_batches(const struct orl_sensor_round *round, size_t index,
+                          const struct orl_rgb batches[ORL_MAP_BATCHES])
+{
+    for (uint32_t batch = 0; batch < ORL_MAP_BATCHES; batch++)
+        round->batches[index * ORL_MAP_BATCHES + batch] =
+            ORL_EFFICACY_LM_PER_W * orl_luma(batches[batch]);
+}
+
 static void compute_sensor(void *arg, size_t index, uint32_t member)
 {
     struct orl_rendering *rendering = arg;
     const struct orl_run_state *state = rendering->state;
+    const struct orl_renderer *renderer = &state->renderer;
+    struct orl_sensor_estimate *found = &rendering->found[index];
+    struct orl_rgb batches[ORL_MAP_BATCHES];
     if (atomic_load_explicit(state->env->cancel, memory_order_relaxed))
         return;
     const size_t sensor = orl_rendering_sensor_at(rendering, rendering->first + index);
-    rendering->renderer->compute_sensor(rendering->renderer->ctx, sensor, member,
-                                        &rendering->found[index]);
+    const struct orl_sensor_query query = query_of(state, sensor, &state->searches[member]);
+    renderer->methods->compute_sensor(renderer->technique, &query, found, batches);
+    orl_run_store_sensor(state, sensor, &found->estimate);
+    if (state->round.sensor_round)
+        store_batches(state->round.sensor_round, sensor, batches);
     const double samples = orl_run_sensor_samples(state, sensor);
     atomic_fetch_add(&rendering->samples_done, (uint64_t)samples);
     if (member == 0) { /* only the lead thread reports progress */
@@ -71,6 +101,17 @@ void orl_run_store_sensor(const struct orl_run_state *state, size_t index,
     result->interval_95_lx[index][1] = value + lux * margins.above;
     state->rays[index] =
         orl_ray_moments_mix(estimate->rays, lux, (struct orl_ray_moments){0, 0}, 0);
+}
+
+void orl_rendering_load_sensor(struct orl_rendering *rendering, size_t sensor,
+                               const struct orl_sensor_estimate *found)
+{
+    const struct orl_run_state *state = rendering->state;
+    const struct orl_renderer *renderer = &state->renderer;
+    const struct orl_sensor_query query = query_of(state, sensor, NULL);
+    if (renderer->methods->load_sensor)
+        renderer->methods->load_sensor(renderer->technique, &query, found);
+    orl_run_store_sensor(state, sensor, &found->estimate);
 }
 
 int orl_rendering_compute_chunk(struct orl_rendering *rendering, size_t first,
@@ -147,8 +188,9 @@ int orl_rendering_paint_view(struct orl_rendering *rendering, size_t index,
                                           .shift = {state->round.shift[0], state->round.shift[1]},
                                           .rays = state->round.view_rays};
     const int code = orl_rendering_open_view(state, index, &view, ret_film, err);
-    return code == 0 ? rendering->renderer->paint_view(rendering->renderer->ctx, &painting, err)
-                     : code;
+    return code == 0
+               ? state->renderer.methods->paint_view(state->renderer.technique, &painting, err)
+               : code;
 }
 
 int orl_rendering_finish_view(struct orl_rendering *rendering, size_t index,

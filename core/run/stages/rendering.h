@@ -10,29 +10,9 @@
 #include "base/sampling/sampling.h"
 #include "base/statistics/estimate.h"
 #include "render/film/film.h"
-#include "render/image/image.h"
+#include "render/technique/technique.h"
 #include "run/distributed/task_work.h"
 #include "run/run_state.h"
-
-/* Result of a sensor. */
-struct orl_sensor_estimate {
-    struct orl_estimate estimate;
-    /* 1: it receives caustics otherwise than by density (render/gather/gather.h) */
-    uint64_t in_free_space;
-};
-
-/* Callbacks of a technique for the render stage. */
-struct orl_renderer {
-    void *ctx;
-    /* Computes a sensor and records it; called by any thread of the pool. */
-    void (*compute_sensor)(void *ctx, size_t index, uint32_t member,
-                           struct orl_sensor_estimate *ret_found);
-    /* Records a sensor that another process has computed. */
-    void (*sensor_loaded)(void *ctx, size_t index, const struct orl_sensor_estimate *found);
-    /* Work for all sensors together, after all of them; may be NULL. */
-    int (*finish_sensors)(void *ctx, struct orl_error *err);
-    int (*paint_view)(void *ctx, const struct orl_painting *painting, struct orl_error *err);
-};
 
 uint32_t orl_run_sensor_samples(const struct orl_run_state *state, size_t index);
 
@@ -45,9 +25,9 @@ void orl_run_store_sensor(const struct orl_run_state *state, size_t index,
 void orl_run_add_sparse_errors(struct orl_result *result, const struct orl_sensor *sensors,
                                const struct orl_ray_moments *rays);
 
-/* Render stage: computes sensors and views into the result and the output folder. */
-int orl_run_render(struct orl_run_state *state, const struct orl_renderer *renderer,
-                   struct orl_error *err);
+/* Render stage: computes sensors and views by state->renderer, which is prepared, into the result
+ * and the output folder. */
+int orl_run_render(struct orl_run_state *state, struct orl_error *err);
 
 /* State of the render stage: sensors in chunks, views one by one. render_stage.c renders all of
  * them; shared_rendering.c distributes them as tasks. */
@@ -61,10 +41,9 @@ struct orl_view_progress {
     double before, share; /* shares of the stage: before the view, and of painting it */
 };
 
-/* Technique, counters and progress of the render stage. */
+/* Counters and progress of the render stage. */
 struct orl_rendering {
     struct orl_run_state *state;
-    const struct orl_renderer *renderer;
     size_t chunk;  /* sensors of each chunk but the last */
     size_t first;  /* first sensor of this chunk, in permuted order */
     double share;  /* the sensors' share of the stage */
@@ -103,6 +82,9 @@ void orl_rendering_report_sensors(const struct orl_rendering *rendering);
 /* Computes and records a chunk; rendering->found has its results. */
 int orl_rendering_compute_chunk(struct orl_rendering *rendering, size_t first,
                                 struct orl_error *err);
+/* Records a sensor that another process has computed. */
+void orl_rendering_load_sensor(struct orl_rendering *rendering, size_t sensor,
+                               const struct orl_sensor_estimate *found);
 /* Distributes all sensors as tasks of a distributed run. */
 int orl_rendering_share_sensors(struct orl_rendering *rendering, struct orl_error *err);
 

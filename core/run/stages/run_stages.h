@@ -25,9 +25,11 @@ struct orl_map_name orl_run_map_name(const struct orl_run_state *state, enum orl
 
 /* Creates state->emission, where photons start, unless it exists. */
 int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err);
-/* Creates state->backward, the backward technique's data of the lit scene, unless it exists. */
-int orl_run_ensure_backward(struct orl_run_state *state, struct orl_error *err);
-void orl_run_free_backward(struct orl_run_state *state);
+/* Creates state->renderer, the plan's technique for the lit scene, unless it exists; all rounds of
+ * a job use it. If the technique traces photons in every round, their emission is created as well.
+ */
+int orl_run_ensure_renderer(struct orl_run_state *state, struct orl_error *err);
+void orl_run_free_renderer(struct orl_run_state *state);
 
 /* Photons and maps stages: loads every map that the job needs into state->maps, or makes it. */
 int orl_run_prepare_maps(struct orl_run_state *state, struct orl_error *err);
@@ -77,7 +79,7 @@ void orl_sensor_run_join(struct orl_run_state *state, struct orl_sensor_run *run
 
 /*
  * After the cross-check: renders sensors that differ from plain path tracing again, if the job
- * leaves the technique to the planner. The technique is the other one of gather and backward. The
+ * leaves the technique to the planner. The technique is the alternative of the sensors' own. The
  * result has the values of the one that leaves fewer sensors unreliable. first_warning: the number
  * of the result's warnings before its checks, which are dropped with the values that they are
  * about.
