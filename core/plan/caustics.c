@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "plan/decide.h"
+#include "render/technique/technique.h"
 
 enum { RAYS_A_PHOTON = 3 };
 
@@ -153,13 +154,18 @@ static void override_skip(struct orl_decision *decision)
     decision->saved_s = 0;
 }
 
+static bool reads_caustic_map(const struct orl_plan *plan)
+{
+    return orl_technique_facts(plan->technique)->reads_map[ORL_MAP_CAUSTIC];
+}
+
 /* Returns true if caustic photons have anything to do, or the job forces them. */
 static bool needs_photons(const struct orl_lit_specular *lit, const struct orl_plan *plan,
                           bool simulated)
 {
     const bool forced = plan->effects[ORL_EFFECT_CAUSTICS_MIRROR].override == ORL_OVERRIDE_FORCE ||
                         plan->effects[ORL_EFFECT_CAUSTICS_BSDF].override == ORL_OVERRIDE_FORCE;
-    return simulated && (any_lit(lit) || forced) && plan->technique != ORL_TECHNIQUE_BACKWARD;
+    return simulated && (any_lit(lit) || forced) && reads_caustic_map(plan);
 }
 
 /* Removes virtual images of suns and lamps, so that shadow rays no longer search flat mirrors. */
@@ -186,7 +192,7 @@ void orl_decide_caustics(struct orl_plan_survey *survey, const struct orl_lit_sp
     lit_scene->caustics_lit = (mirrors || lobes) && any_lit(lit);
     plan->photons_caustic =
         requested == ORL_PHOTONS_BY_PLAN ? (uint64_t)ORL_DEFAULT_PHOTONS : requested;
-    if (plan->technique == ORL_TECHNIQUE_BACKWARD) {
+    if (!reads_caustic_map(plan)) {
         if (lit->classes[ORL_LIT_CURVED].facets > 0 || lit->lights > lit_scene->n_suns)
             override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_MIRROR]);
         override_skip(&plan->effects[ORL_EFFECT_CAUSTICS_BSDF]);

@@ -6,6 +6,7 @@
 #include <oriel/job/paths.h>
 
 #include "plan/decide.h"
+#include "render/technique/technique.h"
 #include "scene/material/function_brdf/function_brdf_check.h"
 
 /* Largest tolerable share of lamps' mirrored light without virtual images. */
@@ -171,7 +172,7 @@ static enum orl_technique choose_technique(const struct orl_plan_survey *survey,
         return ORL_TECHNIQUE_GATHER;
     }
     if (gather == ORL_OVERRIDE_SKIP &&
-        (technique == ORL_TECHNIQUE_GATHER || technique == ORL_TECHNIQUE_PRECOMPUTED)) {
+        orl_technique_facts(technique)->final_gather != ORL_GATHER_NOWHERE) {
         snprintf(ret_why, ORL_WHY_MAX, "the job skips the final gather");
         return ORL_TECHNIQUE_DIRECT;
     }
@@ -195,7 +196,8 @@ static void decide_techniques(const struct orl_plan_survey *survey, struct orl_p
 static void decide_gather(const struct orl_plan_survey *survey, struct orl_plan *plan)
 {
     struct orl_decision *decision = &plan->effects[ORL_EFFECT_FINAL_GATHER];
-    const bool gathers = plan->technique == ORL_TECHNIQUE_GATHER;
+    const bool gathers =
+        orl_technique_facts(plan->technique)->final_gather == ORL_GATHER_EVERYWHERE;
     const struct orl_finding finding = {.needed = gathers, .unit = ORL_BOUND_NONE};
     const size_t sensors = survey->request->n_sensors, views = survey->request->job->n_views;
     orl_decision_fill(decision, &finding, "technique %s, for %zu sensor%s and %zu view%s",
@@ -249,18 +251,11 @@ static void decide_interreflection(struct orl_plan_survey *survey,
                                                                         : n;
 }
 
-/* Returns true if the technique reads the map by density; shadow rays and caustic photons are added
- * to it. */
-static bool shows_map(enum orl_technique technique)
-{
-    return technique == ORL_TECHNIQUE_DIRECT || technique == ORL_TECHNIQUE_PRECOMPUTED;
-}
-
 /* Returns the number of reflections of photons. Where the map itself is read, it counts the light
  * that reaches a surface, not the light that the surface reflects. */
 static uint32_t reflections_of_photons(const struct orl_plan *plan)
 {
-    const bool itself = shows_map(plan->technique);
+    const bool itself = orl_technique_facts(plan->technique)->shows_map;
     return plan->most_reflections < ORL_ALL_REFLECTIONS ? plan->most_reflections + itself
                                                         : ORL_ALL_REFLECTIONS;
 }
@@ -314,18 +309,16 @@ static uint64_t virtual_lamps(const struct orl_plan_survey *survey)
 static uint64_t global_photons(const struct orl_plan_survey *survey, const struct orl_plan *plan)
 {
     const uint64_t asked = survey->request->job->photons_global;
+    const struct orl_technique_facts *facts = orl_technique_facts(plan->technique);
     if (survey->lit_scene->omit.most_reflections == 0 || survey->lit_scene->scene->mist)
         return 0;
-    if (plan->technique == ORL_TECHNIQUE_BACKWARD)
+    if (facts->photons == ORL_PHOTONS_FOR_VPLS)
         return virtual_lamps(survey);
     if (asked != ORL_PHOTONS_BY_PLAN)
         return asked;
-    switch (plan->technique) {
-    case ORL_TECHNIQUE_GATHER:
-        return enough_photons(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW);
-    default:
-        return ORL_DEFAULT_PHOTONS;
-    }
+    return facts->final_gather == ORL_GATHER_EVERYWHERE
+               ? enough_photons(survey, ORL_DEFAULT_PHOTONS, PHOTONS_A_WINDOW)
+               : ORL_DEFAULT_PHOTONS;
 }
 
 void orl_decide_technique(struct orl_plan_survey *survey, const struct orl_lit_specular *lit,
@@ -335,7 +328,7 @@ void orl_decide_technique(struct orl_plan_survey *survey, const struct orl_lit_s
     decide_gather(survey, plan);
     decide_interreflection(survey, lit, plan);
     survey->lit_scene->omit.most_reflections = reflections_of_photons(plan);
-    survey->lit_scene->omit.counted_light = shows_map(plan->technique);
+    survey->lit_scene->omit.counted_light = orl_technique_facts(plan->technique)->shows_map;
     plan->photons_global = global_photons(survey, plan);
 }
 

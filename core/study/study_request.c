@@ -1,5 +1,6 @@
 /* Requests of studies: defaults, validation, freeing, the list of settings, and estimates of
  * cost. */
+#include "render/technique/technique.h"
 #include "study/study_runs.h"
 
 #include <stdarg.h>
@@ -40,14 +41,15 @@ void orl_study_request_done(struct orl_study_request *request)
 
 bool orl_study_uses_photons(enum orl_technique technique)
 {
-    return technique != ORL_TECHNIQUE_BACKWARD;
+    return orl_technique_reads_maps(technique);
 }
 
 bool orl_study_uses_samples(enum orl_technique technique, bool of_views)
 {
     /* Views by photon maps choose their own rays. Sensors read maps directly, except with a
      * gather. */
-    return technique == ORL_TECHNIQUE_BACKWARD || (technique == ORL_TECHNIQUE_GATHER && !of_views);
+    const struct orl_technique_facts *facts = orl_technique_facts(technique);
+    return facts->samples_paths || (facts->final_gather == ORL_GATHER_EVERYWHERE && !of_views);
 }
 
 bool orl_study_can_show(double value)

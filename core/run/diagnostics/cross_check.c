@@ -350,7 +350,7 @@ static void warn_of_worst(struct orl_run_state *state, const struct compared *wo
                  orl_plural(group->count), group->first,
                  orl_light_class_name(r->cross_check.differs_in), r->cross_check.sensors_off,
                  orl_plural(r->cross_check.sensors_off),
-                 technique == ORL_TECHNIQUE_BACKWARD ? "gather" : "backward");
+                 orl_technique_name(orl_technique_facts(technique)->alternative));
 }
 
 /* Sets the result's cross_check, widens intervals, marks sensors and warns. */

@@ -252,7 +252,7 @@ static void warn_of_leaks(struct orl_run_state *state, const struct orl_health *
  * depends on the technique. */
 static void warn_of_sparse(struct orl_run_state *state, const struct orl_health *h)
 {
-    const bool shown = state->result->plan.technique == ORL_TECHNIQUE_DIRECT;
+    const bool shown = orl_technique_facts(state->result->plan.technique)->shows_density;
     const double sparse = share_of(h->sparse, h->estimates);
     if (!(sparse > many_sparse))
         return;

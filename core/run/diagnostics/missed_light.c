@@ -121,14 +121,14 @@ static void add_sensors(const struct orl_run_state *state, struct orl_sensor_flu
     }
 }
 
-/* Returns the path classes that the backward technique finds only by chance. Returns 0 for other
- * techniques, which read photon maps. */
+/* Returns the path classes that a technique without a caustic map finds only by chance. Returns 0
+ * for techniques that read one. */
 static uint32_t missed_by_paths(const struct orl_run_state *state)
 {
     const struct orl_plan *plan = &state->result->plan;
-    return plan->technique == ORL_TECHNIQUE_BACKWARD
-               ? orl_paths_missed(plan->technique, plan->paths)
-               : 0;
+    return orl_technique_facts(plan->technique)->reads_map[ORL_MAP_CAUSTIC]
+               ? 0
+               : orl_paths_missed(plan->technique, plan->paths);
 }
 
 static const char *missed_class_text(const struct orl_run_state *state)

@@ -61,9 +61,9 @@ static uint32_t shrink_side(uint32_t side, double by)
  * files. */
 static int shrink_views(struct orl_job *job, struct orl_pilot *pilot, struct orl_error *err)
 {
-    const double all = pixels_of(job), most = job->technique == ORL_TECHNIQUE_BACKWARD
-                                                  ? MOST_PIXELS
-                                                  : MOST_PIXELS_OF_MAPS;
+    const struct orl_technique_facts *facts = orl_technique_facts(job->technique);
+    const double all = pixels_of(job),
+                 most = facts->samples_paths ? MOST_PIXELS : MOST_PIXELS_OF_MAPS;
     const double by = fmin(sqrt(most / fmax(all, 1)), 1);
     struct orl_view_request *views = calloc(job->n_views + 1, sizeof *views);
     if (!views)
@@ -76,7 +76,7 @@ static int shrink_views(struct orl_job *job, struct orl_pilot *pilot, struct orl
                                              .irradiance = job->views[i].irradiance};
     job->views = views;
     pilot->view_factor = job->n_views > 0 ? all / pixels_of(job) : 1;
-    if (job->technique == ORL_TECHNIQUE_GATHER)
+    if (facts->final_gather == ORL_GATHER_EVERYWHERE)
         pilot->view_factor = pow(pilot->view_factor, gather_power);
     return 0;
 }
@@ -85,7 +85,7 @@ static int shrink_views(struct orl_job *job, struct orl_pilot *pilot, struct orl
 static double samples_of(const struct orl_run_state *state)
 {
     const double all = state->clock.cost_s[ORL_STAGE_PHOTONS], unit = ORL_MAP_BATCHES;
-    if (state->result->plan.technique == ORL_TECHNIQUE_BACKWARD)
+    if (orl_technique_facts(state->result->plan.technique)->samples_paths)
         return 0;
     const double share = fmin(photons_s / fmax(all, photons_s), 1.0 / ORL_PILOT_ROUNDS);
     return unit * ceil(fmax(share * ORL_DEFAULT_GATHER_SAMPLES, fewest_samples) / unit);

@@ -69,19 +69,19 @@ struct orl_work orl_work_of(const struct orl_run_state *state)
                             .photons = {plan->photons_global, plan->photons_caustic},
                             .least = least_samples};
     const double photons = fmax((double)plan->photons_global, (double)plan->photons_caustic);
-    const bool backward = work.technique == ORL_TECHNIQUE_BACKWARD;
-    work.by_noise = backward && !work.of_views;
+    const struct orl_technique_facts *facts = orl_technique_facts(work.technique);
+    work.by_noise = facts->samples_paths && !work.of_views;
     if (work.by_noise) {
         const double worth = fmax((double)state->n_sensors / sensors_of_lamps, least_lamps);
         work.photons[ORL_MAP_GLOBAL] =
             (uint64_t)ceil((double)plan->photons_global * fmin(worth, 1));
     }
-    const double most_photons = backward ? LAMPS_A_ROUND : PHOTONS_A_ROUND;
+    const double most_photons = facts->samples_paths ? LAMPS_A_ROUND : PHOTONS_A_ROUND;
     work.most = fmin(map_samples * fmax(1, most_photons / fmax(photons, 1)), 1 << 18);
-    if (work.of_views && !backward) {
+    if (work.of_views && !facts->samples_paths) {
         const double alike = orl_run_photons_in_view_time(state) / fmax(photons_of(&work, 1), 1);
         work.least = map_samples;
-        if (state->job->goal.deadline_s > 0 && work.technique == ORL_TECHNIQUE_GATHER) {
+        if (state->job->goal.deadline_s > 0 && facts->final_gather == ORL_GATHER_EVERYWHERE) {
             work.ray_time_share = part_by_rays;
             work.most = fmin(work.most, most_rays * map_samples);
         } else {
@@ -133,7 +133,7 @@ double orl_work_next(const struct orl_work *work, double done, double wanted)
 
 bool orl_work_view_time_is_fixed(const struct orl_work *work)
 {
-    return work->of_views && work->technique != ORL_TECHNIQUE_BACKWARD &&
+    return work->of_views && !orl_technique_facts(work->technique)->samples_paths &&
            !(work->ray_time_share > 0);
 }
 
@@ -313,7 +313,7 @@ void orl_run_compute_curve(const struct orl_run_state *state,
 static double samples_of(const struct orl_run_state *state, const struct orl_work *work)
 {
     const struct orl_job *job = state->job;
-    if (work->technique == ORL_TECHNIQUE_BACKWARD && state->n_sensors == 0)
+    if (orl_technique_facts(work->technique)->samples_paths && state->n_sensors == 0)
         return pixel_samples * orl_run_pixel_samples(state);
     if (state->n_sensors == 0)
         return map_samples;

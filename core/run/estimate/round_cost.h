@@ -14,7 +14,7 @@
 
 /* Returns the total samples of a sensor, as rounds count them, by backward or by
  * maps. of_round: samples of a round, for goals of a DGP error. NaN: limited only by a deadline. */
-double orl_goal_estimate_samples(const struct orl_goal *goal, bool backward, double of_round);
+double orl_goal_estimate_samples(const struct orl_goal *goal, bool paths, double of_round);
 
 /*
  * The cost of work: samples, their meaning for each technique, their time and their effect.

@@ -9,20 +9,20 @@
 #include "run/estimate/round_cost.h"
 #include "run/run_state.h"
 
-/* Error that 95 % of an office's sensors stay within, by maps and by backward, and the samples for
+/* Error that 95 % of an office's sensors stay within, by maps and by paths, and the samples for
  * it. */
 static const double usual_error[] = {0.04, 0.02}, usual_samples[] = {4096, 2048};
 /* For a goal of a DGP error. */
 enum { LEAST_ROUNDS = 4 };
 
-double orl_goal_estimate_samples(const struct orl_goal *goal, bool backward, double of_round)
+double orl_goal_estimate_samples(const struct orl_goal *goal, bool paths, double of_round)
 {
-    const double times = usual_error[backward] / goal->relative_error;
+    const double times = usual_error[paths] / goal->relative_error;
     if (goal->dgp_error > 0)
         return LEAST_ROUNDS * of_round;
     return goal->deadline_s > 0
                ? (double)NAN
-               : fmin(times * times * usual_samples[backward], ORL_LIMIT_GOAL_SAMPLES);
+               : fmin(times * times * usual_samples[paths], ORL_LIMIT_GOAL_SAMPLES);
 }
 
 /* Rough estimates of the stages' times, before anything is measured. */
@@ -46,6 +46,16 @@ static const double pixel_us[] = {[ORL_TECHNIQUE_AUTO] = 20,
                                   [ORL_TECHNIQUE_PRECOMPUTED] = 9,
                                   [ORL_TECHNIQUE_GATHER] = 7};
 
+static bool gathers_everywhere(enum orl_technique technique)
+{
+    return orl_technique_facts(technique)->final_gather == ORL_GATHER_EVERYWHERE;
+}
+
+static bool makes_records(enum orl_technique technique)
+{
+    return orl_technique_facts(technique)->reads_map[ORL_MAP_PRECOMPUTED];
+}
+
 static double pixels_of(const struct orl_job *job)
 {
     double pixels = 0;
@@ -60,14 +70,15 @@ static double paint_us(const struct orl_run_state *state)
     const struct orl_job *job = state->job;
     const double samples = job->pixel_samples ? job->pixel_samples : ORL_DEFAULT_PIXEL_SAMPLES;
     const enum orl_technique technique = state->result->plan.technique;
-    return technique == ORL_TECHNIQUE_BACKWARD ? samples * pixel_path_us : pixel_us[technique];
+    return orl_technique_facts(technique)->samples_paths ? samples * pixel_path_us
+                                                         : pixel_us[technique];
 }
 
 /* Returns the microseconds on one core for painting all views. */
 static double views_us(const struct orl_run_state *state)
 {
     const struct orl_job *job = state->job;
-    const bool gathers = state->result->plan.technique == ORL_TECHNIQUE_GATHER;
+    const bool gathers = gathers_everywhere(state->result->plan.technique);
     return pixels_of(job) * paint_us(state) + (gathers ? view_us * (double)job->n_views : 0);
 }
 
@@ -93,14 +104,14 @@ static double first_reads_us(const struct orl_run_state *state, double rays)
 {
     const struct orl_plan *plan = &state->result->plan;
     const double all = (double)plan->photons_global * leaf_us;
-    if (plan->sensor_technique != ORL_TECHNIQUE_GATHER || !(all > 0))
+    if (!gathers_everywhere(plan->sensor_technique) || !(all > 0))
         return 0;
     return (1 - state->map_share_read) * all * (1 - exp(-rays * first_us / all));
 }
 
 static double rays_us(const struct orl_run_state *state, double rays)
 {
-    const bool paths = state->result->plan.sensor_technique == ORL_TECHNIQUE_BACKWARD;
+    const bool paths = orl_technique_facts(state->result->plan.sensor_technique)->samples_paths;
     return rays * (paths ? path_us : gather_us) + first_reads_us(state, rays);
 }
 
@@ -163,8 +174,8 @@ bool orl_run_is_measured(const struct orl_run_state *state)
 /* Returns the cost of the plan's photons. */
 static double photons_us(const struct orl_plan *plan, double photons)
 {
-    const bool lamps = plan->technique == ORL_TECHNIQUE_BACKWARD;
-    const bool records = plan->technique == ORL_TECHNIQUE_PRECOMPUTED;
+    const bool lamps = !orl_technique_reads_maps(plan->technique);
+    const bool records = makes_records(plan->technique);
     return lamps ? photons * lamp_us
                  : photons * (photon_us + index_us) +
                        (records ? (double)plan->photons_global * record_us : 0);
@@ -205,13 +216,12 @@ static double settings_core_s(const struct orl_job *job)
  * scaled by the estimated samples (round_cost.h). */
 static double goal_core_s(const struct orl_job *job, enum orl_technique technique)
 {
-    const bool backward = technique == ORL_TECHNIQUE_BACKWARD;
+    const bool paths = orl_technique_facts(technique)->samples_paths;
     struct orl_job usual = *job;
     usual.technique = technique;
     usual.photons_global = usual.photons_caustic = ORL_PHOTONS_BY_PLAN;
     usual.gather_samples = usual.pixel_samples = 0;
-    const double samples =
-        orl_goal_estimate_samples(&job->goal, backward, ORL_DEFAULT_GATHER_SAMPLES);
+    const double samples = orl_goal_estimate_samples(&job->goal, paths, ORL_DEFAULT_GATHER_SAMPLES);
     return settings_core_s(&usual) * fmax(samples / ORL_DEFAULT_GATHER_SAMPLES, 1);
 }
 
@@ -238,12 +248,12 @@ void orl_run_estimate_stages(struct orl_run_state *state)
     state->clock.cost_s[ORL_STAGE_LOAD] = 0.2;
     state->clock.cost_s[ORL_STAGE_BVH] = 0.05;
     state->clock.cost_s[ORL_STAGE_PLAN] = 0.1;
-    const bool lamps = plan->technique == ORL_TECHNIQUE_BACKWARD;
+    const bool lamps = !orl_technique_reads_maps(plan->technique);
     state->clock.cost_s[ORL_STAGE_PHOTONS] = us * photons * (lamps ? lamp_us : photon_us);
     if (plan->forecast.known)
         state->clock.cost_s[ORL_STAGE_PHOTONS] = plan->forecast.photons_s;
     state->clock.cost_s[ORL_STAGE_MAPS] = lamps ? 0 : us * photons * index_us;
-    if (plan->technique == ORL_TECHNIQUE_PRECOMPUTED)
+    if (makes_records(plan->technique))
         state->clock.cost_s[ORL_STAGE_MAPS] += us * (double)plan->photons_global * record_us;
     state->clock.cost_s[ORL_STAGE_RENDER] = us * (sensors_us(state) + views_us(state));
 }

@@ -99,9 +99,9 @@ enum { LEAST_ROUNDS = 4 };
 
 double orl_rounds_estimate_samples(const struct orl_rounds *r)
 {
-    const bool backward = r->work.technique == ORL_TECHNIQUE_BACKWARD;
+    const bool paths = orl_technique_facts(r->work.technique)->samples_paths;
     return r->planned > 0 ? r->planned * r->samples
-                          : orl_goal_estimate_samples(&r->state->job->goal, backward, r->samples);
+                          : orl_goal_estimate_samples(&r->state->job->goal, paths, r->samples);
 }
 
 void orl_rounds_estimate(struct orl_rounds *r)
@@ -125,7 +125,7 @@ void orl_rounds_estimate(struct orl_rounds *r)
         return;
     }
     const double share = r->planned > 0 ? 1.0 / r->planned : samples / ORL_DEFAULT_GATHER_SAMPLES;
-    const bool alike = r->work.of_views && r->work.technique != ORL_TECHNIQUE_BACKWARD;
+    const bool alike = r->work.of_views && !orl_technique_facts(r->work.technique)->samples_paths;
     for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++) {
         estimated[i] = r->estimated_s[i] * (alike && i == ORL_STAGE_RENDER ? 1 : share);
         if (done < r->wanted)

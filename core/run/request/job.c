@@ -436,7 +436,7 @@ uint32_t orl_run_count_batches(const struct orl_run_state *state)
     const uint32_t most = orl_run_pixel_samples(state);
     if (!orl_job_asks_for_glare(state->job))
         return 1;
-    if (state->result->plan.technique != ORL_TECHNIQUE_BACKWARD)
+    if (!orl_technique_facts(state->result->plan.technique)->samples_paths)
         return OF_MAPS;
     return most < OF_PATHS ? most : OF_PATHS;
 }

@@ -15,9 +15,7 @@ enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
 
 int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err)
 {
-    const enum orl_photon_use use = state->result->plan.technique == ORL_TECHNIQUE_BACKWARD
-                                        ? ORL_PHOTONS_FOR_VPLS
-                                        : ORL_PHOTONS_FOR_MAPS;
+    const enum orl_photon_use use = orl_technique_facts(state->result->plan.technique)->photons;
     return state->emission ? 0
                            : orl_emission_new(state->lit_scene, use, state->job->seed,
                                               state->env->pool, &state->emission, err);
@@ -361,7 +359,7 @@ static int acquire_all(struct orl_run_state *state, struct map_work *work, struc
     int code = 0;
     work[ORL_MAP_GLOBAL].target = plan->photons_global;
     work[ORL_MAP_CAUSTIC].target = plan->photons_caustic;
-    if (plan->technique == ORL_TECHNIQUE_PRECOMPUTED)
+    if (orl_technique_facts(plan->technique)->reads_map[ORL_MAP_PRECOMPUTED])
         work[ORL_MAP_PRECOMPUTED].target = plan->photons_global;
     for (int i = 0; i < ORL_MAP_KINDS && code == 0; i++) {
         if (order[i] == ORL_MAP_GLOBAL && work[ORL_MAP_PRECOMPUTED].hit)

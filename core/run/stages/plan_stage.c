@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "plan/plan.h"
-#include "render/gather/sensor_flux.h"
+#include "render/technique/technique.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/estimate/progress.h"
 #include "run/run_state.h"
@@ -153,8 +153,10 @@ static void orl_run_estimate_from_pilot(struct orl_run_state *state)
     const double max_ratio = 3.5;
     struct orl_plan *plan = &state->result->plan;
     struct orl_photon_forecast *f = &plan->forecast;
-    const bool known = f->known && plan->technique == ORL_TECHNIQUE_GATHER &&
-                       state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
+    const bool gathers =
+        orl_technique_facts(plan->technique)->final_gather == ORL_GATHER_EVERYWHERE;
+    const bool known =
+        f->known && gathers && state->job->n_views == 0 && !orl_goal_is_set(&state->job->goal);
     double least = known ? state->env->now_s(state->env->ctx) - state->clock.started_s : NAN;
     for (int i = ORL_STAGE_PHOTONS; i < ORL_STAGE_COUNT; i++)
         least += state->clock.cost_s[i];

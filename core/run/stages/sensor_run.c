@@ -261,9 +261,7 @@ int orl_sensor_run_retry(struct orl_run_state *state, size_t first_warning, stru
     if (!may_run_again(state))
         return 0;
     struct orl_job job = without_views(state->job);
-    job.technique = result->plan.sensor_technique == ORL_TECHNIQUE_BACKWARD
-                        ? ORL_TECHNIQUE_GATHER
-                        : ORL_TECHNIQUE_BACKWARD;
+    job.technique = orl_technique_facts(result->plan.sensor_technique)->alternative;
     const struct orl_run_env *own = state->env, env = env_of_second(state);
     orl_run_end_stage(state);
     const int code = state->run_sensors(&job, &env, state->scene, &second, err);
