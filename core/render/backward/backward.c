@@ -34,7 +34,8 @@ struct shade_point {
     struct orl_shading_point place;
     double importance;
     uint32_t reflections;
-    const struct orl_sample_params *params; /* for the sample's first place; NULL at later ones */
+    bool is_first; /* true for the sample's first place: its numbers and rays are those of params */
+    const struct orl_sample_params *params; /* set if is_first */
 };
 
 static struct orl_rgb light_at(struct orl_tracer *tracer, const struct shade_point *shade_point);
@@ -204,7 +205,7 @@ static void draw_numbers(struct orl_tracer *tracer, const struct shade_point *sh
                          uint32_t slot, uint32_t each, uint32_t n, uint32_t count, double *ret_u)
 {
     const struct orl_sample_params *s = shade_point->params;
-    if (s)
+    if (shade_point->is_first)
         orl_sobol_point(&tracer->backward->sobol, s->index * each + n,
                         s->sequence + slot * 0x9e3779b9U, count, ret_u);
     else
@@ -233,7 +234,7 @@ static struct orl_rgb some_lamps(struct orl_tracer *tracer, const struct shade_p
     double u;
     draw_numbers(tracer, shade_point, SLOT_LAMPS, 1, 0, 1, &u);
     return orl_vpl_irradiance(&tracer->backward->vpls, tracer->group, u,
-                              shade_point->params ? shade_point->params->lamps : 1,
+                              shade_point->is_first ? shade_point->params->lamps : 1,
                               shade_point->place.point, normal_of(shade_point));
 }
 
@@ -277,7 +278,7 @@ static struct orl_rgb sampled_light(struct orl_tracer *tracer,
                                     const struct shade_point *shade_point)
 {
     const struct orl_strategy_counts *ray_counts =
-        shade_point->params ? &shade_point->params->ray_counts : &tracer->backward->bounce_counts;
+        shade_point->is_first ? &shade_point->params->ray_counts : &tracer->backward->bounce_counts;
     struct orl_rgb sum = orl_gray(0);
     for (int strategy = 0; strategy < ORL_STRATEGIES; strategy++) {
         const double wanted = ray_counts->rays[strategy], whole = floor(wanted);
@@ -330,7 +331,8 @@ struct orl_rgb orl_backward_sample_irradiance(struct orl_tracer *tracer,
                                               const struct orl_shading_point *place,
                                               const struct orl_sample_params *params)
 {
-    const struct shade_point shade_point = {.place = *place, .importance = 1, .params = params};
+    const struct shade_point shade_point = {
+        .place = *place, .importance = 1, .is_first = true, .params = params};
     return light_at(tracer, &shade_point);
 }
 

@@ -162,6 +162,9 @@ struct orl_sobol_slice {
     uint32_t index, sequence, skip;
 };
 
+/* Knowledge of the first hit of a ray that its caller has traced before. */
+enum orl_first_hit { ORL_FIRST_HIT_UNKNOWN, ORL_FIRST_HIT_SURFACE, ORL_FIRST_HIT_NOTHING };
+
 /* A ray of a final gather. */
 struct orl_gather_ray {
     struct orl_vec3 origin, direction;
@@ -170,12 +173,13 @@ struct orl_gather_ray {
      * lobe_mis_pdf is then the MIS density of its direction. */
     bool finds_caustics;
     struct orl_mis_pdf lobe_mis_pdf;
-    /* Numbers for the event at the first surface; NULL: random ones. */
-    const struct orl_sobol_slice *first;
-    /* The first hit if it is known, or hits_nothing; else NULL and false. */
-    const struct orl_hit *first_hit;
-    bool hits_nothing;
-    bool importance_sampled; /* true if matt surfaces draw importance-sampled rays */
+    /* True if the event at the first surface has the numbers of that slice, otherwise random ones.
+     */
+    bool stratified;
+    const struct orl_sobol_slice *slice; /* set if stratified */
+    enum orl_first_hit first_hit;
+    const struct orl_hit *hit; /* set if first_hit is a surface */
+    bool importance_sampled;   /* true if matt surfaces draw importance-sampled rays */
     /* True if flat surfaces may be read from texels: for hemispheres, which average many rays. */
     bool reads_texels;
     /* True if the irradiance cache gives the rest at near surfaces within its reach. Otherwise they

@@ -224,10 +224,10 @@ static struct orl_surface_sample draw_by_lobes(struct orl_eye_path *p, const str
                                                enum orl_lobes lobes)
 {
     const struct leg *leg = leg_of(p);
-    const struct orl_sobol_slice *slice = p->bounce == 0 ? leg->ray->first : NULL;
+    const struct orl_sobol_slice *slice = leg->ray->slice;
     const struct orl_vec3 eye = orl_path_back(&p->path);
     double u[ORL_SOBOL_DIMENSIONS];
-    if (!slice)
+    if (p->bounce > 0 || !leg->ray->stratified)
         return orl_material_sample(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, p->random);
     orl_sobol_point(&leg->gather->sobol, slice->index, slice->sequence, slice->skip + 3, u);
     return orl_material_sample_at(m, &p->hit, eye, ORL_TRANSPORT_EYE, lobes, u + slice->skip);
@@ -440,8 +440,9 @@ static struct orl_rgb trace_gather(const struct orl_gather *gather,
         .caustics = ray->finds_caustics,
         .importance_sampled = ray->importance_sampled && !gather->lit_scene->scene->mist};
     search->health.paths++;
-    if (ray->first_hit || ray->hits_nothing)
-        orl_eye_path_set_next_hit(&leg.eye, ray->first_hit);
+    if (ray->first_hit != ORL_FIRST_HIT_UNKNOWN)
+        orl_eye_path_set_next_hit(&leg.eye,
+                                  ray->first_hit == ORL_FIRST_HIT_SURFACE ? ray->hit : NULL);
     follow_leg(&leg);
     if (through.eye.bounce == 0)
         return leg.eye.seen;

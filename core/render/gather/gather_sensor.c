@@ -333,6 +333,16 @@ static double combined_pdf(const struct orl_gather *gather, const struct orl_sha
                          fmax(orl_dot(ray_sample->ray.direction, place->normal), 1e-9);
 }
 
+/* Returns what is known about a ray's first hit: rays are traced before if some of the set are
+ * drawn towards ports or targets. */
+static enum orl_first_hit first_hit_of(const struct ray_set *ray_set,
+                                       const struct ray_sample *ray_sample)
+{
+    if (!ray_set->to_ports_or_targets)
+        return ORL_FIRST_HIT_UNKNOWN;
+    return ray_sample->ray.met ? ORL_FIRST_HIT_SURFACE : ORL_FIRST_HIT_NOTHING;
+}
+
 /*
  * Returns a group's estimate of the hemisphere by scrambled Sobol points, up to the event at each
  * ray's first surface. A sensor needs no gradients. The tally receives the rays' photon parts, and
@@ -354,20 +364,21 @@ static struct orl_rgb gather_group(const struct orl_gather *gather,
              i++) {
             struct orl_random random =
                 orl_random_stream(gather->seed, ORL_PURPOSE_SENSOR, (name << 24) + ++number);
-            const struct orl_sobol_slice first = {
+            const struct orl_sobol_slice slice = {
                 .index = i,
                 .sequence = sequences[strategy],
                 .skip = strategy == BY_COSINE || strategy == BY_GUIDE ? 2 : 3};
             struct ray_sample ray_sample;
-            if (!draw_ray(gather, place, ray_set, (enum ray_strategy)strategy, &first, &ray_sample))
+            if (!draw_ray(gather, place, ray_set, (enum ray_strategy)strategy, &slice, &ray_sample))
                 continue;
             const struct orl_gather_ray ray = {
                 .origin = place->point,
                 .direction = ray_sample.ray.direction,
                 .outside = place->outside,
-                .first = &first,
-                .first_hit = ray_sample.ray.met ? &ray_sample.ray.hit : NULL,
-                .hits_nothing = ray_set->to_ports_or_targets && !ray_sample.ray.met,
+                .stratified = true,
+                .slice = &slice,
+                .first_hit = first_hit_of(ray_set, &ray_sample),
+                .hit = &ray_sample.ray.hit,
                 .importance_sampled = ray_set->to_ports_or_targets,
                 .tally = tally,
                 .share = ORL_PI / combined_pdf(gather, place, ray_set, &ray_sample) / HEMISPHERES};

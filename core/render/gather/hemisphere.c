@@ -125,7 +125,7 @@ struct making {
 /* A ray that may still have to read a texel. */
 struct under_way {
     struct orl_gather_ray ray;
-    struct orl_sobol_slice first;
+    struct orl_sobol_slice slice;
     struct orl_texel_fetch fetch;
     struct orl_rgb radiance;
     double distance;
@@ -141,14 +141,15 @@ static void send_ray(struct making *m, uint32_t stratum, double down, double acr
     const double sine = sqrt((row + down) / m->rows),
                  phi = 2 * ORL_PI * (column + across) / m->columns;
     *w = (struct under_way){.stratum = stratum,
-                            .first = {.index = m->rays++, .sequence = m->sequence},
+                            .slice = {.index = m->rays++, .sequence = m->sequence},
                             .distance = INFINITY};
     w->ray = (struct orl_gather_ray){
         .origin = m->place->point,
         .direction = orl_to_world(
             &m->frame, orl_v3(sine * cos(phi), sine * sin(phi), sqrt(fmax(0, 1 - sine * sine)))),
         .outside = m->place->outside,
-        .first = &w->first,
+        .stratified = true,
+        .slice = &w->slice,
         .reads_texels = true,
         .reads_records = m->icache != NULL,
         .icache = m->icache,

@@ -15,7 +15,6 @@
 #include "light/eye_path.h"
 #include "light/lit_scene.h"
 #include "plan/decide.h"
-#include "render/gather/gather.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 #include "run/stages/rendering.h"
