@@ -115,7 +115,7 @@ static pid_t upload_beside(const struct daemon *daemon, const struct bomb *bomb,
     struct reply reply;
     own.curl = curl_easy_init(); /* a separate connection */
     daemon_upload(&own, bomb->files, 2, NULL, &reply);
-    const bool said = status != 422 || strstr(reply_text(&reply, "detail"), "fault");
+    const bool said = status != 422 || strstr(reply_text(&reply, "detail"), "crashed");
     _exit(reply.status == status && said ? 0 : 1);
 }
 
