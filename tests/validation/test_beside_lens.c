@@ -14,19 +14,8 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
-
-/* A closed room with a lamp above a ball of glass. */
-#define ROOM                                                                                       \
-    "void plastic w 0 0 5 .4 .4 .4 0 0\nvoid dielectric glass 0 0 5 1 1 1 1.5 0\n"                 \
-    "void light l 0 0 3 100 100 100\nl sphere lamp 0 0 4 1.2 1.8 2.3 .3\n"                         \
-    "glass sphere ball 0 0 4 1.8 2 1.5 .4\n"                                                       \
-    "w polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 4 3 4 4 3 4 0 3\n"                                           \
-    "w polygon south 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"                                             \
-    "w polygon north 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3\n"                                             \
-    "w polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0\n"
 
 /* Sensors 1.2 and 70 cm from the ball, facing down. */
 enum { SENSORS = 2, SEEDS = 6 };
@@ -35,7 +24,7 @@ static const struct orl_sensor sensors[SENSORS] = {{{2.2, 2, 1.6}, {0, 0, -1}},
 
 static struct orl_result run_room(enum orl_technique technique, uint32_t samples, uint64_t seed)
 {
-    return scene_run(&(struct scene_run){.scene = ROOM,
+    return scene_run(&(struct scene_run){.scene = scene_fixture("room_lamp_and_lens"),
                                          .sensors = sensors,
                                          .n_sensors = SENSORS,
                                          .technique = technique,
@@ -66,22 +55,6 @@ static void test_intervals_hold_beside_a_lens(void **state)
     orl_result_done(&truth);
 }
 
-/* A room with a window, a uniform sky, and a ball of glass or of metal. */
-#define WINDOW_ROOM(ball)                                                                          \
-    "void plastic w 0 0 5 .4 .4 .4 0 0\nvoid plastic g 0 0 5 .2 .2 .2 0 0\n"                       \
-    "void glass clear 0 0 3 .9 .9 .9\nvoid dielectric crystal 0 0 5 1 1 1 1.5 0\n"                 \
-    "void metal smooth 0 0 5 .9 .9 .9 1 0\nvoid glow l 0 0 4 10 10 10 0\n"                         \
-    "l source sky 0 0 4 0 0 1 180\n"                                                               \
-    "g polygon ground 0 0 12 -20 -20 -.2 20 -20 -.2 20 20 -.2 -20 20 -.2\n"                        \
-    "w polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 4 3 4 4 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0\n"                                              \
-    "w polygon north 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3\n"                                             \
-    "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
-    "1.2 0 1 2.8 0 1 2.8 0 2.4 1.2 0 2.4 1.2 0 1\n"                                                \
-    "clear polygon pane 0 0 12 1.2 0 1 1.2 0 2.4 2.8 0 2.4 2.8 0 1\n" ball
-
 /* One ray of 250 of the first sensor hits the ball, in which it sees the sky: a sixth of its light.
  * The others see a smaller ball, or see it from the side where it shows them the window. */
 static const struct orl_sensor by_window[] = {
@@ -105,8 +78,9 @@ static struct orl_result run_by_window(const char *scene, enum orl_technique tec
  * rms to .2, and the bound allows three times that. */
 static void test_sky_in_small_balls_is_found(void **state)
 {
-    static const char *const scenes[] = {WINDOW_ROOM("crystal sphere ball 0 0 4 2 .5 1.6 .4\n"),
-                                         WINDOW_ROOM("smooth sphere ball 0 0 4 2 .8 1.1 .2\n")};
+    const char *const room = scene_fixture("room_window_lens");
+    const char *const scenes[] = {scene_join(room, "crystal sphere ball 0 0 4 2 .5 1.6 .4\n", NULL),
+                                  scene_join(room, "smooth sphere ball 0 0 4 2 .8 1.1 .2\n", NULL)};
     static const enum orl_technique techniques[] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
     (void)state;
     for (int k = 0; k < 4; k++) {

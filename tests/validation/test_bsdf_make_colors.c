@@ -20,6 +20,7 @@
 #include "fixtures/bsdf_ask.h"
 #include "support/extent.h"
 #include "support/panels.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 
 enum { RED, GREEN, BLUE, COLORS };
@@ -371,18 +372,6 @@ static void conversions_keep_colour_or_say_so(void **state)
 
 /* ---- In a room ------------------------------------------------------------------------------- */
 
-#define ROOM                                                                                       \
-    "g source sky 0 0 4 0 0 1 360\n"                                                               \
-    "void plastic w 0 0 5 .5 .5 .5 0 0\n"                                                          \
-    "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
-    "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                             \
-    "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
-    "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"                                                          \
-    "p polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
-
 enum { SENSORS = 2 };
 static const struct orl_sensor sensors[SENSORS] = {{{2, 1.5, .8}, {0, 0, 1}},
                                                    {{1, 2.5, 1.2}, {0, -1, 0}}};
@@ -397,7 +386,11 @@ static struct reading read_room(const char *pane, const char *xml, int channel)
     static const char *const skies[COLORS] = {"3 0 0", "0 1.5 0", "0 0 12"};
     char scene[4096];
     struct reading reading;
-    snprintf(scene, sizeof scene, "void glow g 0 0 4 %s 0\n%s" ROOM, skies[channel], pane);
+    snprintf(scene, sizeof scene,
+             "void glow g 0 0 4 %s 0\n%sg source sky 0 0 4 0 0 1 360\nvoid plastic w 0 0 5 .5 .5 "
+             ".5 0 0\n"
+             "%sp polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n",
+             skies[channel], pane, scene_fixture("room_4x5_window"));
     struct orl_result r = scene_run(&(struct scene_run){.scene = scene,
                                                         .resource_name = xml ? "pane.xml" : NULL,
                                                         .resource_text = xml,

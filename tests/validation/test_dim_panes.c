@@ -16,23 +16,13 @@
 #include <cmocka.h>
 
 #include "scene/material/scatter.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n"
 #define GLASS "void glass p 0 0 3 .011 .011 .011\n"
 #define SHADE "void trans p 0 0 7 .5 .5 .5 0 0 .06 0\n"
 #define BSDF "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n"
-/* 4 x 5 x 3 m; the pane fills 2 x 1.5 m of the southern wall, 1 m up. */
-#define ROOM                                                                                       \
-    "void plastic w 0 0 5 .001 .001 .001 0 0\n"                                                    \
-    "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
-    "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                             \
-    "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                        \
-    "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"                                                          \
-    "p polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
 
 enum { SENSORS = 4, SEEDS = 10, PANES = 3, SIDE = 100 };
 
@@ -73,7 +63,10 @@ static void check_pane(enum orl_technique technique, const char *pane)
 {
     char scene[4096], xml[2048];
     scene_uniform_bsdf(0.01, xml);
-    snprintf(scene, sizeof scene, SKY "%s" ROOM, pane);
+    snprintf(scene, sizeof scene,
+             SKY "%svoid plastic w 0 0 5 .001 .001 .001 0 0\n%s"
+                 "p polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n",
+             pane, scene_fixture("room_4x5_window"));
     struct orl_parsed_scene parsed_scene = scene_parse_text(scene, "pane.xml", xml);
     const struct orl_material *m = NULL;
     for (size_t i = 0; i < parsed_scene.n_materials; i++)

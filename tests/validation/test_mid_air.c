@@ -13,6 +13,7 @@
 
 #include "support/extent.h"
 #include "support/room.h"
+#include "support/scene_fixture.h"
 
 #define DARK "void plastic w 0 0 5 .001 .001 .001 0 0\n"
 #define LIGHT "void light l 0 0 3 1e6 1e6 1e6\n"
@@ -48,25 +49,22 @@ static void assert_near(const struct orl_result *result, size_t sensor, double w
 
 /* ---- Two panes ------------------------------------------------------------------------------- */
 
-/* One pane in the south wall, the other a tenth of a metre behind it, each scattering uniformly. */
-#define PANES                                                                                      \
-    LIGHT "l source sun 0 0 4 0 -1 1 .533\n" DARK                                                  \
-          "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                       \
-          "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                     \
-          "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                        \
-          "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                        \
-          "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                       \
-          "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 "                                  \
-          "1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"                                                    \
-          "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n"                                                 \
-          "p polygon outer 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"                                   \
-          "p polygon inner 0 0 12 1 .1 1 1 .1 2.5 3 .1 2.5 3 .1 1\n"
-
 static const double scattered = 0.2; /* 1/sr */
 
 static struct orl_vec3 on_pane(int side, int i, double y)
 {
     return orl_v3(1 + 2 * (i % side + 0.5) / side, y, 1 + 1.5 * (i / side + 0.5) / side);
+}
+
+/* One pane in the south wall, the other a tenth of a metre behind it, each scattering uniformly. */
+static const char *panes_scene(void)
+{
+    return scene_join(LIGHT "l source sun 0 0 4 0 -1 1 .533\n" DARK,
+                      scene_fixture("room_4x5_window"),
+                      "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n"
+                      "p polygon outer 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
+                      "p polygon inner 0 0 12 1 .1 1 1 .1 2.5 3 .1 2.5 3 .1 1\n",
+                      NULL);
 }
 
 /* Returns the irradiance at a plane from a point of a pane with exitance 1 / (f area). */
@@ -120,7 +118,7 @@ static void two_panes_scatter_one_after_the_other(void **state)
     for (size_t i = 0; i < 4; i++)
         watts[i] = through_panes(&sensors[i]);
     for (int t = 0; t < TECHNIQUES; t++) {
-        struct orl_result result = scene_run(&(struct scene_run){.scene = PANES,
+        struct orl_result result = scene_run(&(struct scene_run){.scene = panes_scene(),
                                                                  .resource_name = "pane.xml",
                                                                  .resource_text = bsdf,
                                                                  .sensors = sensors,
@@ -137,21 +135,6 @@ static void two_panes_scatter_one_after_the_other(void **state)
 
 /* ---- Two mirrors ----------------------------------------------------------------------------- */
 
-/* A mirrored shaft of a metre by a metre, two high, open above, over a dark room. */
-#define SHAFT                                                                                      \
-    LIGHT "l source sun 0 0 4 0 -1 1.2 .533\n" DARK "void mirror m 0 0 3 .9 .9 .9\n"               \
-          "w polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"                                       \
-          "w polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3\n"                                        \
-          "w polygon east 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0\n"                                        \
-          "w polygon north 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3\n"                                       \
-          "w polygon south 0 0 12 0 0 0 0 0 3 4 0 3 4 0 0\n"                                       \
-          "w polygon ceiling 0 0 30 0 0 3 0 4 3 4 4 3 4 0 3 0 0 3 "                                \
-          "1.5 1.5 3 2.5 1.5 3 2.5 2.5 3 1.5 2.5 3 1.5 1.5 3\n"                                    \
-          "m polygon n 0 0 12 1.5 2.5 3 2.5 2.5 3 2.5 2.5 5 1.5 2.5 5\n"                           \
-          "m polygon s 0 0 12 1.5 1.5 3 1.5 1.5 5 2.5 1.5 5 2.5 1.5 3\n"                           \
-          "m polygon e 0 0 12 2.5 1.5 3 2.5 1.5 5 2.5 2.5 5 2.5 2.5 3\n"                           \
-          "m polygon t 0 0 12 1.5 1.5 3 1.5 2.5 3 1.5 2.5 5 1.5 1.5 5\n"
-
 /*
  * The sun moves a metre sideways per 1.2 down: by one mirror onto 1.083 < y < 1.417 half a metre
  * below the ceiling, by two onto 3.333 < y < 4 on the desk, and on the floor past its edge.
@@ -163,13 +146,14 @@ static void the_sun_comes_down_a_shaft(void **state)
     const double down = sun_w() * 1.2 / sqrt(1 + 1.2 * 1.2);
     (void)state;
     for (int t = 0; t < TECHNIQUES; t++) {
-        struct orl_result result = scene_run(&(struct scene_run){.scene = SHAFT,
-                                                                 .sensors = sensors,
-                                                                 .n_sensors = 3,
-                                                                 .technique = techniques[t],
-                                                                 .overrides = dark,
-                                                                 .caustic = 100000,
-                                                                 .samples = 256});
+        struct orl_result result =
+            scene_run(&(struct scene_run){.scene = scene_fixture("room_mirror_shaft"),
+                                          .sensors = sensors,
+                                          .n_sensors = 3,
+                                          .technique = techniques[t],
+                                          .overrides = dark,
+                                          .caustic = 100000,
+                                          .samples = 256});
         assert_near(&result, 0, 0.9 * down, 0.2);
         assert_near(&result, 1, 0.81 * down, 0.2);
         assert_true(result.interval_95_lx[2][0] < 1 && result.illuminance_lx[2] < 20);

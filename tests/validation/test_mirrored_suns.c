@@ -15,28 +15,12 @@
 #include <cmocka.h>
 
 #include "scene/material/kinds.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 
 static const struct orl_hit anywhere = {.normal = {0, 0, 1}, .front = true};
 
 #define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -.6 .8 .533\n"
-#define SHAFT                                                                                      \
-    "void mirror m 0 0 3 .95 .95 .95\n"                                                            \
-    "m polygon south 0 0 12 -.3 -.3 2 .3 -.3 2 .3 -.3 0 -.3 -.3 0\n"                               \
-    "m polygon north 0 0 12 -.3 .3 0 .3 .3 0 .3 .3 2 -.3 .3 2\n"                                   \
-    "m polygon west 0 0 12 -.3 -.3 0 -.3 .3 0 -.3 .3 2 -.3 -.3 2\n"                                \
-    "m polygon east 0 0 12 .3 -.3 2 .3 .3 2 .3 .3 0 .3 -.3 0\n"
-#define ROOM                                                                                       \
-    "void plastic w 0 0 5 .001 .001 .001 0 0\n"                                                    \
-    "w polygon floor 0 0 12 -2 -2 -3 2 -2 -3 2 2 -3 -2 2 -3\n"                                     \
-    "w polygon s 0 0 12 -2 -2 -3 2 -2 -3 2 -2 0 -2 -2 0\n"                                         \
-    "w polygon n 0 0 12 -2 2 -3 2 2 -3 2 2 0 -2 2 0\n"                                             \
-    "w polygon w 0 0 12 -2 -2 -3 -2 2 -3 -2 2 0 -2 -2 0\n"                                         \
-    "w polygon e 0 0 12 2 -2 -3 2 2 -3 2 2 0 2 -2 0\n"                                             \
-    "w polygon c1 0 0 12 -2 -2 0 2 -2 0 2 -.3 0 -2 -.3 0\n"                                        \
-    "w polygon c2 0 0 12 -2 2 0 2 2 0 2 .3 0 -2 .3 0\n"                                            \
-    "w polygon c3 0 0 12 -2 -.3 0 -2 .3 0 -.3 .3 0 -.3 -.3 0\n"                                    \
-    "w polygon c4 0 0 12 2 -.3 0 2 .3 0 .3 .3 0 .3 -.3 0\n"
 #define PANE                                                                                       \
     "void glass g 0 0 3 .96 .96 .96\n"                                                             \
     "g polygon top 0 0 12 -.3 -.3 2 .3 -.3 2 .3 .3 2 -.3 .3 2\n"
@@ -91,19 +75,26 @@ static void check_shaft(const char *scene, double pane, enum orl_technique techn
     orl_result_done(&r);
 }
 
+/* Returns the room below the shaft in the sun, and what lies above, or "". */
+static const char *shaft_scene(const char *top)
+{
+    return scene_join(SUN, scene_fixture("shaft_of_mirrors"), scene_fixture("room_below_shaft"),
+                      top, NULL);
+}
+
 static void down_an_open_shaft(void **state)
 {
     (void)state;
-    check_shaft(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check_shaft(SUN SHAFT ROOM, 1, ORL_TECHNIQUE_GATHER, IN_AIR);
+    check_shaft(shaft_scene(""), 1, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check_shaft(shaft_scene(""), 1, ORL_TECHNIQUE_GATHER, IN_AIR);
 }
 
 static void down_a_glazed_shaft(void **state)
 {
     const double pane = transmittance_of_pane();
     (void)state;
-    check_shaft(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
-    check_shaft(SUN SHAFT ROOM PANE, pane, ORL_TECHNIQUE_GATHER, IN_AIR);
+    check_shaft(shaft_scene(PANE), pane, ORL_TECHNIQUE_BACKWARD, SENSORS);
+    check_shaft(shaft_scene(PANE), pane, ORL_TECHNIQUE_GATHER, IN_AIR);
 }
 
 /*
@@ -146,18 +137,6 @@ static void panes_a_little_askew(void **state)
             fail_msg("askew %d: %g lx, not %g", i, lx[i], shown);
 }
 
-#define TOWER                                                                                      \
-    "void glass g 0 0 3 .88 .88 .88\nvoid plastic d 0 0 5 .001 .001 .001 0 0\n"                    \
-    "g polygon tower 0 0 12 -20 12 0 20 12 0 20 12 40 -20 12 40\n"                                 \
-    "d polygon behind 0 0 12 -20 12.3 0 20 12.3 0 20 12.3 40 -20 12.3 40\n"                        \
-    "d polygon floor 0 0 12 0 -5 0 4 -5 0 4 0 0 0 0 0\n"                                           \
-    "d polygon ceiling 0 0 12 0 -5 3 0 0 3 4 0 3 4 -5 3\n"                                         \
-    "d polygon west 0 0 12 0 -5 0 0 0 0 0 0 3 0 -5 3\n"                                            \
-    "d polygon east 0 0 12 4 -5 0 4 -5 3 4 0 3 4 0 0\n"                                            \
-    "d polygon south 0 0 12 0 -5 0 4 -5 0 4 -5 3 0 -5 3\n"                                         \
-    "d polygon north 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"     \
-    "g polygon pane 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"
-
 /*
  * The tower's pane reflects R of the sun, the window transmits T, both at 0.6: 4.7 klx on a floor
  * that is dark in Radiance. Sensors in the patch, and beside it. Light reflected again by the dark
@@ -167,7 +146,8 @@ static void a_tower_lights_a_northern_room(void **state)
 {
     static const struct orl_sensor places[2] = {{{2, -1.3, 0}, {0, 0, 1}}, {{2, -3, 0}, {0, 0, 1}}};
     static const enum orl_technique techniques[2] = {ORL_TECHNIQUE_BACKWARD, ORL_TECHNIQUE_GATHER};
-    struct orl_parsed_scene d = scene_parse_text(SUN TOWER, NULL, NULL);
+    const char *const tower = scene_join(SUN, scene_fixture("room_before_tower"), NULL);
+    struct orl_parsed_scene d = scene_parse_text(tower, NULL, NULL);
     const struct orl_material *glass = &d.materials[d.surfaces[0].material];
     const double patch = expected_lx(0, 1) / (0.95 * 0.95) *
                          orl_glass_reflectance(glass, &anywhere, 0.6).g *
@@ -175,7 +155,7 @@ static void a_tower_lights_a_northern_room(void **state)
     orl_parsed_scene_done(&d);
     (void)state;
     for (int k = 0; k < 2; k++) {
-        struct orl_result r = scene_run(&(struct scene_run){.scene = SUN TOWER,
+        struct orl_result r = scene_run(&(struct scene_run){.scene = tower,
                                                             .sensors = places,
                                                             .n_sensors = 2,
                                                             .technique = techniques[k],

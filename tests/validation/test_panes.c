@@ -15,21 +15,21 @@
 #include <cmocka.h>
 
 #include "support/cli.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n"
 #define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 1 .533\n"
-/* 4 x 5 x 3 m; the pane fills 2 x 1.5 m of the southern wall, from the floor up. */
-#define ROOM                                                                                       \
-    "void plastic w 0 0 5 .001 .001 .001 0 0\n"                                                    \
-    "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
-    "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                             \
-    "w polygon south 0 0 24 0 0 0 0 0 3 4 0 3 4 0 0 3 0 0 3 0 1.5 1 0 1.5 1 0 0\n"                 \
-    "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n"                                                       \
-    "p polygon pane 0 0 12 1 0 0 1 0 1.5 3 0 1.5 3 0 0\n"
+
+/* Returns the almost black room in that light, with a pane in all of its low window. */
+static const char *room_scene(const char *light)
+{
+    return scene_join(light, "void plastic w 0 0 5 .001 .001 .001 0 0\n",
+                      scene_fixture("room_4x5_low_window"),
+                      "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n"
+                      "p polygon pane 0 0 12 1 0 0 1 0 1.5 3 0 1.5 3 0 0\n",
+                      NULL);
+}
 
 static const double f_per_sr = 0.2, pane_area = 3.0;
 
@@ -112,7 +112,7 @@ static struct outcome run_pane(const char *scene, uint64_t caustic)
 static void test_even_sky(void **state)
 {
     const double tau = ORL_PI * f_per_sr;
-    const struct outcome o = run_pane(SKY ROOM, 0);
+    const struct outcome o = run_pane(room_scene(SKY), 0);
     (void)state;
     for (int i = 0; i < SENSORS + IN_AIR; i++)
         assert_within(o.lx[i], ORL_EFFICACY_LM_PER_W * tau * form(&sensors[i]), 0.01);
@@ -129,7 +129,7 @@ static void test_even_sky(void **state)
 static void test_sun(void **state)
 {
     const double tau = ORL_PI * f_per_sr, arrives = sun_normal_w() * sqrt(0.5);
-    const struct outcome o = run_pane(SUN ROOM, 300000);
+    const struct outcome o = run_pane(room_scene(SUN), 300000);
     double is = 0, should = 0;
     (void)state;
     for (int i = 0; i < SENSORS; i++) {

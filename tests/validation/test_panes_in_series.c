@@ -15,21 +15,11 @@
 #include <cmocka.h>
 
 #include "support/extent.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 
 #define SKY "void glow g 0 0 4 30 30 30 0\ng source sky 0 0 4 0 0 1 360\n"
 #define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 1 .533\n"
-#define ROOM                                                                                       \
-    "void plastic w 0 0 5 0 0 0 0 0\nvoid plastic f 0 0 5 .8 .8 .8 0 0\n"                          \
-    "void glass p 0 0 3 .7 .7 .7\n"                                                                \
-    "f polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
-    "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                             \
-    "w polygon south 0 0 30 0 0 0 0 0 3 4 0 3 4 0 0 0 0 0 1 0 1 3 0 1 3 0 2.5 1 0 2.5 1 0 1\n"     \
-    "p polygon inner 0 0 12 1 0 1 1 0 2.5 3 0 2.5 3 0 1\n"                                         \
-    "p polygon outer 0 0 12 1 -.1 1 1 -.1 2.5 3 -.1 2.5 3 -.1 1\n"
 
 enum { SIDE_X = 12, SIDE_Y = 15, PLACES = SIDE_X * SIDE_Y };
 
@@ -103,13 +93,14 @@ static void check_floor(const char *scene, uint64_t photons)
 static void under_the_sky(void **state)
 {
     (void)state;
-    check_floor(SKY ROOM, 100000);
+    check_floor(scene_join(SKY, scene_fixture("room_panes_in_series"), NULL), 100000);
 }
 
 static void in_the_sun(void **state)
 {
     (void)state;
-    check_floor(SKY SUN ROOM, extent(50000, 100000));
+    check_floor(scene_join(SKY SUN, scene_fixture("room_panes_in_series"), NULL),
+                extent(50000, 100000));
 }
 
 int main(void)

@@ -16,22 +16,10 @@
 #include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
 #include "run/stages/run_stages.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 #include "support/scratch.h"
 
-/* A room with one window under a sky, and a cupboard that no light enters. */
-#define ROOM                                                                                       \
-    "void glow g 0 0 4 20 20 20 0\ng source sky 0 0 4 0 0 1 180\n"                                 \
-    "void plastic p 0 0 5 .5 .5 .5 0 0\nvoid glass w 0 0 3 .9 .9 .9\n"                             \
-    "p polygon floor 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n"                                             \
-    "p polygon ceiling 0 0 12 0 0 3 0 4 3 4 4 3 4 0 3\n"                                           \
-    "p polygon west 0 0 12 0 0 0 0 4 0 0 4 3 0 0 3\n"                                              \
-    "p polygon east 0 0 12 4 0 0 4 0 3 4 4 3 4 4 0\n"                                              \
-    "p polygon north 0 0 12 0 4 0 4 4 0 4 4 3 0 4 3\n"                                             \
-    "p polygon sill 0 0 12 0 0 0 0 0 1 4 0 1 4 0 0\n"                                              \
-    "p polygon head 0 0 12 0 0 2 0 0 3 4 0 3 4 0 2\n"                                              \
-    "w polygon window 0 0 12 0 0 1 0 0 2 4 0 2 4 0 1\n"                                            \
-    "!genbox p cupboard .4 .4 .4 | xform -t 3 3 0\n"
 #define VIEW "-vtv -vp 2 3.5 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 60"
 #define DARK_VIEW "-vtv -vp 3.2 3.2 .2 -vd 0 -1 0 -vu 0 0 1 -vh 60 -vv 60"
 
@@ -42,8 +30,11 @@ enum { SENSORS = sizeof sensors / sizeof *sensors };
 
 static struct scene_run base(void)
 {
-    return (struct scene_run){
-        .scene = ROOM, .by_plan = true, .samples = 256, .global = 20000, .caustic = 1};
+    return (struct scene_run){.scene = scene_fixture("room_ribbon_window"),
+                              .by_plan = true,
+                              .samples = 256,
+                              .global = 20000,
+                              .caustic = 1};
 }
 
 static struct scene_run with_sensors(struct scene_run run)
@@ -68,8 +59,8 @@ static struct scene_run with_both(void)
 /* A job with a goal instead of samples and photons. */
 static struct scene_run both_with_goal(struct orl_goal goal)
 {
-    struct scene_run run =
-        with_view(with_sensors((struct scene_run){.scene = ROOM, .by_plan = true, .goal = goal}));
+    struct scene_run run = with_view(with_sensors((struct scene_run){
+        .scene = scene_fixture("room_ribbon_window"), .by_plan = true, .goal = goal}));
     run.goal.at = 0.95;
     return run;
 }
@@ -267,7 +258,8 @@ static struct orl_job sensor_job(enum orl_technique technique)
 static struct orl_result run_again(struct orl_job job)
 {
     struct orl_thread_pool *pool = orl_thread_pool_start(1);
-    struct orl_lit_scene *lit_scene = build_lit_scene(ROOM, NULL, NULL, pool);
+    struct orl_lit_scene *lit_scene =
+        build_lit_scene(scene_fixture("room_ribbon_window"), NULL, NULL, pool);
     struct orl_progress progress = {0};
     struct orl_error err;
     atomic_bool cancel;

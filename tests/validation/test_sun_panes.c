@@ -17,18 +17,20 @@
 #include "fixtures/bsdf_make.h"
 #include "support/cli.h"
 #include "support/hdr.h"
+#include "support/scene_fixture.h"
 #include "support/scene_text.h"
 
 #define SUN "void light l 0 0 3 1e6 1e6 1e6\nl source sun 0 0 4 0 -1 1 .533\n"
-#define ROOM                                                                                       \
-    "void plastic w 0 0 5 .001 .001 .001 0 0\n"                                                    \
-    "w polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0\n"                                             \
-    "w polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3\n"                                           \
-    "w polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                                              \
-    "w polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0\n"                                              \
-    "w polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3\n"                                             \
-    "w polygon south 0 0 24 0 0 0 0 0 3 4 0 3 4 0 0 3 0 0 3 0 1.5 1 0 1.5 1 0 0\n"
 #define PANE "p polygon pane 0 0 12 1 0 0 1 0 1.5 3 0 1.5 3 0 0\n"
+#define BSDF "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n"
+#define ABSDF "void aBSDF p 5 pane.xml 0 0 1 . 0 0\n"
+
+/* Returns the almost black room in that light, with a pane in its low window. */
+static const char *room_scene(const char *light, const char *pane)
+{
+    return scene_join(light, "void plastic w 0 0 5 .001 .001 .001 0 0\n",
+                      scene_fixture("room_4x5_low_window"), pane, NULL);
+}
 
 /* Two in the patch, two outside it: its border is y = 1.5, with a penumbra of 0.533 degrees. */
 enum { SENSORS = 4, IN_PATCH = 2 };
@@ -92,7 +94,7 @@ static void an_absdfs_patch_is_sharp(void **state)
 {
     double lx[SENSORS];
     (void)state;
-    lux_of(SUN ROOM "void aBSDF p 5 pane.xml 0 0 1 . 0 0\n" PANE, make_clear_file(5, 0.6, 0.2), lx);
+    lux_of(room_scene(SUN, ABSDF PANE), make_clear_file(5, 0.6, 0.2), lx);
     for (int i = 0; i < SENSORS; i++) {
         const double spread = 0.2 * sun_w() / ORL_PI * form(&sensors[i]);
         if (i < IN_PATCH)
@@ -107,8 +109,7 @@ static void a_bsdfs_patch_is_blurred(void **state)
 {
     double lx[SENSORS];
     (void)state;
-    lux_of(SUN ROOM "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n" PANE, make_clear_file(5, 0.6, 0.2),
-           lx);
+    lux_of(room_scene(SUN, BSDF PANE), make_clear_file(5, 0.6, 0.2), lx);
     assert_true(lx[1] < 0.9 * lx[0] && lx[2] > 3 * lx[3]);
 }
 
@@ -117,7 +118,7 @@ static void what_is_added_lights_the_room(void **state)
 {
     double lx[SENSORS];
     (void)state;
-    lux_of(SUN ROOM "void BSDF p 6 0 pane.xml 0 0 1 . 0 9 0 0 0 0 0 0 .6 .6 .6\n" PANE,
+    lux_of(room_scene(SUN, "void BSDF p 6 0 pane.xml 0 0 1 . 0 9 0 0 0 0 0 0 .6 .6 .6\n" PANE),
            make_file("TensorTree4", "Transmission Front", NULL, "{0}"), lx);
     for (int i = 0; i < SENSORS; i++)
         assert_watts(i, lx[i], 0.6 * sun_w() / ORL_PI * form(&sensors[i]), 0.24);
@@ -139,7 +140,7 @@ static void a_narrow_lobe_is_found_in_mid_air(void **state)
     const struct text bsdf = make_clear_file(6, 0.6, 0.2);
     double lx[N], mean[N] = {0}, squares[N] = {0}, backward[N];
     (void)state;
-    struct scene_run run = {.scene = SUN ROOM "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n" PANE,
+    struct scene_run run = {.scene = room_scene(SUN, BSDF PANE),
                             .resource_name = "pane.xml",
                             .resource_text = bsdf.data,
                             .sensors = in_air,
@@ -180,7 +181,7 @@ static void a_pane_that_stands_free_is_aimed_at(void **state)
     const struct text bsdf = make_clear_file(6, 0.6, 0.2);
     double lx[N], most[N] = {0, 0}, truth[N];
     (void)state;
-    struct scene_run run = {.scene = SUN "void BSDF p 6 0 pane.xml 0 0 1 . 0 0\n" PANE,
+    struct scene_run run = {.scene = SUN BSDF PANE,
                             .resource_name = "pane.xml",
                             .resource_text = bsdf.data,
                             .sensors = near,
@@ -207,8 +208,7 @@ static void colour_leaves_illuminance_alone(void **state)
 {
     double lx[SENSORS];
     (void)state;
-    lux_of(SUN ROOM "void aBSDF p 5 pane.xml 0 0 1 . 0 0\n" PANE,
-           make_tinted_file(5, 0.3, 0.05, 0.28, 0.5), lx);
+    lux_of(room_scene(SUN, ABSDF PANE), make_tinted_file(5, 0.3, 0.05, 0.28, 0.5), lx);
     assert_watts(0, lx[0], sun_w() * (0.3 + 0.05 / ORL_PI * form(&sensors[0])), 0.01);
 }
 
@@ -223,8 +223,8 @@ static void a_view_through_counts_once(void **state)
     (void)state;
     cli_make_folder(folder);
     struct orl_result result = scene_run(&(struct scene_run){
-        .scene = "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n" ROOM
-                 "void aBSDF p 5 pane.xml 0 0 1 . 0 0\n" PANE,
+        .scene =
+            room_scene("void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n", ABSDF PANE),
         .resource_name = "pane.xml",
         .resource_text = bsdf.data,
         .view = "-vtv -vp 2 1 .75 -vd 0 -1 0 -vu 0 0 1 -vh 30 -vv 30",
