@@ -131,6 +131,7 @@ static void test_a_life(void **state)
     open_stream(&room->daemon, "", NULL, &stream);
     until(&stream, "event: reset\ndata: {}\n\n");
     assert_non_null(strstr(stream.text, "Content-Type: text/event-stream"));
+    assert_non_null(strstr(stream.text, "X-Accel-Buffering: no"));
     daemon_submit(&room->daemon, room->scene, MANY_PHOTONS, 1, NULL, path);
     snprintf(id, sizeof id, "%.32s", path + strlen("/v1/jobs/"));
     until(&stream, "\"state\":\"running\"");

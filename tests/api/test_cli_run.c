@@ -114,8 +114,10 @@ static void test_wrong_command_lines_exit_with_2(void **state)
 
 static void test_every_command_has_help(void **state)
 {
-    static const char *const names[] = {"run",   "plan",   "study", "submit", "status", "wait",
-                                        "fetch", "cancel", "maps",  "upload", "version"};
+    static const char *const names[] = {"run",    "plan",   "project", "annual", "verify", "part",
+                                        "study",  "submit", "status",  "watch",  "wait",   "fetch",
+                                        "cancel", "remove", "list",    "link",   "maps",   "upload",
+                                        "bsdf",   "glare",  "version"};
     struct cli_desk *f = *state;
     const char *const overview[] = {"--help", NULL};
 

@@ -136,6 +136,7 @@ static void test_life_of_a_job(void **state)
     read_until(stream, NULL);
     assert_non_null(strstr(stream->text, "Content-Type: text/event-stream\r\n"));
     assert_non_null(strstr(stream->text, "Cache-Control: no-store\r\n"));
+    assert_non_null(strstr(stream->text, "X-Accel-Buffering: no\r\n"));
     last_id(stream, id);
     assert_true(check_events(stream->text) >= 2);
     close_stream(stream);

@@ -289,6 +289,42 @@ static void test_command_line(void **state)
             fail_msg("orield %s did not end with status 2", wrong[i]);
 }
 
+/* Limits of a daemon without options, as README.md and api/openapi.yaml state them. */
+static void test_documented_limits(void **state)
+{
+    static const struct {
+        const char *name;
+        double value;
+    } limits[] = {
+        {"session_s", 12 * 3600},
+        {"link_s", 3600},
+        {"idempotency_key_s", 86400},
+        {"unfetched_results_s", 600},
+        {"shelf_bytes", 256 << 20},
+        {"address_connections", 128},
+        {"body_bytes_per_s", 1024},
+        {"links", 100},
+        {"study_runs", 500},
+        {"accuracy_samples", 1 << 20},
+        {"priority", 9},
+        {"heat_maps", 16},
+        {"photons", 1e8},
+        {"sensors", 4e6},
+        {"skies", 1024},
+        {"views", 1024},
+        {"grids", 4096},
+        {"image_side", 16384},
+    };
+    struct reply reply;
+    daemon_get(*state, "/v1/limits", &reply);
+    assert_int_equal(reply.status, 200);
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)
+        if (reply_number(&reply, limits[i].name) != limits[i].value)
+            fail_msg("%s is %g, not %g", limits[i].name, reply_number(&reply, limits[i].name),
+                     limits[i].value);
+    reply_done(&reply);
+}
+
 static void test_stops_cleanly(void **state)
 {
     struct daemon *daemon = *state;
@@ -310,6 +346,7 @@ int main(void)
         cmocka_unit_test(test_contract_matches),
         cmocka_unit_test(test_one_daemon_per_folder),
         cmocka_unit_test(test_command_line),
+        cmocka_unit_test(test_documented_limits),
         cmocka_unit_test(test_stops_cleanly),
     };
     return cmocka_run_group_tests(tests, daemon_set_up, daemon_tear_down);

@@ -334,6 +334,28 @@ static void test_references_must_be_here(void **state)
 
 /* An hour without measurements, found only by the run: the job fails, and the error names the
  * place. */
+/* A job's document is what the client sent, blanks and the order of members included. */
+static void test_document_is_kept(void **state)
+{
+    struct fixture *f = *state;
+    struct reply reply;
+    char text[300], path[96];
+    snprintf(text, sizeof text,
+             "{ \"sensors\" : [[2, 1, 0.80, 0, 0, 1]],\n\t\"gather_samples\":16, \"technique\": "
+             "\"backward\",  \"scene\": \"%s\"}\n",
+             f->scene);
+    daemon_post_json(&f->daemon, "/v1/jobs", text, &reply);
+    assert_int_equal(reply.status, 202);
+    snprintf(path, sizeof path, "%.80s/document", reply_text(&reply, "links.self"));
+    reply_done(&reply);
+    daemon_get(&f->daemon, path, &reply);
+    assert_int_equal(reply.status, 200);
+    assert_string_equal(reply_header(&reply, "Content-Type"), "application/json");
+    assert_int_equal(reply.size, strlen(text));
+    assert_memory_equal(reply.body, text, reply.size);
+    reply_done(&reply);
+}
+
 static void test_failure_is_told(void **state)
 {
     struct fixture *f = *state;
@@ -500,6 +522,7 @@ static int run_single(void)
         cmocka_unit_test(test_finished_jobs_cannot_be_cancelled),
         cmocka_unit_test(test_list),
         cmocka_unit_test(test_references_must_be_here),
+        cmocka_unit_test(test_document_is_kept),
         cmocka_unit_test(test_failure_is_told),
         cmocka_unit_test(test_full_queue), /* last, since it leaves the queue full */
     };

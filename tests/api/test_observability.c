@@ -271,6 +271,29 @@ static void test_log_of_pairs(void **state)
     assert_false(forged);
 }
 
+/* The line of a request in the log has the id that its answer has. */
+static void test_request_id_is_logged(void **state)
+{
+    struct daemon_room *room = *state;
+    struct reply reply;
+    char line[4096], wanted[96];
+    bool found = false;
+    daemon_get(&room->daemon, "/v1/scenes/request-id", &reply);
+    snprintf(wanted, sizeof wanted, " event=request id=%.40s ",
+             reply_header(&reply, "X-Request-Id"));
+    reply_done(&reply);
+    assert_int_equal(daemon_end(&room->daemon, SIGTERM), 0);
+    FILE *log = open_log(&room->daemon);
+    while (fgets(line, sizeof line, log))
+        if (strstr(line, "/v1/scenes/request-id")) {
+            found = true;
+            assert_non_null(strstr(line, wanted));
+        }
+    fclose(log);
+    assert_true(found);
+    daemon_restart(&room->daemon, NULL);
+}
+
 static void test_log_of_objects(void **state)
 {
     struct daemon_room *room = *state;
@@ -314,6 +337,7 @@ int main(void)
         cmocka_unit_test(test_jobs_are_counted),
         cmocka_unit_test(test_requests_are_counted),
         cmocka_unit_test(test_log_of_pairs),
+        cmocka_unit_test(test_request_id_is_logged),
         cmocka_unit_test(test_log_of_objects),
         cmocka_unit_test(test_shelf_is_told),
         cmocka_unit_test(test_format),

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "jobs/job_queue.h"
-#include "support/daemon.h"
+#include "support/storage.h"
 
 enum { PHOTONS = 2000, MANY_PHOTONS = 100000000 };
 
@@ -273,6 +273,26 @@ static void test_idempotency_key(void **state)
     expect_again(f, first, id);
 }
 
+/* Moves all jobs into the past, in place of waiting. */
+static void test_keys_last_a_day(void **state)
+{
+    static const char key[] = "Idempotency-Key: of a day";
+    struct daemon_room *f = *state;
+    struct reply reply;
+    char id[64];
+    post(f, 20, "", key, &reply);
+    assert_int_equal(reply.status, 202);
+    snprintf(id, sizeof id, "%s", reply_text(&reply, "id"));
+    reply_done(&reply);
+    storage_run_sql(&f->daemon, "UPDATE jobs SET created_ms = created_ms - 23 * 3600000");
+    expect_again(f, key, id);
+    storage_run_sql(&f->daemon, "UPDATE jobs SET created_ms = created_ms - 2 * 3600000");
+    post(f, 20, "", key, &reply);
+    assert_int_equal(reply.status, 202);
+    assert_string_not_equal(reply_text(&reply, "id"), id);
+    reply_done(&reply);
+}
+
 static void test_bad_keys(void **state)
 {
     struct daemon_room *f = *state;
@@ -323,9 +343,9 @@ int main(void)
         cmocka_unit_test(test_many_clients),
     };
     const struct CMUnitTest served[] = {
-        cmocka_unit_test(test_order_of_jobs), cmocka_unit_test(test_order_survives),
-        cmocka_unit_test(test_refusals),      cmocka_unit_test(test_idempotency_key),
-        cmocka_unit_test(test_bad_keys),
+        cmocka_unit_test(test_order_of_jobs),   cmocka_unit_test(test_order_survives),
+        cmocka_unit_test(test_refusals),        cmocka_unit_test(test_idempotency_key),
+        cmocka_unit_test(test_keys_last_a_day), cmocka_unit_test(test_bad_keys),
     };
     const int failed = cmocka_run_group_tests(alone, NULL, NULL);
     return failed + cmocka_run_group_tests(served, daemon_room_set_up, daemon_room_tear_down);

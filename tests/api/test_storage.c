@@ -5,11 +5,14 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 
+#include "maintenance/storage.h"
 #include "process/config.h"
 #include "support/daemon_metric.h"
 #include "support/storage.h"
@@ -204,6 +207,18 @@ static void test_sizes(void **state)
     }
 }
 
+/* Half of the free bytes and of those already used; other programs may write meanwhile. */
+static void test_default_is_half_of_the_disk(void **state)
+{
+    struct statvfs disk;
+    (void)state;
+    assert_int_equal(statvfs("/tmp", &disk), 0);
+    const double free_bytes = (double)disk.f_bavail * (double)disk.f_frsize, used = 1e15;
+    const double found = (double)orl_storage_default("/tmp", (uint64_t)used);
+    assert_true(fabs(found - free_bytes / 2 - used / 2) <= 0.25 * free_bytes);
+    assert_true((double)orl_storage_default("/nowhere", 2000) == 1000);
+}
+
 static void test_memory_cache_sizes(void **state)
 {
     static const struct {
@@ -245,6 +260,7 @@ int main(void)
         EACH(test_queue_of_results),
         EACH(test_too_large),
         cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_default_is_half_of_the_disk),
         cmocka_unit_test(test_memory_cache_sizes),
         EACH(test_budget_is_told),
     };

@@ -375,6 +375,7 @@ def panels(daemon):
         job = daemon.wait(path)
         assert job["state"] == "succeeded" and job["maps"][0]["cached"] == cached, job
     results(daemon, path, job)
+    daemon.ask("GET", path + "/document", want=200)
     daemon.ask("GET", job["links"]["bsdf"], want=200)
     daemon.ask("POST", "/v1/scenes", {"files": [{"name": "r.rad", "text": "void BSDF k 6 0 k.xml 0 0 1 . 0 0\n"}],
                                       "bsdfs": {"k.xml": job["bsdf"]["id"]}}, want=201)
@@ -393,6 +394,7 @@ def measurements(daemon):
         job = daemon.wait(path)
         assert job["state"] == "succeeded" and job["maps"][0]["cached"] == cached, job
     results(daemon, path, job)
+    daemon.ask("GET", path + "/document", want=200)
     daemon.ask("GET", job["links"]["bsdf"], want=200)
     daemon.ask("POST", "/v1/jobs", {"scene": measured, "sensors": SENSORS}, want=422)
     daemon.ask("POST", "/v1/jobs", {"kind": "bsdf_fit", "measurements": daemon.upload(PANEL)}, want=422)

@@ -296,6 +296,36 @@ static void test_turned(void **state)
     orl_view_field_done(&field);
 }
 
+/* The line of sight towards a disc on the left is the worst of three, 45 degrees apart. A picture
+ * of 180 degrees holds only its own. */
+static void test_worst_of_several(void **state)
+{
+    static const struct {
+        const char *view;
+        double turned_deg;
+    } cases[] = {{"-vta -vp 0 0 0 -vd 0 -1 0 -vu 0 0 1 -vh 300 -vv 300", 45}, {FISHEYE, 0}};
+    const struct orl_glare_settings own = {.threshold = 0},
+                                    several = {.directions = 3, .directions_deg = 90};
+    enum { SIDE = 300 };
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        struct scene scene = scene_of(cases[i].view, SIDE, 200);
+        struct orl_view view;
+        struct orl_glare worst = {0};
+        draw_disc(&scene, towards(-45, 0), 6, 20000);
+        assert_int_equal(orl_view_parse(cases[i].view, &view, NULL), 0);
+        const struct orl_glare_picture picture = {&view, SIDE, SIDE, scene.cd_m2, NULL, NULL};
+        assert_int_equal(orl_glare_worst_direction(&picture, &several, &worst, NULL), 0);
+        struct orl_glare ahead = rate(&scene, &own);
+        assert_true(worst.turned_deg == cases[i].turned_deg);
+        const double more = worst.values[ORL_GLARE_DGP].value - ahead.values[ORL_GLARE_DGP].value;
+        assert_true(i == 0 ? more > 0.01 : more == 0);
+        orl_glare_done(&ahead);
+        orl_glare_done(&worst);
+        scene_done(&scene);
+    }
+}
+
 static void test_mask(void **state)
 {
     const struct orl_glare_settings usual = {.threshold = 0};
@@ -459,6 +489,7 @@ int main(void)
         cmocka_unit_test(test_cancelled),
         cmocka_unit_test(test_task),
         cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_worst_of_several),
         cmocka_unit_test(test_mask),
         cmocka_unit_test(test_band),
         cmocka_unit_test(test_united_as_by_all_pairs),
