@@ -24,6 +24,11 @@ int orl_error_set(struct orl_error *err, int code, const char *format, ...)
     return code;
 }
 
+int orl_error_no_memory(struct orl_error *err)
+{
+    return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+}
+
 void orl_error_at(struct orl_error *err, const char *file, int line, const char *primitive)
 {
     if (!err || err->code == ORL_ERR_CANCELLED) /* a cancellation has no place */

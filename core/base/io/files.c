@@ -31,6 +31,12 @@ static bool find_entry(const char *folder, const char *name, char ret_entry[NAME
     return ret_entry[0] != '\0';
 }
 
+bool orl_name_has_ending(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), tail = strlen(ending);
+    return length > tail && strcasecmp(name + length - tail, ending) == 0;
+}
+
 /* Appends a component to a path. */
 static bool append_component(char *path, size_t size, const char *part)
 {

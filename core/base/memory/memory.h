@@ -1,5 +1,5 @@
 /*
- * Memory: arenas, growable arrays, large blocks.
+ * Memory: arenas, growable arrays (oriel/base/array.h), large blocks.
  *
  * An arena is memory that is allocated in small amounts and freed all at once. A scene has millions
  * of names and vertex lists with the same lifetime. One call to the allocator for each would cost
@@ -17,6 +17,8 @@
 
 #include <sys/mman.h>
 
+#include <oriel/base/array.h>
+
 struct orl_arena;
 
 struct orl_arena *orl_arena_new(void);        /* NULL when out of memory */
@@ -31,14 +33,6 @@ char *orl_arena_alloc_chars(struct orl_arena *arena, size_t size);
 
 /* Returns a NUL-terminated copy of `length` bytes. NULL when out of memory. */
 char *orl_arena_copy_text(struct orl_arena *arena, const char *text, size_t length);
-
-/* Arrays with capacity, which doubles when they are full. */
-
-/* Makes room for one more item. *array holds count items. Returns false when out of memory. */
-bool orl_array_reserve(void *array, size_t *capacity, size_t count, size_t item);
-
-/* Makes room for `more` items. Returns false when out of memory. */
-bool orl_array_reserve_more(void *array, size_t *capacity, size_t count, size_t more, size_t item);
 
 /* Allocation of large blocks, and early release of memory that is no longer needed. */
 

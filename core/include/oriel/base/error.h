@@ -58,6 +58,9 @@ void orl_error_hint(struct orl_error *err, const char *format, ...)
  * ORL_ERR_NOMEM for ENOMEM, else ORL_ERR_IO. */
 int orl_err_of_errno(int why);
 
+/* Sets ORL_ERR_NOMEM with the message "out of memory", and returns it. */
+int orl_error_no_memory(struct orl_error *err);
+
 /* Returns a stable, lower-case name for a code: "syntax", "not-found", ... Never NULL. */
 const char *orl_err_name(int code);
 

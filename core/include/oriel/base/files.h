@@ -98,5 +98,7 @@ int orl_open_err_of_stored(int why);
 /* Finds a file below the folder, or from the root for an absolute name, whose name differs from
  * this one only in upper and lower case; of several the first by name. */
 bool orl_find_ignoring_case(const char *folder, const char *name, char *ret_name, size_t size);
+/* Returns true if the name has the ending, such as ".rad" in any case, and more before it. */
+bool orl_name_has_ending(const char *name, const char *ending);
 
 #endif

@@ -7,9 +7,10 @@
 
 #include <stddef.h>
 
+#include <nettle/base16.h>
 #include <nettle/sha2.h>
 
-enum { ORL_SHA256_BYTES = SHA256_DIGEST_SIZE };
+enum { ORL_SHA256_BYTES = SHA256_DIGEST_SIZE, ORL_SHA256_HEX = 2 * ORL_SHA256_BYTES + 1 };
 
 struct orl_sha256 {
     struct sha256_ctx context;
@@ -30,6 +31,15 @@ static inline void orl_sha256_finish(struct orl_sha256 *hash,
                                      unsigned char ret_digest[ORL_SHA256_BYTES])
 {
     sha256_digest(&hash->context, ORL_SHA256_BYTES, ret_digest);
+}
+
+/* Returns the digest of all data added as lower-case hexadecimal digits. */
+static inline void orl_sha256_finish_hex(struct orl_sha256 *hash, char ret_hex[ORL_SHA256_HEX])
+{
+    unsigned char digest[ORL_SHA256_BYTES];
+    orl_sha256_finish(hash, digest);
+    base16_encode_update(ret_hex, sizeof digest, digest);
+    ret_hex[ORL_SHA256_HEX - 1] = '\0';
 }
 
 /* Returns the digest of one buffer. */
