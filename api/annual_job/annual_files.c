@@ -35,7 +35,7 @@ static int add_file_name(void *ctx, const char *name, struct orl_error *err)
     if (orl_is_cancelled(run->cancel))
         return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled");
     if (json_array_append_new(w->names, json_string(name)))
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     const double begun = (double)(atomic_fetch_add(w->n_begun, 1) + 1);
     const double done = fmin(begun / (double)w->count, 1);
     const double files = 1 - ORL_ANNUAL_FILES_FROM;
@@ -221,7 +221,7 @@ static int write_years(struct annual_writer *w, size_t g, const char *grid)
     } of[2] = {{ORL_SERIES_MEAN, "year", "mean illuminance, lx", "lx", 0},
                {ORL_SERIES_SHARE, "year300", "share of the area with 300 lx or more, %", "%", 100}};
     float *values = malloc(w->outputs->report->year.steps.count * sizeof *values);
-    int rc = values ? 0 : orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+    int rc = values ? 0 : orl_error_no_memory(w->err);
     for (int s = 0; s < 2 && rc == 0; s++) {
         char title[NAME_SIZE];
         snprintf(title, sizeof title, "%s: %s", w->outputs->report->grids[g].name, of[s].title);
@@ -300,14 +300,14 @@ static int write_pictures(struct annual_writer *w)
     struct grid_writer *grid_writers = calloc(n + 1, sizeof *grid_writers);
     int rc = 0;
     if (!grid_writers)
-        return orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(w->err);
     for (size_t g = 0; g < n && rc == 0; g++) {
         struct annual_writer *own = &grid_writers[g].annual_writer;
         *own = *w;
         own->err = &grid_writers[g].err;
         own->names = json_array();
         if (!own->names)
-            rc = orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(w->err);
     }
     if (rc == 0)
         orl_parallel_for(w->outputs->run->pool, n, draw_grid, grid_writers);
@@ -317,7 +317,7 @@ static int write_pictures(struct annual_writer *w)
             *w->err = grid_writers[g].err;
         }
         if (rc == 0 && json_array_extend(w->names, grid_writers[g].annual_writer.names))
-            rc = orl_error_set(w->err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(w->err);
         json_decref(grid_writers[g].annual_writer.names);
     }
     free(grid_writers);

@@ -69,7 +69,7 @@ static int add_sensors(struct orl_annual_request *request, const struct orl_job 
     if (!request->sensors || n > room_for(request->n_sensors)) {
         struct orl_sensor *grown = realloc(request->sensors, room_for(n) * sizeof *grown);
         if (!grown)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            return orl_error_no_memory(err);
         request->sensors = grown;
     }
     memcpy(request->sensors + request->n_sensors, part->sensors,
@@ -91,7 +91,7 @@ static int add_grid(struct orl_annual_job *job, char *name, struct orl_job *part
     if (!name) {
         request->grids[at].name = job->grid_files[at] ? name_after(job->grid_files[at]) : NULL;
         if (!request->grids[at].name && asprintf(&request->grids[at].name, "grid%zu", at + 1) < 0)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            return orl_error_no_memory(err);
     }
     return add_sensors(request, part, err);
 }
@@ -159,7 +159,7 @@ static int check_names(const struct orl_annual_request *request, struct orl_erro
     const size_t n = request->n_grids;
     struct file_name *names = calloc(n + 1, sizeof *names);
     if (!names)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < n; i++) {
         names[i].grid = request->grids[i].name;
         orl_annual_file_name(names[i].grid, names[i].text, sizeof names[i].text);
@@ -219,9 +219,7 @@ static int make_room(struct orl_annual_job *job, size_t grids, struct orl_error 
 {
     job->request.grids = calloc(grids, sizeof *job->request.grids);
     job->grid_files = calloc(grids, sizeof *job->grid_files);
-    return job->request.grids && job->grid_files
-               ? 0
-               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return job->request.grids && job->grid_files ? 0 : orl_error_no_memory(err);
 }
 
 /* Requires areas for all grids or for none. */
@@ -239,7 +237,7 @@ static int set_areas(const struct grid_draft *drafts, size_t n,
             "some grids have an \"area\" and some do not: give it for all or none");
     report_request->grid_area = calloc(n, sizeof *report_request->grid_area);
     if (!report_request->grid_area)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < n; i++)
         report_request->grid_area[i] = drafts[i].area;
     return 0;

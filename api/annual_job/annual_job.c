@@ -73,7 +73,7 @@ static int evaluate_view_out(struct annual_run *r, struct orl_error *err)
     r->n_views = orl_view_out_count(view_out_request, &r->job->request);
     r->views = calloc(r->n_views + 1, sizeof *r->views);
     if (!r->views)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     return orl_view_out_compute(view_out_request, &r->job->request, &r->run, r->views, err);
 }
 
@@ -122,14 +122,13 @@ static int write_and_report(struct annual_run *r, struct orl_error *err)
     const struct orl_annual_outputs outputs = {r->job, &r->run, &r->result, &r->report,
                                                r->job->formats.phases ? &r->phases : NULL};
     json_t *names = json_array(), *document = NULL;
-    int rc = names ? orl_annual_files_write(&outputs, names, err)
-                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int rc = names ? orl_annual_files_write(&outputs, names, err) : orl_error_no_memory(err);
     if (rc == 0) {
         document = orl_annual_report_to_json(r->job, &r->result, &r->refinement, &r->report,
                                              &r->inputs, names);
         rc = document
                  ? r->env->on_result(r->env->run->ctx, &r->result, &r->report, document, names, err)
-                 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                 : orl_error_no_memory(err);
     }
     json_decref(document);
     json_decref(names);

@@ -124,7 +124,7 @@ static int add_rules(const char *text, void *into, struct orl_error *err)
     const size_t n = report_request->n_rules + count;
     struct orl_annual_rule *grown = realloc(report_request->rules, n * sizeof *grown);
     if (!grown)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < count; i++)
         grown[report_request->n_rules + i] = first[i];
     report_request->rules = grown;
@@ -183,7 +183,7 @@ static int decode_until(const json_t *value, const char *path, void *into, struc
     struct orl_report_request *report_request = into;
     report_request->until = calloc(1, sizeof *report_request->until);
     return report_request->until ? decode_target(value, path, report_request->until, err)
-                                 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                                 : orl_error_no_memory(err);
 }
 
 static const char *const format_names[] = {"honeybee", "ill", "coefficients", "phases", NULL};
@@ -308,7 +308,7 @@ static int keep_document(const json_t *doc, struct orl_annual_job *job, struct o
         json_object_del(copy, not_kept[i]);
     job->document = copy ? json_dumps(copy, JSON_COMPACT) : NULL;
     json_decref(copy);
-    return job->document ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return job->document ? 0 : orl_error_no_memory(err);
 }
 
 int orl_annual_job_validate(const struct orl_annual_job *job, struct orl_error *err)
@@ -332,15 +332,9 @@ int orl_annual_job_from_json(const json_t *doc, enum orl_job_origin origin,
         rc = decode_document(doc, origin, &job, &scene_id, err);
     if (rc == 0)
         rc = keep_document(doc, &job, err);
-    if (rc) {
+    if (rc)
         orl_annual_job_done(&job);
-        free(scene_id);
-        return rc;
-    }
-    *ret_job = job;
-    if (ret_scene_id)
-        *ret_scene_id = scene_id;
     else
-        free(scene_id);
-    return 0;
+        *ret_job = job;
+    return orl_json_return_text(scene_id, ret_scene_id, rc);
 }

@@ -202,7 +202,7 @@ static int name_viewpoints(struct orl_viewpoint_request *viewpoint_request, stru
         if (!viewpoint_request->viewpoints[i].name &&
             asprintf(&viewpoint_request->viewpoints[i].name, "seat%zu", i + 1) < 0) {
             viewpoint_request->viewpoints[i].name = NULL;
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            return orl_error_no_memory(err);
         }
     return 0;
 }

@@ -9,11 +9,6 @@
 
 /* json_pack's "o" fails on NULL, so that one check covers all parts (as in result_json.c). */
 
-static json_t *text_or_null(const char *text)
-{
-    return text ? orl_json_from_text(text) : json_null();
-}
-
 static json_t *interval_to_json(const struct orl_annual_value *value)
 {
     return json_pack("[o, o]", orl_json_from_real(value->low), orl_json_from_real(value->high));
@@ -69,7 +64,7 @@ static json_t *grids_to_json(const struct orl_annual_report *report)
 
 static json_t *grid_name(const struct orl_annual_report *report, size_t grid)
 {
-    return text_or_null(grid == ORL_ALL_GRIDS ? NULL : report->grids[grid].name);
+    return orl_json_from_text(grid == ORL_ALL_GRIDS ? NULL : report->grids[grid].name);
 }
 
 /* Returns the number of hours behind the figure; json null for a daylight factor. */
@@ -86,16 +81,16 @@ static json_t *verdicts_to_json(const struct orl_annual_report *report)
     for (size_t i = 0; array && i < report->n_verdicts; i++) {
         const struct orl_annual_verdict *v = &report->verdicts[i];
         array = orl_json_append(
-            array,
-            json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s, s:o, s:o}", "rule",
-                      text_or_null(v->rule ? v->rule->name : NULL), "clause",
-                      text_or_null(v->rule ? v->rule->clause : NULL), "target",
-                      orl_json_from_text(v->target.text), "grid", grid_name(report, v->grid),
-                      "unit", unit_of(&v->target.figure), "value",
-                      orl_json_from_real(v->area.value.value), "interval_95",
-                      interval_to_json(&v->area.value), "open", (json_int_t)v->area.open, "verdict",
-                      orl_verdict_name(v->verdict), "note",
-                      text_or_null(v->note[0] ? v->note : NULL), "hours", hours_of(report, v)));
+            array, json_pack("{s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:I, s:s, s:o, s:o}", "rule",
+                             orl_json_from_text(v->rule ? v->rule->name : NULL), "clause",
+                             orl_json_from_text(v->rule ? v->rule->clause : NULL), "target",
+                             orl_json_from_text(v->target.text), "grid", grid_name(report, v->grid),
+                             "unit", unit_of(&v->target.figure), "value",
+                             orl_json_from_real(v->area.value.value), "interval_95",
+                             interval_to_json(&v->area.value), "open", (json_int_t)v->area.open,
+                             "verdict", orl_verdict_name(v->verdict), "note",
+                             orl_json_from_text(v->note[0] ? v->note : NULL), "hours",
+                             hours_of(report, v)));
     }
     return array;
 }
@@ -126,7 +121,7 @@ static json_t *rules_to_json(const struct orl_annual_report *report)
         array = orl_json_append(
             array, json_pack("{s:s, s:o, s:s, s:o}", "rule", v[i].rule->name, "grid",
                              grid_name(report, v[i].grid), "verdict", orl_verdict_name(all), "note",
-                             text_or_null(all == ORL_VERDICT_UNDECIDED ? note : NULL)));
+                             orl_json_from_text(all == ORL_VERDICT_UNDECIDED ? note : NULL)));
     }
     return array;
 }
@@ -228,11 +223,10 @@ static json_t *timings_to_json(const struct orl_annual_result *result)
 {
     json_t *timings = json_pack("{s:f}", "total", result->total_s);
     for (int stage = 0; timings && stage < ORL_ANNUAL_STAGES; stage++)
-        if (json_object_set_new(timings, orl_annual_stage_name((enum orl_annual_stage)stage),
-                                json_real(result->timings_s[stage]))) {
-            json_decref(timings);
-            return NULL;
-        }
+        timings = orl_json_checked(
+            timings,
+            json_object_set_new(timings, orl_annual_stage_name((enum orl_annual_stage)stage),
+                                json_real(result->timings_s[stage])));
     return timings;
 }
 
@@ -279,7 +273,7 @@ json_t *orl_annual_report_to_json(const struct orl_annual_job *job,
         "{s:s, s:s, s:o, s:{s:f, s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
         "s:O, "
         "s:o, s:o, s:o, s:o, s:I, s:o}",
-        "kind", "annual", "state", "succeeded", "title", text_or_null(job->title), "location",
+        "kind", "annual", "state", "succeeded", "title", orl_json_from_text(job->title), "location",
         "latitude", result->latitude_deg, "longitude", result->longitude_deg, "time_zone",
         result->time_zone_h, "hours", hours_to_json(report), "median_diffuse",
         orl_json_from_real(report->median_diffuse_lx), "grids", grids_to_json(report), "all", all,

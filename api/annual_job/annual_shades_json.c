@@ -67,7 +67,7 @@ static int decode_schedule(const json_t *value, const char *path, void *into, st
         return rc;
     group->series = calloc(json_array_size(value) + 1, 1);
     if (!group->series)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < json_array_size(value) && rc == 0; i++) {
         char place[ORL_JSON_PATH_MAX];
         snprintf(place, sizeof place, "%.150s[%zu]", path, i);
@@ -125,7 +125,7 @@ static int decode_rules(const json_t *value, const char *path, void *into, struc
     int rc = orl_json_list(value, path, &list, err);
     if (rc == 0) {
         group->spans = calloc(n + 1, sizeof *group->spans);
-        rc = group->spans ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = group->spans ? 0 : orl_error_no_memory(err);
     }
     for (size_t i = 0; group->spans && i < n && rc == 0; i++) {
         rc = find_state(group, drafts[i].state, path, &drafts[i].span.state, err);
@@ -299,20 +299,15 @@ static json_t *names_to_json(char *const *names, size_t n)
     return array;
 }
 
-static json_t *text_or_null(const char *text)
-{
-    return text ? orl_json_from_text(text) : json_null();
-}
-
 static json_t *settings_of_states(const struct orl_window_group *group)
 {
     json_t *array = json_array();
     for (size_t i = 0; array && i < group->n_states; i++) {
         const struct orl_shade_state *s = &group->states[i];
-        array = orl_json_append(array, json_pack("{s:o, s:o, s:o, s:b}", "name",
-                                                 orl_json_from_text(s->name), "files",
-                                                 names_to_json(s->files, s->n_files), "material",
-                                                 text_or_null(s->material), "dark", (int)s->dark));
+        array = orl_json_append(
+            array, json_pack("{s:o, s:o, s:o, s:b}", "name", orl_json_from_text(s->name), "files",
+                             names_to_json(s->files, s->n_files), "material",
+                             orl_json_from_text(s->material), "dark", (int)s->dark));
     }
     return array;
 }
@@ -339,7 +334,7 @@ static json_t *settings_of_control(const struct orl_window_group *group)
                      c->kind == ORL_SHADES_BY_SUN     ? "sun"
                      : c->kind == ORL_SHADES_BY_GLARE ? "dgp"
                                                       : "illuminance",
-                     "grid", text_or_null(c->grid), "above",
+                     "grid", orl_json_from_text(c->grid), "above",
                      c->kind == ORL_SHADES_BY_GLARE ? c->above_dgp : c->above_lx, "share",
                      c->kind == ORL_SHADES_BY_SUN ? json_real(c->share_percent) : json_null(),
                      "state", orl_json_from_text(group->states[c->state].name));

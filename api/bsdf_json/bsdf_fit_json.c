@@ -1,7 +1,6 @@
 #include "bsdf_json/bsdf_json.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "json/decode.h"
@@ -72,15 +71,11 @@ int orl_bsdf_fit_from_json(const json_t *doc, enum orl_job_origin origin,
     struct draft draft = {.origin = origin};
     orl_bsdf_fit_request_init(&draft.request);
     const int rc = decode_document(doc, &draft, err);
-    if (rc) {
+    if (rc)
         orl_bsdf_fit_request_done(&draft.request);
-        free(draft.scene_id);
-        return rc;
-    }
-    *ret_request = draft.request;
-    if (ret_scene_id)
-        *ret_scene_id = draft.scene_id;
-    return 0;
+    else
+        *ret_request = draft.request;
+    return orl_json_return_text(draft.scene_id, ret_scene_id, rc);
 }
 
 /* ---- Result ---------------------------------------------------------------------------------- */
@@ -135,10 +130,7 @@ static json_t *scans_to_json(const struct orl_bsdf_fit_result *f)
 {
     json_t *list = json_array();
     for (size_t i = 0; list && i < f->n_scans; i++)
-        if (json_array_append_new(list, scan_to_json(&f->scans[i]))) {
-            json_decref(list);
-            return NULL;
-        }
+        list = orl_json_append(list, scan_to_json(&f->scans[i]));
     return list;
 }
 

@@ -1,7 +1,6 @@
 #include "bsdf_json/bsdf_json.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "json/decode.h"
@@ -113,15 +112,11 @@ int orl_bsdf_make_from_json(const json_t *doc, enum orl_job_origin origin,
     struct draft draft = {.origin = origin};
     orl_bsdf_make_request_init(&draft.request);
     const int rc = decode_document(doc, &draft, err);
-    if (rc) {
+    if (rc)
         orl_bsdf_make_request_done(&draft.request);
-        free(draft.scene_id);
-        return rc;
-    }
-    *ret_request = draft.request;
-    if (ret_scene_id)
-        *ret_scene_id = draft.scene_id;
-    return 0;
+    else
+        *ret_request = draft.request;
+    return orl_json_return_text(draft.scene_id, ret_scene_id, rc);
 }
 
 /* ---- Result ---------------------------------------------------------------------------------- */
@@ -159,10 +154,7 @@ static json_t *row_to_json(const float *values, size_t count)
 {
     json_t *row = json_array();
     for (size_t i = 0; row && i < count; i++)
-        if (json_array_append_new(row, json_real((double)values[i]))) {
-            json_decref(row);
-            return NULL;
-        }
+        row = orl_json_append(row, json_real((double)values[i]));
     return row;
 }
 
@@ -170,10 +162,7 @@ static json_t *errors_to_json(const float *errors, size_t cells)
 {
     json_t *rows = errors ? json_array() : json_null();
     for (size_t i = 0; errors && rows && i < cells; i++)
-        if (json_array_append_new(rows, row_to_json(errors + i * cells, cells))) {
-            json_decref(rows);
-            return NULL;
-        }
+        rows = orl_json_append(rows, row_to_json(errors + i * cells, cells));
     return rows;
 }
 
@@ -227,9 +216,5 @@ json_t *orl_bsdf_made_warnings(const struct orl_bsdf_make_result *made,
                                     json_sprintf("%.2g %% of the light is missing: its paths "
                                                  "inside the panel were too long and were cut off",
                                                  100 * made->lost));
-    if (rc) {
-        json_decref(list);
-        return NULL;
-    }
-    return list;
+    return orl_json_checked(list, rc);
 }

@@ -264,7 +264,7 @@ int orl_bsdf_chart_write(const struct orl_bsdf_chart *chart, enum orl_canvas_kin
 {
     struct page page = {.chart = chart, .polar = calloc(2, sizeof *page.polar)};
     if (!page.polar)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     compute_polars(chart, page.polar);
     page.top = top_of(chart, page.polar);
     int code =

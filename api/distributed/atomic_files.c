@@ -13,7 +13,6 @@
 static int io_error(struct orl_error *err, const char *path, const char *verb)
 {
     const int code = errno == ENOENT ? ORL_ERR_NOT_FOUND : orl_err_of_errno(errno);
-
     orl_error_set(err, code, "cannot %s: %s", verb, orl_open_reason(errno));
     orl_error_at(err, path, 0, NULL);
     return code;
@@ -24,7 +23,6 @@ int orl_join_path(const char *folder, const char *name, char *ret_path, size_t s
 {
     const int length = name[0] == '/' ? snprintf(ret_path, size, "%s", name)
                                       : snprintf(ret_path, size, "%s/%s", folder, name);
-
     if (length < 0 || (size_t)length >= size)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path of \"%.100s\" is too long", name);
     return 0;
@@ -35,7 +33,6 @@ int orl_join_path(const char *folder, const char *name, char *ret_path, size_t s
 static bool is_replaced(const char *target)
 {
     struct stat info;
-
     return stat(target, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode);
 }
 
@@ -43,7 +40,6 @@ int orl_atomic_file_open(struct orl_atomic_file *ret_file, const char *target,
                          struct orl_error *err)
 {
     const int length = snprintf(ret_file->temporary, sizeof ret_file->temporary, "%s.part", target);
-
     ret_file->stream = NULL;
     if (length < 0 || (size_t)length >= sizeof ret_file->temporary)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path \"%.100s...\" is too long", target);
@@ -59,7 +55,6 @@ int orl_atomic_file_commit(struct orl_atomic_file *file, struct orl_error *err)
 {
     const bool replaces = file->temporary[0];
     int rc = 0;
-
     if (fflush(file->stream) != 0 || ferror(file->stream) ||
         (replaces && fsync(fileno(file->stream)) != 0))
         rc = io_error(err, file->target, "write");
@@ -87,7 +82,6 @@ int orl_open_for_reading(const char *path, FILE **ret_stream, long long *ret_siz
 {
     struct stat info;
     FILE *stream = orl_fopen_regular(path, 'r');
-
     if (!stream)
         return io_error(err, path, "read");
     if (fstat(fileno(stream), &info) != 0) {
@@ -112,7 +106,6 @@ int orl_make_folder(const char *path, struct orl_error *err)
     char partial[4096];
     const size_t length = strlen(path);
     struct stat info;
-
     if (length == 0 || length >= sizeof partial)
         return orl_error_set(err, ORL_ERR_INVALID, "the output folder's name is %s",
                              length ? "too long" : "empty");
@@ -135,11 +128,9 @@ int orl_make_folder(const char *path, struct orl_error *err)
 void orl_remove_folder(const char *folder)
 {
     DIR *entries = opendir(folder);
-
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
         char path[4096];
         struct stat info;
-
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
             orl_join_path(folder, entry->d_name, path, sizeof path, NULL) || lstat(path, &info))
             continue;
@@ -156,8 +147,7 @@ void orl_remove_folder(const char *folder)
 int orl_write_json(const char *path, const json_t *json, struct orl_error *err)
 {
     struct orl_atomic_file file;
-    int rc = orl_atomic_file_open(&file, path, err);
-
+    int rc = json ? orl_atomic_file_open(&file, path, err) : orl_error_no_memory(err);
     if (rc)
         return rc;
     /* 17 digits reproduce every double exactly; files are compared by their bytes. */
@@ -178,7 +168,6 @@ int orl_write_text(const char *path, const char *text, size_t size, struct orl_e
         return rc;
     if (fwrite(text, 1, size, file.stream) != size) {
         const int rc_write = io_error(err, path, "write");
-
         orl_atomic_file_abandon(&file);
         return rc_write;
     }
@@ -188,7 +177,6 @@ int orl_write_text(const char *path, const char *text, size_t size, struct orl_e
 void orl_digest_end(struct orl_sha256 *hash, char ret_digest[ORL_DIGEST_TEXT])
 {
     unsigned char digest[ORL_SHA256_BYTES];
-
     orl_sha256_finish(hash, digest);
     sodium_bin2hex(ret_digest, ORL_DIGEST_TEXT, digest, sizeof digest);
 }
@@ -201,7 +189,6 @@ int orl_digest_file(const char *path, char ret_digest[ORL_DIGEST_TEXT], struct o
     FILE *file = NULL;
     size_t n;
     int rc = orl_open_for_reading(path, &file, &size, err);
-
     if (rc)
         return rc;
     orl_sha256_init(&hash);

@@ -44,7 +44,7 @@ int orl_join_path(const char *folder, const char *name, char *ret_path, size_t s
 /* Writes a text through orl_atomic_file. */
 int orl_write_text(const char *path, const char *text, size_t size, struct orl_error *err);
 
-/* Writes a JSON document, indented, through orl_atomic_file. */
+/* Writes a JSON document, indented, through orl_atomic_file. NULL: ORL_ERR_NOMEM. */
 int orl_write_json(const char *path, const json_t *json, struct orl_error *err);
 
 /* SHA-256 digests of files, in hexadecimal. */

@@ -15,14 +15,12 @@ static int run_missing(struct orl_distributed_job *distributed, const struct orl
 {
     struct orl_job_task *missing = malloc((n + 1) * sizeof *missing);
     size_t kept = 0;
-    int rc;
-
     if (!missing)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < n; i++)
         if (!made[i])
             missing[kept++] = tasks[i];
-    rc = kept > 0 ? orl_task_round_run(distributed, missing, kept, err) : 0;
+    int rc = kept > 0 ? orl_task_round_run(distributed, missing, kept, err) : 0;
     free(missing);
     return rc;
 }
@@ -33,13 +31,11 @@ static int distribute_pieces(void *ctx, const struct orl_job_task *tasks, size_t
 {
     struct orl_distributed_job *distributed = ctx;
     bool *made = calloc(n + 1, sizeof *made);
-    int rc;
-
     (void)ret_here;
     if (!made)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     distributed->watch = watch;
-    rc = orl_task_round_adopt(distributed, tasks, n, made, err);
+    int rc = orl_task_round_adopt(distributed, tasks, n, made, err);
     if (rc == 0)
         rc = run_missing(distributed, tasks, n, made, err);
     free(made);
@@ -58,7 +54,6 @@ static int start_runner(struct orl_distributed_job *distributed, struct orl_erro
                                            .n_words = spec->n_words,
                                            .cancel = spec->cancel,
                                            .now_s = spec->now_s};
-
     return spec->slurm ? orl_runner_slurm(&wanted, &distributed->runner, err)
                        : orl_runner_local(&wanted, &distributed->runner, err);
 }
@@ -66,12 +61,10 @@ static int start_runner(struct orl_distributed_job *distributed, struct orl_erro
 int orl_distributed_job_open(struct orl_distributed_job *distributed,
                              const struct orl_distributed_job_spec *spec, struct orl_error *err)
 {
-    int rc;
-
     *distributed = (struct orl_distributed_job){
         .spec = *spec, .began = time(NULL), .opened_s = spec->now_s(NULL)};
-    rc = orl_shared_folder_make(spec->folder, spec->doc, spec->files, spec->n_files,
-                                distributed->job, &distributed->n_reused, err);
+    int rc = orl_shared_folder_make(spec->folder, spec->doc, spec->files, spec->n_files,
+                                    distributed->job, &distributed->n_reused, err);
     if (rc)
         return rc;
     if (!realpath(spec->folder, distributed->folder))
@@ -101,7 +94,6 @@ int orl_distributed_job_abandon(const char *folder, double (*now_s)(void *ctx),
     const struct orl_runner_spec spec = {.job = job, .now_s = now_s};
     json_t *doc = NULL;
     int rc = 0;
-
     /* If verification fails, there is nothing to cancel: tasks cannot succeed without the job's
      * files. */
     if (orl_shared_folder_verify(folder, job, &doc, NULL) == 0)

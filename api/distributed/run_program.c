@@ -21,8 +21,6 @@ static int spawn(char *const argv[], const int ends[2], pid_t *ret_pid)
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     sigset_t none, usual;
-    int rc;
-
     sigemptyset(&none);
     sigemptyset(&usual);
     sigaddset(&usual, SIGPIPE);
@@ -35,7 +33,7 @@ static int spawn(char *const argv[], const int ends[2], pid_t *ret_pid)
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    rc = posix_spawnp(ret_pid, argv[0], &actions, &attributes, argv, environ);
+    int rc = posix_spawnp(ret_pid, argv[0], &actions, &attributes, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     return rc;
@@ -47,14 +45,12 @@ static int read_output(int from, double limit_s, const atomic_bool *cancel, char
     const int turns = (int)(limit_s * 1000 / TURN_MS) + 1;
     struct pollfd waits = {.fd = from, .events = POLLIN};
     size_t size = 0;
-
     for (int idle = 0; idle < turns; idle++) {
         if (cancel && atomic_load(cancel))
             return ORL_ERR_CANCELLED;
         if (poll(&waits, 1, TURN_MS) <= 0)
             continue;
         const ssize_t got = read(from, output + size, MOST - size);
-
         if (got > 0)
             size += (size_t)got;
         output[size] = '\0';
@@ -67,7 +63,6 @@ static int read_output(int from, double limit_s, const atomic_bool *cancel, char
 static int wait_for_exit(pid_t pid)
 {
     int status = 0;
-
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
         ;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -78,7 +73,6 @@ int orl_command_run(char *const argv[], double limit_s, const atomic_bool *cance
 {
     int ends[2], rc, status;
     pid_t pid = 0;
-
     ret_output[0] = '\0';
     if (pipe2(ends, O_CLOEXEC) != 0)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of file descriptors to run '%s'", argv[0]);

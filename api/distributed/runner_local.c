@@ -31,15 +31,13 @@ static int spawn(const struct local *local, struct task *task, struct orl_error 
     char file[4200], log[4200];
     char *const argv[] = {(char *)"oriel", (char *)"part", file, NULL};
     posix_spawn_file_actions_t actions;
-    int rc;
-
     snprintf(file, sizeof file, "%s/%s-%u.json", local->spec.folder, local->round, task->number);
     snprintf(log, sizeof log, "%s/%s-%u.log", local->spec.folder, local->round, task->number);
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log, O_WRONLY | O_CREAT | O_TRUNC,
                                      0600);
     posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-    rc = posix_spawn(&task->pid, local->spec.program, &actions, NULL, argv, environ);
+    int rc = posix_spawn(&task->pid, local->spec.program, &actions, NULL, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (rc == 0)
         return 0;
@@ -53,10 +51,8 @@ static int replace_ended_tasks(struct local *local, struct orl_error *err)
 {
     size_t kept = 0, running = 0;
     int rc = 0;
-
     for (size_t i = 0; i < local->n_tasks; i++) {
         struct task task = local->tasks[i];
-
         if (task.pid > 0 && waitpid(task.pid, NULL, WNOHANG) != 0)
             continue;
         running += task.pid > 0;
@@ -76,7 +72,6 @@ static int local_start(void *ctx, const char *round, const struct orl_part_reque
 {
     struct local *local = ctx;
     struct task *grown = realloc(local->tasks, (local->n_tasks + n) * sizeof *grown);
-
     (void)n_all;
     if (!grown)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu parts", n);
@@ -92,7 +87,6 @@ static int local_poll(void *ctx, const char *round, struct orl_part_status *ret_
 {
     struct local *local = ctx;
     const int rc = replace_ended_tasks(local, err);
-
     (void)round; /* there is only one round at a time */
     for (size_t i = 0; i < n; i++)
         ret_status[i] = (struct orl_part_status){.state = ORL_PART_GONE};
@@ -106,7 +100,6 @@ static int local_poll(void *ctx, const char *round, struct orl_part_status *ret_
 static int local_cancel(void *ctx, const char *round, struct orl_error *err)
 {
     struct local *local = ctx;
-
     (void)round, (void)err;
     for (size_t i = 0; i < local->n_tasks; i++)
         if (local->tasks[i].pid > 0)
@@ -121,7 +114,6 @@ static int local_cancel(void *ctx, const char *round, struct orl_error *err)
 static void local_done(void *ctx)
 {
     struct local *local = ctx;
-
     local_cancel(local, local->round, NULL);
     free(local->tasks);
     free(local);
@@ -131,9 +123,8 @@ int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_
                      struct orl_error *err)
 {
     struct local *local = calloc(1, sizeof *local);
-
     if (!local)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     local->spec = *spec;
     *ret_runner = (struct orl_runner){.ctx = local,
                                       .files_delay_s = 0.2,
@@ -147,7 +138,6 @@ int orl_runner_local(const struct orl_runner_spec *spec, struct orl_runner *ret_
 int orl_own_program(char ret_path[4096], struct orl_error *err)
 {
     const ssize_t length = readlink("/proc/self/exe", ret_path, 4095);
-
     if (length < 0)
         return orl_error_set(err, orl_err_of_errno(errno),
                              "the path of this program's executable is not known");

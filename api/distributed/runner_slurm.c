@@ -71,14 +71,13 @@ static int begin_round(struct slurm *slurm, const char *round, size_t n, struct 
     slurm->began_s = slurm->answered_s = now_s(slurm);
     slurm->queried_s = -query_most_s;
     snprintf(slurm->round, sizeof slurm->round, "%s", round);
-    return slurm->parts ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return slurm->parts ? 0 : orl_error_no_memory(err);
 }
 
 /* Cuts the text after its first line and returns it, for messages. */
 static const char *first_line(char *text)
 {
     char *end = strchr(text, '\n');
-
     if (end)
         *end = '\0';
     return text;
@@ -103,10 +102,8 @@ static char *list_unsent(const struct slurm *slurm, struct orl_part_limits limit
     const size_t room = 12 * (slurm->n + 3);
     char *text = malloc(room);
     size_t at = text ? (size_t)snprintf(text, room, "--array=") : 0, listed = 0;
-
     for (size_t i = 0; text && i < slurm->n; i++) {
         size_t last = i;
-
         if (!is_next(slurm, i, limits))
             continue;
         while (is_next(slurm, last + 1, limits))
@@ -129,7 +126,6 @@ static int run_sbatch(const struct slurm *slurm, char *array, struct orl_part_li
     char cpus[48], chdir_to[4200], tasks[128], name[160], program[4096], folder[4096], round[64];
     char *argv[ORL_SBATCH_OPTIONS_MAX + 18];
     size_t n = 0;
-
     name_tasks(slurm->spec.job, slurm->round, tasks);
     snprintf(name, sizeof name, "--job-name=%s", tasks);
     snprintf(cpus, sizeof cpus, "--cpus-per-task=%u", slurm->spec.threads);
@@ -167,11 +163,9 @@ static int run_sbatch(const struct slurm *slurm, char *array, struct orl_part_li
 static uint32_t record_job_number(const struct slurm *slurm, char *output)
 {
     char path[4300];
-    FILE *file;
-
     output[strspn(output, "0123456789")] = '\0'; /* "ID;CLUSTER" */
     snprintf(path, sizeof path, "%s/%s.slurm", slurm->spec.folder, slurm->round);
-    file = orl_fopen_regular(path, 'a');
+    FILE *file = orl_fopen_regular(path, 'a');
     if (file) {
         fprintf(file, "%s\n", output);
         fclose(file);
@@ -195,9 +189,7 @@ static int submit_group(struct slurm *slurm, struct orl_part_limits limits, stru
 {
     const struct orl_part_limits granted = orl_slurm_bounded(&slurm->bounds, limits);
     char *array = list_unsent(slurm, limits), output[ORL_COMMAND_OUTPUT] = "";
-    int rc = array ? run_sbatch(slurm, array, granted, output, err)
-                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    int rc = array ? run_sbatch(slurm, array, granted, output, err) : orl_error_no_memory(err);
     free(array);
     if (rc == 0 && isdigit((unsigned char)output[0])) {
         mark_sent(slurm, limits, granted, record_job_number(slurm, output));
@@ -217,7 +209,6 @@ static int submit_group(struct slurm *slurm, struct orl_part_limits limits, stru
 static int submit_unsent(struct slurm *slurm, struct orl_error *err)
 {
     int rc = 0;
-
     if (!slurm->bounds.known)
         orl_slurm_bounds_query(&slurm->spec, &slurm->bounds);
     for (size_t i = 0; i < slurm->n && rc == 0 && !slurm->in_doubt; i++)
@@ -231,7 +222,6 @@ static int slurm_start(void *ctx, const char *round, const struct orl_part_reque
 {
     struct slurm *slurm = ctx;
     int rc = begin_round(slurm, round, n_all, err);
-
     if (rc)
         return rc;
     for (size_t i = 0; i < n; i++) {
@@ -250,7 +240,6 @@ static int slurm_start(void *ctx, const char *round, const struct orl_part_reque
 static enum orl_part_state state_of(const char *code)
 {
     static const char *const waiting[] = {"PD", "CF", "RQ", "RH", "RF", "SE", "RS", "S", "ST"};
-
     for (size_t i = 0; i < sizeof waiting / sizeof *waiting; i++)
         if (strcmp(code, waiting[i]) == 0)
             return ORL_PART_WAITING;
@@ -263,11 +252,9 @@ static enum orl_part_state state_of(const char *code)
 static void read_states(struct slurm *slurm, char *text)
 {
     char *rest = text, *line;
-
     while ((line = strsep(&rest, "\n")) != NULL) {
         char *bar = strchr(line, '|'), *end;
         unsigned long number = strtoul(line, &end, 10);
-
         if (!bar || end == line || end != bar || number >= slurm->n)
             continue;
         struct slurm_part *part = &slurm->parts[number];
@@ -296,7 +283,6 @@ static int run_squeue(const char *tasks, double limit_s, const atomic_bool *canc
                     (char *)"--format=%K|%t|%F",
                     name,
                     NULL};
-
     snprintf(name, sizeof name, "--name=%s", tasks);
     return orl_command_run(argv, limit_s, cancel, ret_output, err);
 }
@@ -305,7 +291,6 @@ static int run_squeue(const char *tasks, double limit_s, const atomic_bool *canc
 static int check_outage(struct slurm *slurm, const char *says, struct orl_error *err)
 {
     const double outage_limit_s = slurm->spec.outage_limit_s;
-
     for (size_t i = 0; i < slurm->n; i++)
         slurm->parts[i].status.state = ORL_PART_UNKNOWN;
     if (now_s(slurm) - slurm->answered_s < outage_limit_s)
@@ -321,14 +306,10 @@ static int query_slurm(struct slurm *slurm, struct orl_error *err)
 {
     struct orl_error why = {0};
     char tasks[128], output[ORL_COMMAND_OUTPUT];
-    int rc;
-
     name_tasks(slurm->spec.job, slurm->round, tasks);
-    rc = run_squeue(tasks, slurm->spec.command_s, slurm->spec.cancel, output, &why);
-
+    int rc = run_squeue(tasks, slurm->spec.command_s, slurm->spec.cancel, output, &why);
     if (rc != 0) {
         const char *says = rc > 0 ? first_line(output) : why.message;
-
         if (rc == ORL_ERR_CANCELLED || rc == ORL_ERR_NOT_FOUND || rc == ORL_ERR_NOMEM)
             rc = orl_error_set(err, rc, "%s", why.message);
         else
@@ -347,7 +328,6 @@ static int query_slurm(struct slurm *slurm, struct orl_error *err)
 static bool any_unsent(const struct slurm *slurm)
 {
     bool any = false;
-
     for (size_t i = 0; i < slurm->n; i++)
         any = any || slurm->parts[i].unsent;
     return any;
@@ -356,7 +336,6 @@ static bool any_unsent(const struct slurm *slurm)
 static int refresh_states(struct slurm *slurm, struct orl_error *err)
 {
     int rc = query_slurm(slurm, err);
-
     if (rc == 0 && !slurm->in_doubt && any_unsent(slurm))
         rc = submit_unsent(slurm, err);
     slurm->queried_s = now_s(slurm);
@@ -368,7 +347,6 @@ static int slurm_poll(void *ctx, const char *round, struct orl_part_status *ret_
 {
     struct slurm *slurm = ctx;
     int rc = begin_round(slurm, round, n, err);
-
     if (rc)
         return rc;
     const double now = now_s(slurm), share = query_share * (now - slurm->began_s);
@@ -379,7 +357,6 @@ static int slurm_poll(void *ctx, const char *round, struct orl_part_status *ret_
         rc = refresh_states(slurm, err);
     for (size_t i = 0; i < n; i++) {
         const struct slurm_part *part = &slurm->parts[i];
-
         ret_status[i] = part->status;
         if (part->unsent)
             ret_status[i].state = ORL_PART_WAITING;
@@ -393,7 +370,6 @@ static enum orl_part_end slurm_end(void *ctx, const char *round, uint32_t number
 {
     const struct slurm *slurm = ctx;
     char tasks[128];
-
     name_tasks(slurm->spec.job, round, tasks);
     return number < slurm->n
                ? orl_slurm_end_reason(&slurm->spec, tasks, slurm->parts[number].status.task, number)
@@ -405,7 +381,6 @@ static enum orl_part_end slurm_end(void *ctx, const char *round, uint32_t number
 static void sleep_briefly(void)
 {
     const struct timespec moment = {.tv_nsec = 200000000};
-
     nanosleep(&moment, NULL);
 }
 
@@ -419,7 +394,6 @@ static int cancel_tasks(const struct orl_runner_spec *spec, const char *round, d
     char name[160], tasks[128], output[ORL_COMMAND_OUTPUT];
     char *argv[] = {(char *)"scancel", (char *)"--me", name, NULL};
     bool gone = false;
-
     name_tasks(spec->job, round, tasks);
     snprintf(name, sizeof name, "--name=%s", tasks);
     while (!gone && spec->now_s(NULL) - began < cancel_s) {
@@ -444,14 +418,12 @@ int orl_slurm_cancel(const struct orl_runner_spec *spec, const char *round, stru
 static int slurm_cancel(void *ctx, const char *round, struct orl_error *err)
 {
     const struct slurm *slurm = ctx;
-
     return cancel_tasks(&slurm->spec, round, slurm->in_doubt ? doubt_s : 0, err);
 }
 
 static void slurm_done(void *ctx)
 {
     struct slurm *slurm = ctx;
-
     free(slurm->parts);
     free(slurm);
 }
@@ -462,20 +434,18 @@ int orl_runner_slurm(const struct orl_runner_spec *spec, struct orl_runner *ret_
                      struct orl_error *err)
 {
     struct slurm *slurm = calloc(1, sizeof *slurm);
-    int rc;
-
     if (!slurm)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     slurm->spec = *spec;
     if (spec->outage_limit_s <= 0)
         slurm->spec.outage_limit_s = ORL_SLURM_OUTAGE_LIMIT_S;
     if (spec->command_s <= 0)
         slurm->spec.command_s = ORL_SLURM_COMMAND_S;
     snprintf(slurm->script, sizeof slurm->script, "%s/part.sh", spec->folder);
-    rc = spec->n_words <= ORL_SBATCH_OPTIONS_MAX
-             ? orl_write_text(slurm->script, script, sizeof script - 1, err)
-             : orl_error_set(err, ORL_ERR_LIMIT, "more than %d options for sbatch",
-                             ORL_SBATCH_OPTIONS_MAX);
+    int rc = spec->n_words <= ORL_SBATCH_OPTIONS_MAX
+                 ? orl_write_text(slurm->script, script, sizeof script - 1, err)
+                 : orl_error_set(err, ORL_ERR_LIMIT, "more than %d options for sbatch",
+                                 ORL_SBATCH_OPTIONS_MAX);
     if (rc) {
         slurm_done(slurm);
         return rc;

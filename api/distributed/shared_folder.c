@@ -25,11 +25,9 @@ static int copy_file(const char *from, const char *to, struct orl_error *err)
     long long size;
     FILE *stream;
     size_t got;
-    int rc;
-
     snprintf(folder, sizeof folder, "%s", to);
     *strrchr(folder, '/') = '\0';
-    rc = orl_make_folder(folder, err);
+    int rc = orl_make_folder(folder, err);
     if (rc == 0)
         rc = orl_open_for_reading(from, &stream, &size, err);
     if (rc)
@@ -47,7 +45,6 @@ static int copy_file(const char *from, const char *to, struct orl_error *err)
 static int write_in(const char *folder, const char *name, const json_t *json, struct orl_error *err)
 {
     char path[4200];
-
     snprintf(path, sizeof path, "%s/%s", folder, name);
     return orl_write_json(path, json, err);
 }
@@ -57,16 +54,14 @@ static int copy_files(const char *folder, const struct orl_shared_file *files, s
                       json_t *digests, struct orl_error *err)
 {
     int rc = 0;
-
     for (size_t i = 0; i < n_files && rc == 0; i++) {
         char to[8400], digest[ORL_DIGEST_TEXT];
-
         snprintf(to, sizeof to, "%s/files/%s", folder, files[i].name);
         rc = copy_file(files[i].path, to, err);
         if (rc == 0)
             rc = orl_digest_file(to, digest, err);
         if (rc == 0 && json_object_set_new(digests, files[i].name, json_string(digest)))
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
     }
     return rc;
 }
@@ -84,7 +79,6 @@ static int create_folder(const char *folder, const json_t *doc, const struct orl
     char store[4200];
     json_t *digests = json_object();
     int rc = make_folder(folder, err);
-
     snprintf(store, sizeof store, "%s/store", folder);
     if (rc == 0)
         rc = make_folder(store, err);
@@ -105,7 +99,6 @@ static bool is_ours(const char *folder)
 {
     char store[8400], files[8400];
     struct stat st;
-
     snprintf(store, sizeof store, "%s/store", folder);
     snprintf(files, sizeof files, "%s/files.json", folder);
     return stat(store, &st) == 0 && stat(files, &st) == 0;
@@ -115,7 +108,6 @@ static size_t count_files(const char *folder)
 {
     DIR *entries = opendir(folder);
     size_t n = 0;
-
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;)
         n += entry->d_name[0] != '.';
     if (entries)
@@ -136,7 +128,6 @@ static int read_json(const char *folder, const char *name, json_t **ret_json,
     const struct orl_files files = orl_files_from_folder(folder);
     struct orl_file file;
     int rc = files.open(files.ctx, name, &file, err);
-
     if (rc)
         return rc;
     orl_sha256_add(hash, file.data, file.size);
@@ -152,18 +143,15 @@ int orl_shared_folder_verify(const char *folder, char ret_job[ORL_JOB_TASK_KEY],
     struct orl_sha256 hash;
     json_t *digests = NULL, *wanted;
     const char *name;
-    int rc;
-
     *ret_doc = NULL;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, ORL_VERSION, sizeof ORL_VERSION);
-    rc = read_json(folder, "job.json", ret_doc, &hash, err);
+    int rc = read_json(folder, "job.json", ret_doc, &hash, err);
     if (rc == 0)
         rc = read_json(folder, "files.json", &digests, &hash, err);
     json_object_foreach(digests, name, wanted)
     {
         char path[8400], found[ORL_DIGEST_TEXT];
-
         snprintf(path, sizeof path, "%.4000s/files/%.4000s", folder, name);
         rc = rc ? rc : orl_digest_file(path, found, err);
         const char *text = json_string_value(wanted);
@@ -187,7 +175,6 @@ int orl_shared_folder_verify(const char *folder, char ret_job[ORL_JOB_TASK_KEY],
 static void remove_aside(const char *path)
 {
     char aside[4200];
-
     snprintf(aside, sizeof aside, "%s.oriel-old", path);
     orl_remove_folder(aside);
     if (rename(path, aside) == 0)
@@ -201,7 +188,6 @@ static int install_folder(const char *fresh, const char *path, const char *job, 
     char there[ORL_JOB_TASK_KEY] = "", store[4200];
     json_t *doc = NULL;
     struct stat st;
-
     *ret_earlier = 0;
     snprintf(store, sizeof store, "%s/store", path);
     if (is_ours(path) && orl_shared_folder_verify(path, there, &doc, NULL) == 0 &&
@@ -229,12 +215,10 @@ int orl_shared_folder_make(const char *path, const json_t *doc, const struct orl
 {
     char fresh[4096];
     json_t *read = NULL;
-    int rc;
-
     if (snprintf(fresh, sizeof fresh, "%s.oriel-new", path) >= (int)sizeof fresh)
         return orl_error_set(err, ORL_ERR_LIMIT, "the path '%.100s...' is too long", path);
     orl_remove_folder(fresh);
-    rc = create_folder(fresh, doc, files, n_files, err);
+    int rc = create_folder(fresh, doc, files, n_files, err);
     if (rc == 0)
         rc = orl_shared_folder_verify(fresh, ret_job, &read, err);
     json_decref(read);

@@ -63,7 +63,6 @@ static uint32_t parse_slurm_minutes(const char *text)
     int n = 0;
     char *end;
     const char *dash = strchr(text, '-');
-
     if (!isdigit((unsigned char)text[0]))
         return 0; /* "infinite" */
     if (dash) {
@@ -94,7 +93,6 @@ static const char *partition_of(const struct orl_runner_spec *spec)
 {
     static const char name[] = "--partition=", letter[] = "-p";
     const char *partition = NULL;
-
     for (size_t i = 0; i < spec->n_words; i++) {
         if (strncmp(spec->words[i], name, strlen(name)) == 0)
             partition = spec->words[i] + strlen(name);
@@ -109,11 +107,9 @@ static void read_bounds(char *text, bool default_only, struct orl_part_limits *r
 {
     char *rest = text, *line;
     bool endless = false, any = false;
-
     *ret_most = (struct orl_part_limits){0, 0};
     while ((line = strsep(&rest, "\n")) != NULL) {
         char *time = strchr(line, '|'), *memory = time ? strchr(time + 1, '|') : NULL;
-
         if (!memory || (default_only && !(time > line && time[-1] == '*')))
             continue;
         const uint32_t minutes = parse_slurm_minutes(time + 1);
@@ -135,7 +131,6 @@ void orl_slurm_bounds_query(const struct orl_runner_spec *spec, struct orl_slurm
     const char *partition = partition_of(spec);
     char *argv[] = {(char *)"sinfo", (char *)"--noheader", (char *)"--format=%P|%l|%m",
                     partition ? word : NULL, NULL};
-
     snprintf(word, sizeof word, "--partition=%.250s", partition ? partition : "");
     if (orl_command_run(argv, spec->command_s, spec->cancel, output, NULL) != 0)
         return;
@@ -151,7 +146,6 @@ struct orl_part_limits orl_slurm_bounded(const struct orl_slurm_bounds *bounds,
                                          struct orl_part_limits limits)
 {
     const struct orl_part_limits most = bounds->most;
-
     if (!bounds->known)
         return (struct orl_part_limits){0, 0};
     return (struct orl_part_limits){limits.minutes < most.minutes ? limits.minutes : most.minutes,
@@ -174,7 +168,6 @@ bool orl_slurm_is_temporary_failure(const char *output)
                                                      "temporarily unable",
                                                      "AssocMaxSubmitJobLimit",
                                                      "QOSMaxSubmitJobPerUserLimit"};
-
     for (size_t i = 0; i < sizeof temporary_failures / sizeof *temporary_failures; i++)
         if (strcasestr(output, temporary_failures[i]))
             return true;
@@ -187,10 +180,8 @@ bool orl_slurm_is_temporary_failure(const char *output)
 static enum orl_part_end find_end(char *text, uint32_t task, uint32_t number)
 {
     char *rest = text, *line;
-
     while ((line = strsep(&rest, "\n")) != NULL) {
         char *state = strchr(line, '|'), *its_task = state ? strchr(state + 1, '|') : NULL;
-
         if (!its_task || strtoul(line, NULL, 10) != number ||
             strtoul(its_task + 1, NULL, 10) != task)
             continue;
@@ -209,7 +200,6 @@ static enum orl_part_end end_in_log(const struct orl_runner_spec *spec, uint32_t
     char path[4300], line[1000];
     enum orl_part_end end = ORL_PART_ENDED;
     FILE *log;
-
     snprintf(path, sizeof path, "%s/slurm-%u_%u.log", spec->folder, task, number);
     log = orl_fopen_regular(path, 'r');
     while (log && fgets(line, sizeof line, log)) {
@@ -239,7 +229,6 @@ enum orl_part_end orl_slurm_end_reason(const struct orl_runner_spec *spec, const
                     name,
                     NULL};
     enum orl_part_end end;
-
     snprintf(name, sizeof name, "--name=%s", tasks);
     if (task == 0)
         return ORL_PART_ENDED;

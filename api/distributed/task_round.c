@@ -55,7 +55,6 @@ static void report_event(const struct orl_distributed_job *distributed,
                                          .ran_s = part_elapsed_s(distributed, &round->parts[i]),
                                          .limits = status->limits,
                                          .why = why};
-
     if (distributed->spec.part_event)
         distributed->spec.part_event(distributed->spec.ctx, &event);
 }
@@ -90,7 +89,6 @@ static double part_weight(const struct orl_distributed_job *distributed, const s
 static bool is_known(const struct task_round *round)
 {
     bool known = round->n > 0;
-
     for (size_t i = 0; i < round->n; i++)
         known = known && round->parts[i].needs.core_s > 0;
     return known;
@@ -101,7 +99,6 @@ static void add_timing(struct orl_distributed_job *distributed, struct task_roun
                        const struct part *part)
 {
     const double actual_s = part_elapsed_s(distributed, part);
-
     if (!(actual_s > 0))
         return;
     round->ended_s += actual_s;
@@ -126,12 +123,10 @@ static double fraction_done(const struct orl_distributed_job *distributed,
         distributed->estimated_s > 0 ? distributed->actual_s / distributed->estimated_s : 1;
     const double time_ratio = measured ? round->ended_s / round->ended : before;
     double made = 0, all = 0;
-
     for (size_t i = 0; i < round->n; i++) {
         const struct part *part = &round->parts[i];
         const double own = part_weight(distributed, part, known),
                      estimated_s_of_part = time_ratio * own;
-
         all += own;
         if (part->done)
             made += own;
@@ -168,7 +163,6 @@ static void count_lost(struct orl_distributed_job *distributed, struct task_roun
                        const char *why)
 {
     struct part *part = &round->parts[i];
-
     report_part(distributed, round, i, "again", why);
     distributed->count.again++;
     distributed->count.lost_s += part_elapsed_s(distributed, part);
@@ -183,7 +177,6 @@ static void update_state(struct orl_distributed_job *distributed, struct task_ro
 {
     struct part *part = &round->parts[i];
     const enum orl_part_state state = round->status[i].state;
-
     if (state == ORL_PART_UNKNOWN)
         return;
     if (part->started_s > 0 && state == ORL_PART_WAITING)
@@ -214,12 +207,10 @@ static void report_round(struct orl_distributed_job *distributed, const struct t
                          uint64_t done_before)
 {
     struct orl_parts_count *count = &distributed->count;
-
     count->waiting = count->running = count->held = 0;
     count->done = done_before;
     for (size_t i = 0; i < round->n; i++) {
         const struct part *part = &round->parts[i];
-
         count->done += part->done;
         count->running += !part->done && part->state == ORL_PART_RUNNING;
         count->waiting += !part->done && part->state != ORL_PART_RUNNING;
@@ -240,7 +231,6 @@ static struct orl_part_limits first_limits(const struct orl_distributed_job *dis
             distributed->estimated_s > 0 ? distributed->actual_s / distributed->estimated_s : 1,
         .threads = distributed->spec.threads,
         .memory_bytes = distributed->spec.memory_bytes};
-
     return orl_part_limits(&part->needs, &input);
 }
 
@@ -249,10 +239,8 @@ static int start_due(struct orl_distributed_job *distributed, struct task_round 
                      struct orl_error *err)
 {
     size_t n = 0;
-
     for (size_t i = 0; i < round->n; i++) {
         struct part *part = &round->parts[i];
-
         if (!part->due)
             continue;
         if (part->limits.mib == 0)
@@ -273,7 +261,6 @@ static int start_due(struct orl_distributed_job *distributed, struct task_round 
 static void read_error(const char *path, struct orl_error *ret_part_error)
 {
     json_t *problem = json_load_file(path, 0, NULL);
-
     *ret_part_error = (struct orl_error){.code = 0};
     if (problem)
         orl_problem_to_error(problem, ret_part_error);
@@ -298,7 +285,6 @@ static bool raise_limits(struct part *part, const struct orl_part_status *status
     const bool of_time = end == ORL_PART_OUT_OF_TIME;
     const uint32_t requested = of_time ? part->limits.minutes : part->limits.mib;
     const uint32_t granted = of_time ? status->limits.minutes : status->limits.mib;
-
     if (end == ORL_PART_ENDED || requested == 0 || granted < requested ||
         part->limit_raises == MOST_RAISED)
         return false;
@@ -335,7 +321,6 @@ static int restart_part(struct orl_distributed_job *distributed, struct task_rou
     struct part *part = &round->parts[i];
     enum orl_part_end end = ORL_PART_ENDED;
     struct orl_error part_error = {.code = 0};
-
     if (error_path)
         read_error(error_path, &part_error);
     if ((!error_path || part_error.code == ORL_ERR_CANCELLED) && distributed->runner.end)
@@ -372,7 +357,6 @@ static void check_held(const struct orl_distributed_job *distributed, struct par
 static void finish_part(struct orl_distributed_job *distributed, struct task_round *round, size_t i)
 {
     struct part *part = &round->parts[i];
-
     report_part(distributed, round, i, "end", NULL);
     add_timing(distributed, round, part);
     part->done = true;
@@ -384,7 +368,6 @@ static int check_part(struct orl_distributed_job *distributed, struct task_round
 {
     struct part *part = &round->parts[i];
     char path[ORL_PART_PATH];
-
     if (orl_part_file(distributed->folder, round->name, i, "done", path)) {
         finish_part(distributed, round, i);
         return 0;
@@ -418,7 +401,6 @@ static void sleep_between_polls(const struct orl_distributed_job *distributed,
                         : share > poll_most_s ? poll_most_s
                                               : share;
     const struct timespec time = {(time_t)wait, (long)(1e9 * (wait - floor(wait)))};
-
     nanosleep(&time, NULL);
 }
 
@@ -428,7 +410,6 @@ static int wait_for_parts(struct orl_distributed_job *distributed, struct task_r
     const uint64_t done_before = distributed->count.done;
     size_t left = round->n;
     int rc = 0;
-
     while (left > 0 && rc == 0) {
         rc = distributed->runner.poll(distributed->runner.ctx, round->name, round->status, round->n,
                                       err);
@@ -457,7 +438,6 @@ static void end_round(struct orl_distributed_job *distributed, struct task_round
 {
     const atomic_bool *detach = distributed->spec.detach;
     struct orl_error second = {0};
-
     if (rc && detach && atomic_load(detach))
         return;
     if (rc && distributed->runner.cancel(distributed->runner.ctx, round->name, &second) && err)
@@ -480,7 +460,7 @@ static int make_tables(struct orl_distributed_job *distributed, struct task_roun
     round->requests = calloc(round->n + 1, sizeof *round->requests);
     round->began_s = now_s(distributed);
     if (!round->parts || !round->status || !round->requests)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < round->n; i++)
         round->parts[i].needs = orl_task_round_part_needs(distributed->folder, round->name, i);
     return 0;
@@ -491,11 +471,9 @@ static int write_round(struct orl_distributed_job *distributed, struct task_roun
                        const struct orl_job_task *tasks, size_t n, struct orl_error *err)
 {
     int rc = orl_task_round_write(distributed, round->name, tasks, n, &round->n, err);
-
     round->began_s = now_s(distributed);
     while (rc == ORL_ERR_FULL && !atomic_load(distributed->spec.cancel)) {
         const double until_s = now_s(distributed) + disk_full_retry_s;
-
         distributed->count.held = 1;
         report_count(distributed);
         while (now_s(distributed) < until_s && !atomic_load(distributed->spec.cancel))
@@ -510,14 +488,12 @@ int orl_task_round_run(struct orl_distributed_job *distributed, const struct orl
                        size_t n, struct orl_error *err)
 {
     struct task_round round = {.n = 0};
-    int rc;
-
     if (distributed->load_s <= 0)
         distributed->load_s = now_s(distributed) - distributed->opened_s;
     /* A unique name: tasks of an earlier run may still write files here. */
     snprintf(round.name, sizeof round.name, "%lx.%lx-wave%u", (long)distributed->began,
              (long)getpid(), ++distributed->count.rounds);
-    rc = write_round(distributed, &round, tasks, n, err);
+    int rc = write_round(distributed, &round, tasks, n, err);
     if (rc == 0)
         rc = make_tables(distributed, &round, err);
     if (rc == 0) {
@@ -540,7 +516,6 @@ static int finish_earlier_round(struct orl_distributed_job *distributed, struct 
                                 struct orl_error *err)
 {
     int rc = make_tables(distributed, round, err);
-
     if (rc)
         return rc;
     for (size_t i = 0; i < round->n; i++)
@@ -557,7 +532,6 @@ int orl_task_round_adopt(struct orl_distributed_job *distributed, const struct o
 {
     struct task_round round = {.n = 0};
     int rc = 0;
-
     while (rc == 0 && orl_task_round_find(distributed->folder, round.name)) {
         round.n = orl_task_round_count_parts(distributed->folder, round.name);
         char again[sizeof round.name];

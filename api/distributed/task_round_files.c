@@ -15,10 +15,8 @@ static int write_in(const struct orl_distributed_job *distributed, const char *n
                     struct orl_error *err)
 {
     char path[ORL_PART_PATH];
-
     snprintf(path, sizeof path, "%s/%s", distributed->folder, name);
-    const int rc =
-        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int rc = orl_write_json(path, json, err);
     json_decref(json);
     return rc;
 }
@@ -27,7 +25,6 @@ static int write_in(const struct orl_distributed_job *distributed, const char *n
 static uint32_t part_of(double before, double work, double all, uint32_t n)
 {
     const double at = floor((before + 0.5 * work) / all * n);
-
     return at < n ? (uint32_t)at : n - 1;
 }
 
@@ -35,7 +32,6 @@ static struct orl_part_needs needs_of(const struct orl_job_task *tasks, size_t c
 {
     struct orl_part_needs needs = {.core_s = 0};
     bool known = true;
-
     for (size_t i = 0; i < count; i++) {
         known = known && tasks[i].core_s > 0;
         needs.core_s += tasks[i].core_s;
@@ -51,7 +47,6 @@ static json_t *part_to_json(const struct orl_distributed_job *distributed,
 {
     const struct orl_part_needs needs = needs_of(tasks + first, count);
     json_t *list = json_array();
-
     for (size_t i = 0; i < count; i++)
         json_array_append_new(list, json_pack("{s:s, s:s}", "kind", tasks[first + i].kind, "key",
                                               tasks[first + i].key));
@@ -69,14 +64,12 @@ static int write_parts(const struct orl_distributed_job *distributed, const char
     double all = 0, before = 0;
     size_t first = 0, parts = 0;
     int rc = 0;
-
     for (size_t i = 0; i < n; i++)
         all += tasks[i].work;
     for (size_t i = 0; i < n && rc == 0; i++) {
         const uint32_t mine = part_of(before, tasks[i].work, all, most);
         const double next = before + tasks[i].work;
         char name[120];
-
         before = next;
         if (i + 1 < n && part_of(next, tasks[i + 1].work, all, most) == mine)
             continue;
@@ -95,7 +88,6 @@ int orl_task_round_write(const struct orl_distributed_job *distributed, const ch
 {
     char name[120];
     int rc = write_parts(distributed, round, tasks, n, ret_parts, err);
-
     snprintf(name, sizeof name, "%s.wave", round);
     return rc ? rc
               : write_in(distributed, name, json_pack("{s:I}", "parts", (json_int_t)*ret_parts),
@@ -105,7 +97,6 @@ int orl_task_round_write(const struct orl_distributed_job *distributed, const ch
 bool orl_task_round_remove_marker(const char *folder, const char *round)
 {
     char path[ORL_PART_PATH];
-
     snprintf(path, sizeof path, "%s/%s.wave", folder, round);
     return unlink(path) == 0;
 }
@@ -115,7 +106,6 @@ bool orl_folder_has_space(const char *folder)
     static const char probe[1 << 16];
     struct orl_error err = {0};
     char path[ORL_PART_PATH];
-
     snprintf(path, sizeof path, "%s/room", folder);
     const bool full = orl_write_text(path, probe, sizeof probe, &err) == ORL_ERR_FULL;
     unlink(path);
@@ -128,7 +118,6 @@ bool orl_part_file(const char *folder, const char *round, size_t number, const c
                    char ret_path[ORL_PART_PATH])
 {
     struct stat st;
-
     snprintf(ret_path, ORL_PART_PATH, "%s/%s-%zu.%s", folder, round, number, what);
     return stat(ret_path, &st) == 0;
 }
@@ -138,10 +127,8 @@ bool orl_task_round_find(const char *folder, char ret_round[ORL_TASK_ROUND_NAME]
     static const char ending[] = ".wave";
     DIR *entries = opendir(folder);
     bool found = false;
-
     for (const struct dirent *entry; entries && !found && (entry = readdir(entries)) != NULL;) {
         const size_t length = strlen(entry->d_name), stem = length - strlen(ending);
-
         if (length <= strlen(ending) || strcmp(entry->d_name + stem, ending) != 0 ||
             stem >= ORL_TASK_ROUND_NAME)
             continue;
@@ -157,7 +144,6 @@ bool orl_task_round_find(const char *folder, char ret_round[ORL_TASK_ROUND_NAME]
 size_t orl_task_round_count_parts(const char *folder, const char *round)
 {
     char path[ORL_PART_PATH];
-
     snprintf(path, sizeof path, "%s/%s.wave", folder, round);
     json_t *note = json_load_file(path, 0, NULL);
     const json_int_t n = json_integer_value(json_object_get(note, "parts"));
@@ -173,7 +159,6 @@ struct orl_part_needs orl_task_round_part_needs(const char *folder, const char *
         orl_part_file(folder, round, number, "json", path) ? json_load_file(path, 0, NULL) : NULL;
     const double core_s = json_number_value(json_object_get(part, "core_s"));
     const json_int_t bytes = json_integer_value(json_object_get(part, "bytes"));
-
     json_decref(part);
     return (struct orl_part_needs){core_s > 0 ? core_s : 0, bytes > 0 ? (uint64_t)bytes : 0};
 }
@@ -183,11 +168,9 @@ static void mark_pieces_of_part(const json_t *part, const struct orl_job_task *t
 {
     const json_t *own;
     size_t i;
-
     json_array_foreach(json_object_get(part, "pieces"), i, own)
     {
         const char *key = json_string_value(json_object_get(own, "key"));
-
         for (size_t k = 0; key && k < n; k++)
             ret_made[k] = ret_made[k] || strcmp(tasks[k].key, key) == 0;
     }
@@ -200,7 +183,6 @@ void orl_task_round_mark_made(const char *folder, const char *round, size_t n_pa
         char path[ORL_PART_PATH];
         json_t *part =
             orl_part_file(folder, round, i, "json", path) ? json_load_file(path, 0, NULL) : NULL;
-
         mark_pieces_of_part(part, tasks, n, ret_made);
         json_decref(part);
     }

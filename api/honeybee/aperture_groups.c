@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/array.h>
+
 #include "honeybee/modifiers.h"
 
 static const char *const folders[] = {"model/aperture_group", "model/scene_dynamic",
@@ -24,20 +26,6 @@ void orl_hb_groups_done(struct orl_hb_groups *groups)
     json_decref(groups->group_index);
 }
 
-/* Doubles the capacity of a full array. */
-static int make_room(struct orl_hb *hb, void **items, size_t *room, size_t count, size_t size)
-{
-    if (count < *room)
-        return 0;
-    const size_t wanted = *room > 0 ? 2 * *room : 8;
-    void *grown = realloc(*items, wanted * size);
-    if (!grown)
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
-    *items = grown;
-    *room = wanted;
-    return 0;
-}
-
 static int find_group(struct orl_hb *hb, struct orl_hb_groups *groups, const char *identifier,
                       bool shade, struct orl_hb_group **ret_group)
 {
@@ -48,15 +36,12 @@ static int find_group(struct orl_hb *hb, struct orl_hb_groups *groups, const cha
         *ret_group = &groups->items[json_integer_value(index)];
         return 0;
     }
-    void *items = groups->items;
-    int rc = make_room(hb, &items, &groups->room, groups->count, sizeof *groups->items);
-    groups->items = items;
-    if (rc)
-        return rc;
+    if (!orl_array_reserve(&groups->items, &groups->room, groups->count, sizeof *groups->items))
+        return orl_error_no_memory(hb->err);
     if (!groups->group_index)
         groups->group_index = json_object();
     if (json_object_set_new(groups->group_index, key, json_integer((json_int_t)groups->count)))
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(hb->err);
     *ret_group = &groups->items[groups->count++];
     **ret_group = (struct orl_hb_group){.identifier = identifier, .shades = shade, .inside = shade};
     return 0;
@@ -80,11 +65,8 @@ int orl_hb_groups_add(struct orl_hb *hb, struct orl_hb_groups *groups,
         rc = find_group(hb, groups, identifier, shade, &group);
     if (rc || !group)
         return rc;
-    void *members = group->members;
-    rc = make_room(hb, &members, &group->room, group->count, sizeof *group->members);
-    group->members = members;
-    if (rc)
-        return rc;
+    if (!orl_array_reserve(&group->members, &group->room, group->count, sizeof *group->members))
+        return orl_error_no_memory(hb->err);
     group->members[group->count++] = *member;
     group->inside = group->inside && inside;
     return 0;

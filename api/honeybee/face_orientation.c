@@ -106,7 +106,7 @@ int orl_hb_inward_faces(struct orl_hb *hb, const json_t *room, const struct orl_
     if (!face_polygons || !inward) {
         free(face_polygons);
         free(inward);
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(hb->err);
     }
     for (const json_t *face; rc == 0 && (face = orl_hb_next(&faces));)
         rc = read_side(hb, face, &faces.here, &face_polygons[count++]);

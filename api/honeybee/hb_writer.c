@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/limits.h>
 
 #include "json/decode.h"
@@ -54,7 +55,7 @@ int orl_hb_begin(struct orl_hb *hb, struct orl_hb_file *file)
 {
     *file = (struct orl_hb_file){.number = ++hb->n_begun};
     file->stream = open_memstream(&file->text, &file->size);
-    return file->stream ? 0 : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    return file->stream ? 0 : orl_error_no_memory(hb->err);
 }
 
 int orl_hb_check(struct orl_hb *hb, const struct orl_hb_file *file)
@@ -80,20 +81,6 @@ void orl_hb_discard(struct orl_hb_file *file)
     *file = (struct orl_hb_file){0};
 }
 
-static int make_room(struct orl_hb *hb)
-{
-    struct orl_text_files *files = &hb->files;
-    if (files->count < files->room)
-        return 0;
-    const size_t room = files->room > 0 ? 2 * files->room : 16;
-    struct orl_text_file *grown = realloc(files->items, room * sizeof *grown);
-    if (!grown)
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
-    files->items = grown;
-    files->room = room;
-    return 0;
-}
-
 int orl_hb_end(struct orl_hb *hb, struct orl_hb_file *file, const char *name, ...)
 {
     char text[NAME_SIZE];
@@ -109,15 +96,16 @@ int orl_hb_end(struct orl_hb *hb, struct orl_hb_file *file, const char *name, ..
             hb->err, ORL_ERR_LIMIT,
             "the model would need more than %u files: it has too many grids, views or states",
             ORL_LIMIT_SCENE_FILES);
-    if (rc == 0)
-        rc = make_room(hb);
+    if (rc == 0 && !orl_array_reserve(&hb->files.items, &hb->files.room, hb->files.count,
+                                      sizeof *hb->files.items))
+        rc = orl_error_no_memory(hb->err);
     const int closed = fclose(file->stream);
     file->stream = NULL;
     if (rc == 0 && closed != 0)
         rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory for the model's files");
     char *own = rc == 0 && file->size > 0 ? strdup(text) : NULL;
     if (rc == 0 && file->size > 0 && !own)
-        rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(hb->err);
     if (!own) {
         free(file->text);
         return rc;

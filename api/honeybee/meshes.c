@@ -13,7 +13,7 @@ int orl_hb_mesh_corners(struct orl_hb *hb, const json_t *mesh, const struct orl_
     const size_t n = json_array_size(vertices);
     struct orl_vec3 *corners = malloc((n + 1) * sizeof *corners);
     if (rc == 0 && !corners)
-        rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(hb->err);
     for (size_t i = 0; i < n && rc == 0; i++) {
         const struct orl_hb_at here = {&list, NULL, i};
         rc = orl_hb_point(hb, json_array_get(vertices, i), &here, &corners[i]);

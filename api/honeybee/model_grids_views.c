@@ -154,7 +154,7 @@ int orl_hb_grids_write(struct orl_hb *hb)
     const size_t n = json_array_size(list);
     struct grid *grids = calloc(n + 1, sizeof *grids);
     if (!grids)
-        return rc ? rc : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        return rc ? rc : orl_error_no_memory(hb->err);
     for (size_t i = 0; i < n && rc == 0; i++) {
         const struct orl_hb_at here = {&at, NULL, i};
         grids[i].index = i;
@@ -217,13 +217,13 @@ static int put_view(struct orl_hb *hb, const json_t *view, const struct orl_hb_a
 static int list_names(struct orl_hb *hb, const json_t *views, const struct orl_hb_at *list,
                       json_t *ret_last)
 {
-    int rc = ret_last ? 0 : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    int rc = ret_last ? 0 : orl_error_no_memory(hb->err);
     for (size_t i = 0; i < json_array_size(views) && rc == 0; i++) {
         const struct orl_hb_at here = {list, NULL, i};
         char name[NAME_SIZE];
         rc = read_name(hb, json_array_get(views, i), &here, name);
         if (rc == 0 && json_object_set_new(ret_last, name, json_integer((json_int_t)i)))
-            rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(hb->err);
     }
     return rc;
 }

@@ -93,8 +93,8 @@ static int read_position(struct luminaire_writer *w, const json_t *value,
         return orl_hb_point(w->hb, value, at, ret_position);
     json_t *numbers = json_pack("[O?, O?, O?]", json_object_get(value, "x"),
                                 json_object_get(value, "y"), json_object_get(value, "z"));
-    const int rc = numbers ? orl_hb_point(w->hb, numbers, at, ret_position)
-                           : orl_error_set(w->hb->err, ORL_ERR_NOMEM, "out of memory");
+    const int rc =
+        numbers ? orl_hb_point(w->hb, numbers, at, ret_position) : orl_error_no_memory(w->hb->err);
     json_decref(numbers);
     return rc;
 }

@@ -210,7 +210,7 @@ static int note_pair(struct surfaces *s, const json_t *face, struct context *con
         return 0;
     context->second = json_object_get(s->seconds, own);
     if (!context->second && other && json_object_set_new(s->seconds, other, json_true()))
-        return orl_error_set(s->hb->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(s->hb->err);
     return 0;
 }
 
@@ -325,8 +325,7 @@ static int write_all(struct surfaces *s)
 int orl_hb_surfaces_write(struct orl_hb *hb, struct orl_hb_groups *groups)
 {
     struct surfaces s = {.hb = hb, .groups = groups, .seconds = json_object()};
-    int rc = s.seconds ? begin_files(hb, &s.envelope)
-                       : orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    int rc = s.seconds ? begin_files(hb, &s.envelope) : orl_error_no_memory(hb->err);
     if (rc == 0)
         rc = begin_files(hb, &s.apertures);
     if (rc == 0)

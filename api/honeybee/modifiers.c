@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/limits.h>
 
 static const struct {
@@ -36,20 +37,15 @@ static const struct {
 static int add_modifier(struct orl_hb *hb, const char *identifier, const json_t *json,
                         size_t *ret_index)
 {
-    if (hb->n_modifiers == hb->modifier_room) {
-        const size_t room = hb->modifier_room > 0 ? 2 * hb->modifier_room : 32;
-        struct orl_hb_modifier *grown = realloc(hb->modifiers, room * sizeof *grown);
-        if (!grown)
-            return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
-        hb->modifiers = grown;
-        hb->modifier_room = room;
-    }
+    if (!orl_array_reserve(&hb->modifiers, &hb->modifier_room, hb->n_modifiers,
+                           sizeof *hb->modifiers))
+        return orl_error_no_memory(hb->err);
     *ret_index = hb->n_modifiers;
     hb->modifiers[hb->n_modifiers] =
         (struct orl_hb_modifier){.identifier = identifier, .json = json};
     return json_object_set_new(hb->modifier_indices, identifier,
                                json_integer((json_int_t)hb->n_modifiers++))
-               ? orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory")
+               ? orl_error_no_memory(hb->err)
                : 0;
 }
 
@@ -90,7 +86,7 @@ int orl_hb_modifiers_read(struct orl_hb *hb)
     size_t index = 0;
     hb->modifier_indices = json_object();
     if (!hb->modifier_indices)
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(hb->err);
     int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifiers", &modifiers);
     for (const json_t *modifier; rc == 0 && (modifier = orl_hb_next(&modifiers));) {
         rc = add_own(hb, modifier, &modifiers.here, true, &index);
@@ -190,7 +186,7 @@ int orl_hb_sets_read(struct orl_hb *hb)
     struct orl_hb_walk sets;
     hb->modifier_sets = json_object();
     if (!hb->modifier_sets)
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(hb->err);
     int rc = orl_hb_walk(hb, orl_hb_radiance(hb->model), &radiance, "modifier_sets", &sets);
     for (json_t *set; rc == 0 && (set = orl_hb_next(&sets));) {
         const struct orl_hb_at named = {&sets.here, "identifier", 0};
@@ -198,7 +194,7 @@ int orl_hb_sets_read(struct orl_hb *hb)
         if (!identifier)
             rc = orl_hb_fail(&named, hb->err, ORL_ERR_INVALID, "an identifier is expected here");
         else if (json_object_set(hb->modifier_sets, identifier, set))
-            rc = orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(hb->err);
     }
     return rc;
 }

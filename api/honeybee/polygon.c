@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/array.h>
+
 /* ---- Reading --------------------------------------------------------------------------------- */
 
 void orl_hb_polygon_done(struct orl_hb_polygon *polygon)
@@ -14,27 +16,6 @@ void orl_hb_polygon_done(struct orl_hb_polygon *polygon)
     *polygon = (struct orl_hb_polygon){0};
 }
 
-static bool make_room(struct orl_hb_polygon *p, size_t points)
-{
-    if (p->n_points + points > p->point_room) {
-        const size_t room = 2 * (p->n_points + points);
-        struct orl_vec3 *grown = realloc(p->points, room * sizeof *grown);
-        if (!grown)
-            return false;
-        p->points = grown;
-        p->point_room = room;
-    }
-    if (p->n_loops == p->loop_room) {
-        const size_t room = p->loop_room > 0 ? 2 * p->loop_room : 16;
-        size_t *grown = realloc(p->ends, room * sizeof *grown);
-        if (!grown)
-            return false;
-        p->ends = grown;
-        p->loop_room = room;
-    }
-    return true;
-}
-
 static int add_loop(struct orl_hb *hb, const json_t *corners, const struct orl_hb_at *at,
                     struct orl_hb_polygon *polygon)
 {
@@ -42,8 +23,11 @@ static int add_loop(struct orl_hb *hb, const json_t *corners, const struct orl_h
     int rc = 0;
     if (n < 3)
         return orl_hb_fail(at, hb->err, ORL_ERR_INVALID, "three points or more are expected here");
-    if (!make_room(polygon, n))
-        return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+    if (!orl_array_reserve_more(&polygon->points, &polygon->point_room, polygon->n_points, n,
+                                sizeof *polygon->points) ||
+        !orl_array_reserve(&polygon->ends, &polygon->loop_room, polygon->n_loops,
+                           sizeof *polygon->ends))
+        return orl_error_no_memory(hb->err);
     for (size_t i = 0; i < n && rc == 0; i++) {
         const struct orl_hb_at here = {at, NULL, i};
         rc = orl_hb_point(hb, json_array_get(corners, i), &here,
@@ -226,7 +210,7 @@ int orl_hb_polygon_write(struct orl_hb *hb, const struct orl_hb_polygon *polygon
     if (holes > 0) {
         order = malloc(holes * sizeof *order);
         if (!order)
-            return orl_error_set(hb->err, ORL_ERR_NOMEM, "out of memory");
+            return orl_error_no_memory(hb->err);
         order_holes(polygon, order, holes);
     }
     fprintf(file->stream, "%s polygon ", modifier);

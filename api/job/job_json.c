@@ -216,15 +216,11 @@ int orl_job_from_json(const json_t *doc, enum orl_job_origin origin, struct orl_
     struct draft draft = {.origin = origin};
     orl_job_init(&draft.job);
     const int rc = decode_document(doc, &draft, err);
-    if (rc) {
+    if (rc)
         orl_job_done(&draft.job);
-        free(draft.scene_id);
-        return rc;
-    }
-    *ret_job = draft.job;
-    if (ret_scene_id)
-        *ret_scene_id = draft.scene_id;
-    return 0;
+    else
+        *ret_job = draft.job;
+    return orl_json_return_text(draft.scene_id, ret_scene_id, rc);
 }
 
 void orl_labels_done(struct orl_labels *labels)
@@ -281,7 +277,7 @@ static int read_name(const json_t *value, char **ret_name, struct orl_error *err
                              "a name must have 1 to %d characters, without control characters",
                              ORL_LABEL_NAME);
     *ret_name = strdup(name);
-    return *ret_name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return *ret_name ? 0 : orl_error_no_memory(err);
 }
 
 static int check_tag(const json_t *tags, size_t at, struct orl_error *err)
@@ -311,7 +307,7 @@ static int read_tags(const json_t *value, char **ret_tags, struct orl_error *err
     if (rc || json_array_size(value) == 0)
         return rc;
     *ret_tags = orl_json_text(value, JSON_COMPACT);
-    return *ret_tags ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return *ret_tags ? 0 : orl_error_no_memory(err);
 }
 
 int orl_labels_from_json(const json_t *doc, struct orl_labels *ret_labels, struct orl_error *err)

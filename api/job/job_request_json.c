@@ -2,7 +2,6 @@
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "job/study_json.h"
@@ -10,114 +9,70 @@
 
 /* ---- Kinds ----------------------------------------------------------------------------------- */
 
-static int decode_render(const json_t *doc, enum orl_job_origin origin,
-                         struct orl_job_request *job_request, char **ret_scene_id,
-                         struct orl_error *err)
-{
-    return orl_job_from_json(doc, origin, &job_request->of.render, ret_scene_id, err);
-}
-
-static int decode_study(const json_t *doc, enum orl_job_origin origin,
-                        struct orl_job_request *job_request, char **ret_scene_id,
-                        struct orl_error *err)
-{
-    return orl_study_from_json(doc, origin, &job_request->of.study, ret_scene_id, err);
-}
-
-static int decode_annual(const json_t *doc, enum orl_job_origin origin,
-                         struct orl_job_request *job_request, char **ret_scene_id,
-                         struct orl_error *err)
-{
-    return orl_annual_job_from_json(doc, origin, &job_request->of.annual, ret_scene_id, err);
-}
-
-static int decode_bsdf_make(const json_t *doc, enum orl_job_origin origin,
-                            struct orl_job_request *job_request, char **ret_scene_id,
-                            struct orl_error *err)
-{
-    return orl_bsdf_make_from_json(doc, origin, &job_request->of.bsdf_make, ret_scene_id, err);
-}
-
-static int decode_bsdf_fit(const json_t *doc, enum orl_job_origin origin,
-                           struct orl_job_request *job_request, char **ret_scene_id,
-                           struct orl_error *err)
-{
-    return orl_bsdf_fit_from_json(doc, origin, &job_request->of.bsdf_fit, ret_scene_id, err);
-}
-
-static int validate_render(const struct orl_job_request *job_request, struct orl_error *err)
-{
-    return orl_job_validate(&job_request->of.render, err);
-}
-
-static int validate_study(const struct orl_job_request *job_request, struct orl_error *err)
-{
-    return orl_study_request_validate(&job_request->of.study, err);
-}
-
-static int validate_annual(const struct orl_job_request *job_request, struct orl_error *err)
-{
-    return orl_annual_job_validate(&job_request->of.annual, err);
-}
-
-static int validate_bsdf_make(const struct orl_job_request *job_request, struct orl_error *err)
-{
-    return orl_bsdf_make_validate(&job_request->of.bsdf_make, err);
-}
-
-static int validate_bsdf_fit(const struct orl_job_request *job_request, struct orl_error *err)
-{
-    return orl_bsdf_fit_validate(&job_request->of.bsdf_fit, err);
-}
-
-static void done_render(struct orl_job_request *job_request)
-{
-    orl_job_done(&job_request->of.render);
-}
-
-static void done_study(struct orl_job_request *job_request)
-{
-    orl_study_request_done(&job_request->of.study);
-}
-
-static void done_annual(struct orl_job_request *job_request)
-{
-    orl_annual_job_done(&job_request->of.annual);
-}
-
-static void done_bsdf_make(struct orl_job_request *job_request)
-{
-    orl_bsdf_make_request_done(&job_request->of.bsdf_make);
-}
-
-static void done_bsdf_fit(struct orl_job_request *job_request)
-{
-    orl_bsdf_fit_request_done(&job_request->of.bsdf_fit);
-}
-
-static const struct {
-    const char *name;
-    int (*decode)(const json_t *doc, enum orl_job_origin origin,
-                  struct orl_job_request *job_request, char **ret_scene_id, struct orl_error *err);
-    int (*validate)(const struct orl_job_request *job_request, struct orl_error *err);
-    void (*done)(struct orl_job_request *job_request);
-} kinds[ORL_JOB_KIND_COUNT] = {
-    [ORL_JOB_KIND_RENDER] = {"render", decode_render, validate_render, done_render},
-    [ORL_JOB_KIND_STUDY] = {"study", decode_study, validate_study, done_study},
-    [ORL_JOB_KIND_ANNUAL] = {"annual", decode_annual, validate_annual, done_annual},
-    [ORL_JOB_KIND_BSDF_MAKE] = {"bsdf_make", decode_bsdf_make, validate_bsdf_make, done_bsdf_make},
-    [ORL_JOB_KIND_BSDF_FIT] = {"bsdf_fit", decode_bsdf_fit, validate_bsdf_fit, done_bsdf_fit},
+static const char *const kind_names[ORL_JOB_KIND_COUNT] = {
+    [ORL_JOB_KIND_RENDER] = "render",     [ORL_JOB_KIND_STUDY] = "study",
+    [ORL_JOB_KIND_ANNUAL] = "annual",     [ORL_JOB_KIND_BSDF_MAKE] = "bsdf_make",
+    [ORL_JOB_KIND_BSDF_FIT] = "bsdf_fit",
 };
+
+/* Decodes the document as one of its kind, into the member of that kind. */
+static int decode_kind(const json_t *doc, enum orl_job_origin origin,
+                       struct orl_job_request *job_request, char **ret_scene_id,
+                       struct orl_error *err)
+{
+    switch (job_request->kind) {
+    case ORL_JOB_KIND_STUDY:
+        return orl_study_from_json(doc, origin, &job_request->of.study, ret_scene_id, err);
+    case ORL_JOB_KIND_ANNUAL:
+        return orl_annual_job_from_json(doc, origin, &job_request->of.annual, ret_scene_id, err);
+    case ORL_JOB_KIND_BSDF_MAKE:
+        return orl_bsdf_make_from_json(doc, origin, &job_request->of.bsdf_make, ret_scene_id, err);
+    case ORL_JOB_KIND_BSDF_FIT:
+        return orl_bsdf_fit_from_json(doc, origin, &job_request->of.bsdf_fit, ret_scene_id, err);
+    default:
+        return orl_job_from_json(doc, origin, &job_request->of.render, ret_scene_id, err);
+    }
+}
+
+static int validate_kind(const struct orl_job_request *job_request, struct orl_error *err)
+{
+    switch (job_request->kind) {
+    case ORL_JOB_KIND_STUDY:
+        return orl_study_request_validate(&job_request->of.study, err);
+    case ORL_JOB_KIND_ANNUAL:
+        return orl_annual_job_validate(&job_request->of.annual, err);
+    case ORL_JOB_KIND_BSDF_MAKE:
+        return orl_bsdf_make_validate(&job_request->of.bsdf_make, err);
+    case ORL_JOB_KIND_BSDF_FIT:
+        return orl_bsdf_fit_validate(&job_request->of.bsdf_fit, err);
+    default:
+        return orl_job_validate(&job_request->of.render, err);
+    }
+}
+
+static void free_kind(struct orl_job_request *job_request)
+{
+    if (job_request->kind == ORL_JOB_KIND_STUDY)
+        orl_study_request_done(&job_request->of.study);
+    else if (job_request->kind == ORL_JOB_KIND_ANNUAL)
+        orl_annual_job_done(&job_request->of.annual);
+    else if (job_request->kind == ORL_JOB_KIND_BSDF_MAKE)
+        orl_bsdf_make_request_done(&job_request->of.bsdf_make);
+    else if (job_request->kind == ORL_JOB_KIND_BSDF_FIT)
+        orl_bsdf_fit_request_done(&job_request->of.bsdf_fit);
+    else
+        orl_job_done(&job_request->of.render);
+}
 
 const char *orl_job_request_kind_name(enum orl_job_request_kind kind)
 {
-    return kind < ORL_JOB_KIND_COUNT ? kinds[kind].name : "unknown";
+    return kind < ORL_JOB_KIND_COUNT ? kind_names[kind] : "unknown";
 }
 
 enum orl_job_request_kind orl_job_request_kind_from_name(const char *name)
 {
     unsigned kind = 0;
-    while (kind < ORL_JOB_KIND_COUNT && strcmp(kinds[kind].name, name) != 0)
+    while (kind < ORL_JOB_KIND_COUNT && strcmp(kind_names[kind], name) != 0)
         kind++;
     return (enum orl_job_request_kind)kind;
 }
@@ -126,7 +81,7 @@ void orl_job_request_done(struct orl_job_request *job_request)
 {
     if (!job_request)
         return;
-    kinds[job_request->kind].done(job_request);
+    free_kind(job_request);
     orl_labels_done(&job_request->labels);
 }
 
@@ -170,23 +125,17 @@ int orl_job_request_from_json(const json_t *doc, enum orl_job_origin origin,
     if (rc == 0)
         rc = orl_labels_from_json(doc, &job_request.labels, err);
     if (rc == 0)
-        rc = kinds[job_request.kind].decode(doc, origin, &job_request, &scene_id, err);
+        rc = decode_kind(doc, origin, &job_request, &scene_id, err);
     if (rc) {
         orl_labels_done(&job_request.labels);
         return rc;
     }
-    rc = kinds[job_request.kind].validate(&job_request, err);
-    if (rc) {
+    rc = validate_kind(&job_request, err);
+    if (rc)
         orl_job_request_done(&job_request);
-        free(scene_id);
-        return rc;
-    }
-    *ret_job_request = job_request;
-    if (ret_scene_id)
-        *ret_scene_id = scene_id;
     else
-        free(scene_id);
-    return 0;
+        *ret_job_request = job_request;
+    return orl_json_return_text(scene_id, ret_scene_id, rc);
 }
 
 const struct orl_job *orl_job_request_render_job(const struct orl_job_request *job_request)

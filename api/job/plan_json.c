@@ -74,10 +74,7 @@ static json_t *decisions_to_json(const struct orl_plan *plan)
     json_t *effects = json_array();
     for (int i = 0; i < ORL_EFFECT_COUNT && effects; i++) {
         json_t *effect = decision_to_json((enum orl_effect)i, &plan->effects[i]);
-        if (!effect || json_array_append_new(effects, effect)) {
-            json_decref(effects);
-            return NULL;
-        }
+        effects = orl_json_append(effects, effect);
     }
     return effects;
 }

@@ -93,7 +93,7 @@ static int move_drafts_to_job(struct draft *drafts, size_t n, struct orl_job *jo
         job->sensors = grown;
     job->grids = calloc(n + 1, sizeof *job->grids);
     if (!grown || !job->grids)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < n; i++) {
         struct orl_job *part = &drafts[i].part;
         job->grids[job->n_grids++] = (struct orl_grid_request){drafts[i].name, part->sensors_file,
@@ -282,7 +282,7 @@ int orl_places_name(struct orl_named_point *places, size_t n, struct orl_error *
     for (size_t i = 0; i < n; i++)
         if (!places[i].name && asprintf(&places[i].name, "point%zu", i + 1) < 0) {
             places[i].name = NULL;
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            return orl_error_no_memory(err);
         }
     return 0;
 }

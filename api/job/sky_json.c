@@ -225,7 +225,7 @@ static int name_sky(struct orl_named_sky *sky, size_t index, struct orl_error *e
     else
         snprintf(made, sizeof made, "sky-%04zu", index);
     sky->name = strdup(made);
-    return sky->name ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return sky->name ? 0 : orl_error_no_memory(err);
 }
 
 static int decode_list(const json_t *skies, const char *path, struct orl_job *job,
@@ -354,7 +354,7 @@ static int add_hours(const struct sequence *seq, const struct orl_sky_request *s
         if (shared->weather_file) {
             sky->request.weather_file = strdup(shared->weather_file);
             if (!sky->request.weather_file)
-                rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                rc = orl_error_no_memory(err);
         }
         rc = rc ? rc : name_sky(sky, i, err);
     }
@@ -376,8 +376,7 @@ static int decode_hours(const json_t *doc, const char *path, struct orl_job *job
         return rc;
     json_t *sky = json_pack("{s:O, s:O*, s:O*}", model, json_object_get(doc, model), "normalise",
                             json_object_get(doc, "normalise"), "sun", json_object_get(doc, "sun"));
-    rc = sky ? orl_sky_from_json(sky, path, &shared, err)
-             : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    rc = sky ? orl_sky_from_json(sky, path, &shared, err) : orl_error_no_memory(err);
     if (rc == 0)
         rc = add_hours(&seq, &shared, job, err);
     json_decref(sky);

@@ -1,7 +1,6 @@
 #include "job/study_json.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/limits.h>
@@ -34,7 +33,7 @@ static int decode_job(const json_t *doc, enum orl_job_origin origin, struct orl_
     json_t *part = job_part(doc);
     struct orl_job job;
     if (!part)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     const int rc = orl_job_from_json(part, origin, &job, ret_scene_id, err);
     json_decref(part);
     if (rc)
@@ -161,15 +160,11 @@ int orl_study_from_json(const json_t *doc, enum orl_job_origin origin,
     char *scene_id = NULL;
     orl_study_request_init(&request);
     const int rc = decode_document(doc, origin, &request, &scene_id, err);
-    if (rc) {
+    if (rc)
         orl_study_request_done(&request);
-        free(scene_id);
-        return rc;
-    }
-    *ret_request = request;
-    if (ret_scene_id)
-        *ret_scene_id = scene_id;
-    return 0;
+    else
+        *ret_request = request;
+    return orl_json_return_text(scene_id, ret_scene_id, rc);
 }
 
 /* ---- Results --------------------------------------------------------------------------------- */
@@ -180,11 +175,9 @@ static json_t *seconds_to_json(const struct orl_study_point *p)
     json_t *seconds = json_pack("{s:f, s:o}", "total", p->total_s, "total_error",
                                 orl_json_from_real(p->total_error_s));
     for (int stage = 0; seconds && stage < ORL_STAGE_COUNT; stage++)
-        if (json_object_set_new(seconds, orl_stage_name((enum orl_stage)stage),
-                                json_real(p->stages_s[stage]))) {
-            json_decref(seconds);
-            return NULL;
-        }
+        seconds = orl_json_checked(
+            seconds, json_object_set_new(seconds, orl_stage_name((enum orl_stage)stage),
+                                         json_real(p->stages_s[stage])));
     return seconds;
 }
 
@@ -203,13 +196,11 @@ json_t *orl_study_setting_to_json(const struct orl_study_setting *setting)
 json_t *orl_study_point_in_short(const struct orl_study_point *p)
 {
     json_t *point = orl_study_setting_to_json(&p->setting);
-    if (point && (json_object_set_new(point, "total_s", json_real(p->total_s)) ||
+    return orl_json_checked(
+        point,
+        point && (json_object_set_new(point, "total_s", json_real(p->total_s)) ||
                   json_object_set_new(point, "rms", orl_json_from_real(p->rms)) ||
-                  json_object_set_new(point, "rms_error", orl_json_from_real(p->rms_error)))) {
-        json_decref(point);
-        return NULL;
-    }
-    return point;
+                  json_object_set_new(point, "rms_error", orl_json_from_real(p->rms_error))));
 }
 
 static json_t *point_to_json(const struct orl_study_point *p)
@@ -274,24 +265,16 @@ static json_t *part_to_json(const struct orl_study *study, enum part part)
                        : part == PART_GIVEN ? given_to_json(&study->external[i])
                                             : orl_json_from_text(study->warnings[i]);
         /* Takes item; NULL is an error. */
-        if (json_array_append_new(array, item)) {
-            json_decref(array);
-            return NULL;
-        }
+        array = orl_json_append(array, item);
     }
     return array;
-}
-
-static json_t *text_or_null(const char *text)
-{
-    return text ? orl_json_from_text(text) : json_null();
 }
 
 json_t *orl_study_to_json(const struct orl_study *study, const struct orl_study_request *request)
 {
     return json_pack(
         "{s:s, s:o, s:o, s:I, s:o, s:s, s:o, s:o, s:o, s:o, s:o}", "kind", "study", "title",
-        text_or_null(request->title), "note", text_or_null(request->note), "threads",
+        orl_json_from_text(request->title), "note", orl_json_from_text(request->note), "threads",
         (json_int_t)study->threads, "rays_per_s", orl_json_from_real(study->rays_per_s), "measured",
         study->of_views ? "views" : "sensors", "reference", reference_to_json(&study->reference),
         "points", part_to_json(study, PART_POINTS), "fits", part_to_json(study, PART_FITS), "given",

@@ -152,9 +152,18 @@ int orl_json_string(const json_t *value, const char *path, size_t max, char **re
         return orl_json_fail(err, ORL_ERR_LIMIT, path, "%zu bytes; the limit is %zu", length, max);
     char *copy = strdup(json_string_value(value));
     if (!copy)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     *ret_text = copy;
     return 0;
+}
+
+int orl_json_return_text(char *text, char **ret_text, int rc)
+{
+    if (rc == 0 && ret_text)
+        *ret_text = text;
+    else
+        free(text);
+    return rc;
 }
 
 int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_index,

@@ -42,6 +42,9 @@ int orl_json_real(const json_t *value, const char *path, double *ret_value, stru
 /* Decodes a non-empty string of at most max bytes without NUL; *ret_text is owned (free()). */
 int orl_json_string(const json_t *value, const char *path, size_t max, char **ret_text,
                     struct orl_error *err);
+/* Hands an owned text over to *ret_text if rc is 0; otherwise, or if ret_text is NULL, frees it.
+ * Returns rc. */
+int orl_json_return_text(char *text, char **ret_text, int rc);
 /* Decodes one of the words; words ends with NULL. ret_index points to an enum, which is set to the
  * word's index. */
 int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_index,

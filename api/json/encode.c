@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/error.h>
 
 json_t *orl_json_from_text(const char *text)
 {
-    json_t *string = json_string(text); /* NULL if text is not UTF-8 */
+    json_t *string = text ? json_string(text) : json_null(); /* NULL if text is not UTF-8 */
     if (string)
         return string;
     char ascii[ORL_ERROR_TEXT_MAX];
@@ -36,16 +37,9 @@ struct text {
 
 static int append_text(const char *bytes, size_t size, void *ctx)
 {
-    enum { FIRST = 256 };
     struct text *text = ctx;
-    const size_t needed = text->length + size + 1;
-    if (!text->failed && needed > text->room) {
-        const size_t room = needed < FIRST ? FIRST : 2 * needed;
-        char *grown = realloc(text->bytes, room);
-        text->failed = !grown;
-        text->bytes = grown ? grown : text->bytes;
-        text->room = grown ? room : text->room;
-    }
+    text->failed = text->failed ||
+                   !orl_array_reserve_more(&text->bytes, &text->room, text->length, size + 1, 1);
     if (text->failed)
         return -1;
     memcpy(text->bytes + text->length, bytes, size);
@@ -63,10 +57,15 @@ char *orl_json_text(const json_t *value, size_t flags)
     return NULL;
 }
 
+json_t *orl_json_checked(json_t *json, int failed)
+{
+    if (!failed)
+        return json;
+    json_decref(json);
+    return NULL;
+}
+
 json_t *orl_json_append(json_t *array, json_t *item)
 {
-    if (json_array_append_new(array, item) == 0)
-        return array;
-    json_decref(array);
-    return NULL;
+    return orl_json_checked(array, json_array_append_new(array, item));
 }

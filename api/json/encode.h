@@ -9,8 +9,8 @@
 #include <jansson.h>
 
 /*
- * Returns text as a string. If it is not UTF-8, '?' replaces every byte that is not printable
- * ASCII, and text beyond ORL_ERROR_TEXT_MAX bytes is cut off.
+ * Returns text as a string, or json null for NULL. If it is not UTF-8, '?' replaces every byte that
+ * is not printable ASCII, and text beyond ORL_ERROR_TEXT_MAX bytes is cut off.
  */
 json_t *orl_json_from_text(const char *text);
 
@@ -20,6 +20,9 @@ json_t *orl_json_from_real(double value);
 /* Appends item to array and returns array; on failure frees array and returns NULL. Takes both
  * references. */
 json_t *orl_json_append(json_t *array, json_t *item);
+
+/* Returns json if failed is 0; otherwise frees it and returns NULL. */
+json_t *orl_json_checked(json_t *json, int failed);
 
 /*
  * Returns value as text (free()) with jansson's flags, or NULL when out of memory or if value is

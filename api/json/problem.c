@@ -79,11 +79,8 @@ json_t *orl_problem_new(int status, const char *type, const char *title, const c
     va_end(args);
     snprintf(urn, sizeof urn, "urn:oriel:error:%s", type);
     json_t *problem = json_pack("{s:s, s:s, s:i}", "type", urn, "title", title, "status", status);
-    if (problem && json_object_set_new(problem, "detail", orl_json_from_text(text))) {
-        json_decref(problem);
-        return NULL;
-    }
-    return problem;
+    return orl_json_checked(
+        problem, problem && json_object_set_new(problem, "detail", orl_json_from_text(text)));
 }
 
 static void get_text(const json_t *problem, const char *key, char *ret_text, size_t size)

@@ -29,7 +29,7 @@ static int fail(const struct frads_reader *r, int code, int line, const char *wh
 
 static int no_memory(const struct frads_reader *r)
 {
-    return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
+    return orl_error_no_memory(r->err);
 }
 
 /* ---- Sections -------------------------------------------------------------------------------- */

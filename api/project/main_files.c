@@ -5,6 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 #include <oriel/job/run.h>
@@ -51,17 +52,10 @@ static void add_token(struct order_scan *order_scan, struct tokens *tokens,
 {
     if (is_token(token, "void"))
         return;
-    if (tokens->count == tokens->room) {
-        const size_t room = tokens->room ? 2 * tokens->room : 256;
-        struct token *grown = realloc(tokens->items, room * sizeof *grown);
-        if (!grown) {
-            order_scan->out_of_memory = true;
-            return;
-        }
-        tokens->items = grown;
-        tokens->room = room;
-    }
-    tokens->items[tokens->count++] = (struct token){token->at, token->size, order_scan->file};
+    if (orl_array_reserve(&tokens->items, &tokens->room, tokens->count, sizeof *tokens->items))
+        tokens->items[tokens->count++] = (struct token){token->at, token->size, order_scan->file};
+    else
+        order_scan->out_of_memory = true;
 }
 
 /* ---- Scanning a file ------------------------------------------------------------------------- */
@@ -295,11 +289,11 @@ static size_t put_in_order(const bool *needs, bool *left, size_t count, size_t *
 static bool lies_beside(const char *const *names, size_t count, const bool *is_main, size_t index)
 {
     const char *name = names[index], *slash = strrchr(name, '/');
-    const size_t folder = slash ? (size_t)(slash - name) + 1 : 0, length = strlen(name);
+    const size_t folder = slash ? (size_t)(slash - name) + 1 : 0;
     size_t top = 0;
     while (top < count && !is_main[top])
         top++;
-    return top < count && length > 4 && strcasecmp(name + length - 4, ".mat") == 0 &&
+    return top < count && orl_name_has_ending(name, ".mat") &&
            strncmp(names[top], name, folder) == 0 && !strchr(names[top] + folder, '/');
 }
 
@@ -358,12 +352,6 @@ static int order_main_files(const char *const *names, size_t count, bool *is_mai
                : 0;
 }
 
-static bool ends_in(const char *name, const char *suffix)
-{
-    const size_t length = strlen(name), size = strlen(suffix);
-    return length > size && strcasecmp(name + length - size, suffix) == 0;
-}
-
 static size_t folder_length(const char *name)
 {
     const char *slash = strrchr(name, '/');
@@ -415,7 +403,7 @@ static int choose_by_documents(const char *const *names, size_t count, const cha
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu files", count);
     for (size_t i = 0; i < count && code == 0 && !by_render; i++) {
         struct orl_file text;
-        if (!ends_in(names[i], ".json") || folder_length(names[i]) != length ||
+        if (!orl_name_has_ending(names[i], ".json") || folder_length(names[i]) != length ||
             strncmp(names[i], top, length) != 0)
             continue;
         code = files->open(files->ctx, names[i], &text, err);

@@ -11,7 +11,7 @@
 
 int orl_project_no_memory(const struct orl_project_search *f)
 {
-    return orl_error_set(f->err, ORL_ERR_NOMEM, "out of memory");
+    return orl_error_no_memory(f->err);
 }
 
 bool orl_project_ends_with(const char *name, const char *ending)

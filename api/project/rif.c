@@ -36,7 +36,7 @@ static int fail(const struct rif_reader *r, int code, const char *what, struct o
 
 static int no_memory(const struct rif_reader *r)
 {
-    return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
+    return orl_error_no_memory(r->err);
 }
 
 static json_t *text_of(struct orl_slice span)

@@ -32,27 +32,14 @@ static json_t *timings_to_json(const struct orl_result *result)
                                  json_real(result->timings_s[stage]));
     if (rc == 0)
         rc = json_object_set_new(timings, "total", json_real(result->total_s));
-    if (rc) {
-        json_decref(timings);
-        return NULL;
-    }
-    return timings;
-}
-
-/* Appends item (stolen) to array. Returns -1 if either is NULL or memory is short. */
-static int append_item(json_t *array, json_t *item)
-{
-    return item ? json_array_append_new(array, item) : -1;
+    return orl_json_checked(timings, rc);
 }
 
 static json_t *maps_to_json(const struct orl_result *result)
 {
     json_t *maps = json_array();
     for (size_t i = 0; i < result->n_maps; i++)
-        if (append_item(maps, orl_map_info_to_json(&result->maps[i]))) {
-            json_decref(maps);
-            return NULL;
-        }
+        maps = orl_json_append(maps, orl_map_info_to_json(&result->maps[i]));
     return maps;
 }
 
@@ -89,13 +76,10 @@ static json_t *sensors_to_json(const struct orl_result *result)
         json_t *lux = orl_json_from_real(result->illuminance_lx[i]);
         json_t *se = number_of(result->standard_error_lx, i);
         json_t *bias = number_of(result->bias_estimate_lx, i);
-        if (append_item(sensors, json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
-                                           "standard_error_lx", se, "bias_estimate_lx", bias,
-                                           "interval_95_lx", interval_of(result, i), "unreliable",
-                                           doubts_of(result, i)))) {
-            json_decref(sensors);
-            return NULL;
-        }
+        sensors = orl_json_append(
+            sensors, json_pack("{s:o, s:o*, s:o*, s:o*, s:o*}", "illuminance_lx", lux,
+                               "standard_error_lx", se, "bias_estimate_lx", bias, "interval_95_lx",
+                               interval_of(result, i), "unreliable", doubts_of(result, i)));
     }
     return sensors;
 }
@@ -107,21 +91,14 @@ static json_t *view_to_json(const struct orl_view_result *view)
         json && orl_pictures_to_json(view, json) == 0 &&
         (!view->glare ||
          json_object_set_new(json, "glare", orl_glare_to_json(view->glare, view->metrics)) == 0);
-    if (!told) {
-        json_decref(json);
-        return NULL;
-    }
-    return json;
+    return orl_json_checked(json, !told);
 }
 
 static json_t *views_to_json(const struct orl_result *result)
 {
     json_t *views = json_array();
     for (size_t i = 0; i < result->n_views; i++) {
-        if (append_item(views, view_to_json(&result->views[i]))) {
-            json_decref(views);
-            return NULL;
-        }
+        views = orl_json_append(views, view_to_json(&result->views[i]));
     }
     return views;
 }
@@ -151,11 +128,9 @@ static json_t *health_to_json(const struct orl_health *h)
     json_t *health =
         json_pack("{s:f, s:f}", "flux_w", h->flux_w, "flux_capped_w", h->flux_capped_w);
     for (size_t i = 0; health && i < sizeof counts / sizeof *counts; i++)
-        if (json_object_set_new(health, counts[i].name,
-                                json_integer((json_int_t)counts[i].count))) {
-            json_decref(health);
-            return NULL;
-        }
+        health = orl_json_checked(
+            health,
+            json_object_set_new(health, counts[i].name, json_integer((json_int_t)counts[i].count)));
     return health;
 }
 
@@ -163,10 +138,7 @@ static json_t *warnings_to_json(const struct orl_result *result)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < result->n_warnings; i++)
-        if (append_item(warnings, orl_json_from_text(result->warnings[i]))) {
-            json_decref(warnings);
-            return NULL;
-        }
+        warnings = orl_json_append(warnings, orl_json_from_text(result->warnings[i]));
     return warnings;
 }
 
@@ -174,12 +146,9 @@ static json_t *course_to_json(const struct orl_outcome *outcome)
 {
     json_t *error_history = json_array();
     for (uint32_t i = 0; i < outcome->n_error_history; i++)
-        if (append_item(error_history,
-                        json_pack("{s:f, s:f}", "seconds", outcome->error_history[i].seconds,
-                                  "error", outcome->error_history[i].error))) {
-            json_decref(error_history);
-            return NULL;
-        }
+        error_history = orl_json_append(
+            error_history, json_pack("{s:f, s:f}", "seconds", outcome->error_history[i].seconds,
+                                     "error", outcome->error_history[i].error));
     return error_history;
 }
 
@@ -265,11 +234,7 @@ json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 json_t *orl_sky_result_to_json(const struct orl_result *result, const char *sky)
 {
     json_t *doc = orl_result_to_json(result, "succeeded");
-    if (doc && json_object_set_new(doc, "sky", json_string(sky))) {
-        json_decref(doc);
-        return NULL;
-    }
-    return doc;
+    return orl_json_checked(doc, doc && json_object_set_new(doc, "sky", json_string(sky)));
 }
 
 json_t *orl_skies_result_new(uint64_t seed, uint32_t threads)
@@ -359,21 +324,14 @@ static json_t *point_to_json(const double point[3])
         json_t *number = json_real(point[axis]);
         rc = json_array_append_new(array, number ? number : json_null());
     }
-    if (rc) {
-        json_decref(array);
-        return NULL;
-    }
-    return array;
+    return orl_json_checked(array, rc);
 }
 
 json_t *orl_scene_summary_to_json(const struct orl_scene_summary *summary)
 {
     json_t *referenced = json_array();
     for (size_t i = 0; i < summary->n_referenced; i++)
-        if (json_array_append_new(referenced, json_string(summary->referenced[i]))) {
-            json_decref(referenced);
-            return NULL;
-        }
+        referenced = orl_json_append(referenced, json_string(summary->referenced[i]));
     return json_pack(
         "{s:I, s:I, s:I, s:I, s:I, s:I, s:{s:o, s:o}, s:s, s:o}", "surfaces",
         (json_int_t)summary->surfaces, "placed_surfaces", (json_int_t)summary->placed_surfaces,
@@ -388,11 +346,8 @@ json_t *orl_floor_plan_to_json(const struct orl_floor_plan *plan)
     json_t *lines = json_array();
     for (size_t i = 0; lines && i < plan->count; i++) {
         const double *line = plan->lines[i];
-        if (json_array_append_new(lines,
-                                  json_pack("[f, f, f, f]", line[0], line[1], line[2], line[3]))) {
-            json_decref(lines);
-            return NULL;
-        }
+        lines =
+            orl_json_append(lines, json_pack("[f, f, f, f]", line[0], line[1], line[2], line[3]));
     }
     return json_pack("{s:o, s:{s:o, s:o}, s:o, s:b}", "height", orl_json_from_real(plan->height),
                      "bounds", "min", point_to_json(plan->low), "max", point_to_json(plan->high),

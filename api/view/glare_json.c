@@ -111,10 +111,8 @@ static json_t *metrics_to_json(const struct orl_glare *glare, uint32_t metrics)
             json_pack("{s:o, s:o, s:o}", "value", orl_json_from_real(v->value), "standard_error",
                       orl_json_from_real(v->standard_error), "interval_95",
                       pair_to_json(v->interval_95[0], v->interval_95[1]));
-        if (json_object_set_new(doc, orl_glare_metric_name((enum orl_glare_metric)m), value)) {
-            json_decref(doc);
-            return NULL;
-        }
+        doc = orl_json_checked(
+            doc, json_object_set_new(doc, orl_glare_metric_name((enum orl_glare_metric)m), value));
     }
     return doc;
 }
@@ -134,10 +132,7 @@ static json_t *sources_to_json(const struct orl_glare *glare)
     json_t *sources = json_array();
     for (size_t i = 0; sources && i < glare->n_sources; i++) {
         json_t *source = source_to_json(&glare->sources[i]);
-        if (!source || json_array_append_new(sources, source)) {
-            json_decref(sources);
-            return NULL;
-        }
+        sources = orl_json_append(sources, source);
     }
     return sources;
 }

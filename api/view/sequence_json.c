@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "chart/charts.h"
+#include "json/encode.h"
 
 /* ---- Request --------------------------------------------------------------------------------- */
 
@@ -237,11 +238,7 @@ static json_t *view_sequence_to_json(const struct view_sequence *view_sequence)
     if (rc == 0 && view_sequence->has_dgp)
         rc = json_object_set_new(json, "dgp_png", json_sprintf("sequence.%s.dgp.png", name)) |
              json_object_set_new(json, "dgp_svg", json_sprintf("sequence.%s.dgp.svg", name));
-    if (rc) {
-        json_decref(json);
-        return NULL;
-    }
-    return json;
+    return orl_json_checked(json, rc);
 }
 
 static int draw_view(const struct orl_job *job, size_t view, const char *folder,

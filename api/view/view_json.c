@@ -138,7 +138,7 @@ static int decode_points(const json_t *value, const char *path, void *into, stru
         return rc;
     view->false_color.points = calloc(json_array_size(value) + 1, sizeof(struct orl_picture_point));
     if (!view->false_color.points)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     return orl_json_each(value, path, ORL_LIMIT_PICTURE_POINTS, decode_point, view, err);
 }
 
@@ -251,7 +251,7 @@ static int decode_entry(const json_t *value, const char *path, void *into, struc
         return rc;
     snprintf(text, sizeof text, "%u", (unsigned)number);
     *entry = strdup(text);
-    return *entry ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return *entry ? 0 : orl_error_no_memory(err);
 }
 
 /* Fails if there is an entry without a file. */
