@@ -206,14 +206,12 @@ static int run_synonym(int argc, char **argv)
 int main(int argc, char **argv)
 {
     const struct orl_subcommand *command;
-    int code;
-
     setvbuf(stdout, NULL, _IOLBF, 0); /* line-buffered, as command.h says */
     if (argc < 2) {
         print_overview(stderr);
         return ORL_EXIT_USAGE;
     }
-    code = run_synonym(argc, argv);
+    int code = run_synonym(argc, argv);
     if (code >= 0)
         return code;
     command = find_command(argv[1]);
@@ -239,7 +237,6 @@ int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_operands operands;
     int code;
-
     if (!orl_options_parse(self, argc, argv, NULL, 0, 0, 0, &operands, &code))
         return code;
     printf("oriel %s\n", ORL_VERSION);

@@ -116,9 +116,7 @@ static void print_summary(const struct orl_annual_result *result,
 static int write_result(const char *output, const json_t *json, struct orl_error *err)
 {
     char path[4096];
-    int rc = json ? orl_join_path(output, "result.json", path, sizeof path, err)
-                  : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    const int rc = orl_join_path(output, "result.json", path, sizeof path, err);
     return rc ? rc : orl_write_json(path, json, err);
 }
 
@@ -129,7 +127,6 @@ static int on_result(void *ctx, const struct orl_annual_result *result,
 {
     const struct result_output *result_output = ctx;
     const int rc = write_result(result_output->folder, document, err);
-
     if (rc == 0)
         print_summary(result, report, document, result_output);
     return rc;
@@ -143,7 +140,6 @@ static void write_failure(const char *output, const struct orl_error *err)
     json_t *json = json_pack("{s:s, s:s, s:o}", "kind", "annual", "state",
                              err->code == ORL_ERR_CANCELLED ? "cancelled" : "failed", "error",
                              orl_problem_from_error(err, NULL));
-
     if (write_result(output, json, &second))
         orl_report_error(&second);
     json_decref(json);
@@ -154,7 +150,6 @@ static int decode_annual(const struct orl_job_file *file, struct orl_annual_job 
                          struct orl_error *err)
 {
     const int rc = orl_annual_job_from_json(file->doc, ORL_JOB_LOCAL, ret_job, NULL, err);
-
     if (rc)
         orl_error_at(err, file->path, 0, NULL);
     return rc;
@@ -166,18 +161,11 @@ static int run_year(struct orl_annual_job *job, const struct orl_job_file *file,
                     struct orl_error *err)
 {
     struct orl_local_distributed shared;
-    const struct orl_local_distribution distribution = {&shared.distributed.tasks,
-                                                        &shared.distributed.store};
-    int rc;
-
-    if (!output->distributed)
-        return orl_local_annual(job, file->folder, output->folder, output->cache, output->threads,
-                                NULL, callback, err);
-    rc = orl_local_distributed_open(&shared, output->distributed, file->doc, file->folder,
-                                    output->folder, output->threads, orl_local_interrupted(), err);
+    int rc = orl_local_distributed_open(&shared, output->distributed, file->doc, file->folder,
+                                        output->folder, output->threads, err);
     if (rc == 0)
-        rc = orl_local_annual(job, file->folder, output->folder, NULL, output->threads,
-                              &distribution, callback, err);
+        rc = orl_local_annual(job, file->folder, output->folder, output->cache, output->threads,
+                              shared.distribution, callback, err);
     orl_local_distributed_done(&shared, rc == 0);
     return rc;
 }
@@ -204,7 +192,6 @@ static int run_document(const char *document, const struct orl_project_line *pro
     struct result_output result_output = {&job, output->folder};
     const struct orl_local_callback callback = {on_result, &result_output};
     int rc = orl_make_folder(output->folder, &err);
-
     if (rc == 0)
         rc = orl_join_path(output->folder, "result.json", path, sizeof path, &err);
     if (rc)
@@ -232,36 +219,31 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_distributed_options distributed = {0};
     struct orl_project_line project = {0};
     const struct orl_option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "DIR",
-         .help = "folder for result.json, tables, maps and pages",
-         .value = &line.output},
-        {.name = "cache",
-         .metavar = "DIR",
-         .help = "folder that stores paths and supplies them to later runs: for another weather "
-                 "file of the same place, and for more samples",
-         .value = &output.cache},
-        {.name = "honeybee",
-         .help = "write all hours as Honeybee's results folder, DIR/results, with standard errors "
-                 "in the folder se beside total and direct",
-         .flag = &output.formats.honeybee},
-        {.name = "ill",
-         .help = "write all lit hours as Radiance matrices: DIR/GRID.ill, direct sunlight as "
-                 "DIR/GRID.direct.ill, standard errors as DIR/GRID.se.ill; DIR/columns.csv lists "
-                 "the hours",
-         .flag = &output.formats.matrices},
-        {.name = "phases",
-         .help = "write matrices for dctimestep: view, transmission and daylight matrices of the "
-                 "windows, and sun coefficients (DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, "
-                 "WINDOW.d.mtx, GRID.cds.mtx)",
-         .flag = &output.formats.phases},
+        {"output", 'o', "DIR", "folder for result.json, tables, maps and pages", &line.output,
+         NULL},
+        {"cache", 0, "DIR",
+         "folder that stores paths and supplies them to later runs: for another weather "
+         "file of the same place, and for more samples",
+         &output.cache, NULL},
+        {"honeybee", 0, NULL,
+         "write all hours as Honeybee's results folder, DIR/results, with standard errors "
+         "in the folder se beside total and direct",
+         NULL, &output.formats.honeybee},
+        {"ill", 0, NULL,
+         "write all lit hours as Radiance matrices: DIR/GRID.ill, direct sunlight as "
+         "DIR/GRID.direct.ill, standard errors as DIR/GRID.se.ill; DIR/columns.csv lists "
+         "the hours",
+         NULL, &output.formats.matrices},
+        {"phases", 0, NULL,
+         "write matrices for dctimestep: view, transmission and daylight matrices of the "
+         "windows, and sun coefficients (DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, "
+         "WINDOW.d.mtx, GRID.cds.mtx)",
+         NULL, &output.formats.phases},
         ORL_OPTIONS_YEAR(&project),
         ORL_OPTION_THREADS(&line.threads_text),
         ORL_OPTIONS_DISTRIBUTED(&distributed),
     };
     int code;
-
     if (!orl_local_parse(self, argc, argv, options, 9 + ORL_DISTRIBUTED_OPTIONS, &line, &code))
         return code;
     output.folder = line.output;

@@ -81,7 +81,7 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
 {
     bool as_json = false;
     const struct orl_option options[] = {
-        {.name = "json", .help = "print the daemon's reply as JSON", .flag = &as_json},
+        {"json", 0, NULL, "print the daemon's reply as JSON", NULL, &as_json},
     };
     struct orl_operands operands;
     struct orl_bsdf_check check = {0};
@@ -98,14 +98,9 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
                                operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);
-    if (as_json) {
-        json_t *json = orl_bsdf_check_to_json(&check);
-        if (json)
-            json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-        printf("\n");
-        json_decref(json);
-    } else {
+    if (!as_json)
         print_check(operands.items[1], &check);
-    }
+    else if (orl_print_json(orl_bsdf_check_to_json(&check), 9, &err))
+        return orl_report_error(&err);
     return check.worst == ORL_BSDF_FAULT ? ORL_EXIT_FAILED : ORL_EXIT_OK;
 }

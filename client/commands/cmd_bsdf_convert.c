@@ -63,8 +63,7 @@ static int write_comparison(const char *path, const struct orl_bsdf_comparison *
                             struct orl_error *err)
 {
     json_t *json = orl_bsdf_comparison_to_json(c);
-    const int rc =
-        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int rc = orl_write_json(path, json, err);
     json_decref(json);
     return rc;
 }
@@ -74,7 +73,7 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
     struct orl_local_line line = {.most = 2};
     const char *report = NULL;
     const struct orl_option options[] = {
-        {.name = "report", .metavar = "FILE", .help = "also write a JSON file", .value = &report},
+        {"report", 0, "FILE", "also write a JSON file", &report, NULL},
         ORL_OPTION_THREADS(&line.threads_text),
     };
     struct orl_bsdf *bsdfs[2] = {NULL, NULL};
@@ -201,23 +200,15 @@ int orl_cmd_bsdf_convert(const struct orl_subcommand *self, int argc, char **arg
     struct line line = {.local = {.most = 1},
                         .member_options = {member_options, MEMBER_OPTIONS, {NULL}}};
     struct orl_option options[OTHERS + MEMBER_OPTIONS] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "FILE",
-         .help = "XML file to write",
-         .value = &line.local.output},
-        {.name = "color",
-         .help = "include colour: X and Z beside Y; for tensor trees u' and v' (default: grey)",
-         .flag = &line.color},
-        {.name = "report",
-         .metavar = "FILE",
-         .help = "write a JSON file with the loss",
-         .value = &line.report},
-        {.name = "within",
-         .metavar = "SHARE",
-         .help = "for tensor trees: cull as far as this fraction of the light is lost at most, in "
-                 "total or in a cone of two degrees, for any incident direction",
-         .value = &line.within_text},
+        {"output", 'o', "FILE", "XML file to write", &line.local.output, NULL},
+        {"color", 0, NULL,
+         "include colour: X and Z beside Y; for tensor trees u' and v' (default: grey)", NULL,
+         &line.color},
+        {"report", 0, "FILE", "write a JSON file with the loss", &line.report, NULL},
+        {"within", 0, "SHARE",
+         "for tensor trees: cull as far as this fraction of the light is lost at most, in "
+         "total or in a cone of two degrees, for any incident direction",
+         &line.within_text, NULL},
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;

@@ -11,6 +11,7 @@
 #include "input/job_file.h"
 #include "options/job_options.h"
 #include "output/reports.h"
+#include "json/encode.h"
 
 enum { FLAGS = 2 };
 
@@ -51,20 +52,13 @@ static const struct {
 
 static json_t *document_of(const struct line *line)
 {
-    json_t *files = json_array();
-    json_t *doc = json_pack("{s:s, s:{s:o}}", "kind", "bsdf_fit", "measurements", "files", files);
-    int failed = !doc;
-    for (int i = 0; i < line->local.all.count && !failed; i++)
-        failed = json_array_append_new(files, json_string(line->local.all.items[i]));
-    if (!failed)
-        failed = orl_member_options_apply(&line->member_options, doc);
+    json_t *doc = orl_member_options_document(&line->member_options, "bsdf_fit", "measurements",
+                                              &line->local.all);
+    int failed = 0;
     for (int i = 0; i < FLAGS && !failed; i++)
         if (line->flags[i])
             failed = json_object_set_new(doc, flags[i].member, json_true());
-    if (!failed)
-        return doc;
-    json_decref(doc);
-    return NULL;
+    return orl_json_checked(doc, failed);
 }
 
 /* Returns true if the line has options that belong in the document. */
@@ -93,7 +87,7 @@ static int request_of(const struct line *line, struct orl_job_file *file,
     }
     doc = document_of(line);
     rc = doc ? orl_bsdf_fit_from_json(doc, ORL_JOB_LOCAL, ret_request, NULL, err)
-             : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+             : orl_error_no_memory(err);
     json_decref(doc);
     return rc;
 }
@@ -156,26 +150,6 @@ static void print_fitted(const struct orl_bsdf_fit_request *request,
     print_outliers(request, f);
 }
 
-static void print_warnings(const struct orl_bsdf_fit_result *f)
-{
-    json_t *warnings = orl_bsdf_fitted_warnings(f);
-    for (size_t i = 0; i < json_array_size(warnings); i++)
-        fprintf(stderr, "warning: %s\n", json_string_value(json_array_get(warnings, i)));
-    json_decref(warnings);
-}
-
-static int print_json(const struct orl_bsdf_fit_request *request,
-                      const struct orl_bsdf_fit_result *f, struct orl_error *err)
-{
-    json_t *json = orl_bsdf_fitted_to_json(request, f);
-    if (!json)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    printf("\n");
-    json_decref(json);
-    return 0;
-}
-
 static int run_fit(const struct line *line)
 {
     struct orl_job_file file = {0};
@@ -189,11 +163,11 @@ static int run_fit(const struct line *line)
     if (rc == 0)
         rc = orl_write_text(line->local.output, fitted.xml, fitted.xml_size, &err);
     if (rc == 0 && line->as_json)
-        rc = print_json(&request, &fitted, &err);
+        rc = orl_print_json(orl_bsdf_fitted_to_json(&request, &fitted), 9, &err);
     else if (rc == 0)
         print_fitted(&request, &fitted);
     if (rc == 0)
-        print_warnings(&fitted);
+        orl_print_warnings(orl_bsdf_fitted_warnings(&fitted));
     orl_bsdf_fit_result_done(&fitted);
     orl_bsdf_fit_request_done(&request);
     orl_job_file_done(&file);
@@ -206,12 +180,8 @@ int orl_cmd_bsdf_fit(const struct orl_subcommand *self, int argc, char **argv)
     struct line line = {.local = {.most = 512},
                         .member_options = {member_options, MEMBER_OPTIONS, {NULL}}};
     struct orl_option options[OTHERS + MEMBER_OPTIONS + FLAGS] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "FILE",
-         .help = "XML file to write",
-         .value = &line.local.output},
-        {.name = "json", .help = "print the result as JSON", .flag = &line.as_json},
+        {"output", 'o', "FILE", "XML file to write", &line.local.output, NULL},
+        {"json", 0, NULL, "print the result as JSON", NULL, &line.as_json},
         ORL_OPTION_THREADS(&line.local.threads_text),
     };
     int code;

@@ -12,6 +12,7 @@
 #include "input/job_file.h"
 #include "options/job_options.h"
 #include "output/reports.h"
+#include "json/encode.h"
 
 /* The command line, which is turned into a document. */
 struct line {
@@ -65,21 +66,14 @@ static json_t *cell_of(const char *text)
 
 static json_t *document_of(const struct line *line)
 {
-    json_t *files = json_array();
-    json_t *doc = json_pack("{s:s, s:{s:o}}", "kind", "bsdf_make", "scene", "files", files);
-    int failed = !doc;
-    for (int i = 0; i < line->local.all.count && !failed; i++)
-        failed = json_array_append_new(files, json_string(line->local.all.items[i]));
-    if (!failed)
-        failed = orl_member_options_apply(&line->member_options, doc);
-    if (line->cell && !failed)
+    json_t *doc =
+        orl_member_options_document(&line->member_options, "bsdf_make", "scene", &line->local.all);
+    int failed = 0;
+    if (line->cell)
         failed = json_object_set_new(doc, "cell", cell_of(line->cell));
-    if (line->color && !failed)
-        failed = json_object_set_new(doc, "color", json_true());
-    if (!failed)
-        return doc;
-    json_decref(doc);
-    return NULL;
+    if (line->color)
+        failed |= json_object_set_new(doc, "color", json_true());
+    return orl_json_checked(doc, failed);
 }
 
 /* Returns true if the line has options that belong in the document. */
@@ -106,7 +100,7 @@ static int request_of(const struct line *line, struct orl_job_file *file,
     snprintf(file->folder, sizeof file->folder, ".");
     file->doc = document_of(line);
     return file->doc ? orl_bsdf_make_from_json(file->doc, ORL_JOB_LOCAL, ret_request, NULL, err)
-                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                     : orl_error_no_memory(err);
 }
 
 /* ---- Result ---------------------------------------------------------------------------------- */
@@ -132,25 +126,11 @@ static void print_made(const struct orl_bsdf_make_result *made)
         printf("cut off inside the panel: %.2g of the light\n", made->lost);
 }
 
-static void print_warnings(const struct orl_bsdf_make_result *made,
-                           const struct orl_bsdf_make_request *request)
-{
-    json_t *warnings = orl_bsdf_made_warnings(made, request);
-    const json_t *one;
-    size_t i;
-    json_array_foreach(warnings, i, one)
-    {
-        fprintf(stderr, "warning: %s\n", json_string_value(one));
-    }
-    json_decref(warnings);
-}
-
 static int write_report(const char *path, const struct orl_bsdf_make_result *made,
                         struct orl_error *err)
 {
     json_t *json = orl_bsdf_made_to_json(made);
-    const int rc =
-        json ? orl_write_json(path, json, err) : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int rc = orl_write_json(path, json, err);
     json_decref(json);
     return rc;
 }
@@ -161,19 +141,14 @@ static int compute_bsdf(const struct line *line, const struct orl_job_file *file
                         struct orl_bsdf_make_result *ret_made, struct orl_error *err)
 {
     struct orl_local_distributed shared;
-    const struct orl_local_distribution distribution = {&shared.distributed.tasks,
-                                                        &shared.distributed.store};
     const char *slash = strrchr(line->local.output, '/');
     char beside[4096];
-    int rc;
-    if (!line->shared)
-        return orl_local_make_bsdf(request, file->folder, line->local.threads, NULL, ret_made, err);
     snprintf(beside, sizeof beside, "%.*s", slash ? (int)(slash - line->local.output) + 1 : 1,
              slash ? line->local.output : ".");
-    rc = orl_local_distributed_open(&shared, &line->distributed, file->doc, file->folder, beside,
-                                    line->local.threads, orl_local_interrupted(), err);
+    int rc = orl_local_distributed_open(&shared, line->shared ? &line->distributed : NULL,
+                                        file->doc, file->folder, beside, line->local.threads, err);
     if (rc == 0)
-        rc = orl_local_make_bsdf(request, file->folder, line->local.threads, &distribution,
+        rc = orl_local_make_bsdf(request, file->folder, line->local.threads, shared.distribution,
                                  ret_made, err);
     orl_local_distributed_done(&shared, rc == 0);
     return rc;
@@ -198,7 +173,7 @@ static int run_make(const struct line *line)
     if (rc == 0)
         print_made(&made);
     if (rc == 0)
-        print_warnings(&made, &request);
+        orl_print_warnings(orl_bsdf_made_warnings(&made, &request));
     orl_bsdf_make_result_done(&made);
     orl_bsdf_make_request_done(&request);
     orl_job_file_done(&file);
@@ -211,26 +186,16 @@ int orl_cmd_bsdf_make(const struct orl_subcommand *self, int argc, char **argv)
     struct line line = {.local = {.most = 64},
                         .member_options = {member_options, MEMBER_OPTIONS, {NULL}}};
     struct orl_option options[OTHERS + MEMBER_OPTIONS] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "FILE",
-         .help = "XML file to write",
-         .value = &line.local.output},
-        {.name = "cell",
-         .metavar = "\"X0 X1 Y0 Y1\"",
-         .help = "part of the panel that is repeated (default: its bounding box)",
-         .value = &line.cell},
-        {.name = "color",
-         .help = "include colour: X and Z beside Y; for tensor trees u' and v'",
-         .flag = &line.color},
-        {.name = "report",
-         .metavar = "FILE",
-         .help = "write a JSON file with fractions by direction and standard errors of all values",
-         .value = &line.report},
-        {.name = "errors",
-         .metavar = "FILE.xml",
-         .help = "write the same XML with standard errors in place of values",
-         .value = &line.errors},
+        {"output", 'o', "FILE", "XML file to write", &line.local.output, NULL},
+        {"cell", 0, "\"X0 X1 Y0 Y1\"",
+         "part of the panel that is repeated (default: its bounding box)", &line.cell, NULL},
+        {"color", 0, NULL, "include colour: X and Z beside Y; for tensor trees u' and v'", NULL,
+         &line.color},
+        {"report", 0, "FILE",
+         "write a JSON file with fractions by direction and standard errors of all values",
+         &line.report, NULL},
+        {"errors", 0, "FILE.xml", "write the same XML with standard errors in place of values",
+         &line.errors, NULL},
         ORL_OPTION_THREADS(&line.local.threads_text),
         ORL_OPTIONS_DISTRIBUTED(&line.distributed),
     };

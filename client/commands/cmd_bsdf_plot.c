@@ -64,7 +64,7 @@ static int draw_animation(struct plot *p, struct orl_error *err)
     char(*names)[4096] = calloc(FRAMES, sizeof *names);
     const char *pictures[FRAMES];
     if (!names)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     int rc = draw_frames(p, names, err);
     for (int i = 0; i < FRAMES; i++)
         pictures[i] = names[i];
@@ -88,7 +88,7 @@ static int load_files(struct plot *p, const struct orl_operands *operands, struc
         rc = orl_bsdf_file_load(operands->items[i], &p->bsdfs[i], err);
         p->checks[i] = rc == 0 ? calloc(1, sizeof *p->checks[i]) : NULL;
         if (rc == 0 && !p->checks[i])
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
         if (rc == 0)
             orl_bsdf_examine(p->bsdfs[i], p->checks[i]);
         p->chart.files[i] = (struct orl_bsdf_chart_file){slash ? slash + 1 : operands->items[i],
@@ -126,26 +126,11 @@ int orl_cmd_bsdf_plot(const struct orl_subcommand *self, int argc, char **argv)
     const char *theta = NULL, *phi = NULL, *from = NULL;
     bool animated = false;
     const struct orl_option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "FILE",
-         .help = "picture file: .svg, .png or .pdf",
-         .value = &p.output},
-        {.name = "theta",
-         .metavar = "DEG",
-         .help = "angle of the light from the normal (40)",
-         .value = &theta},
-        {.name = "phi",
-         .metavar = "DEG",
-         .help = "azimuth of the light from x to y; 90 is from above (90)",
-         .value = &phi},
-        {.name = "from",
-         .metavar = "SIDE",
-         .help = "side of the light: outside (the default) or inside",
-         .value = &from},
-        {.name = "animate",
-         .help = "draw theta from 0 to 80 as an animated PNG",
-         .flag = &animated},
+        {"output", 'o', "FILE", "picture file: .svg, .png or .pdf", &p.output, NULL},
+        {"theta", 0, "DEG", "angle of the light from the normal (40)", &theta, NULL},
+        {"phi", 0, "DEG", "azimuth of the light from x to y; 90 is from above (90)", &phi, NULL},
+        {"from", 0, "SIDE", "side of the light: outside (the default) or inside", &from, NULL},
+        {"animate", 0, NULL, "draw theta from 0 to 80 as an animated PNG", NULL, &animated},
     };
     struct orl_operands operands;
     int code;

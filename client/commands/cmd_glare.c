@@ -142,19 +142,6 @@ static int evaluate_picture(const char *name, const struct glare_options *glare_
     return rc;
 }
 
-static int print_json(const struct orl_glare *glare)
-{
-    json_t *json = orl_glare_to_json(glare, (1U << ORL_GLARE_METRICS) - 1);
-    if (!json) {
-        fprintf(stderr, "oriel glare: out of memory\n");
-        return ORL_EXIT_FAILED;
-    }
-    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    printf("\n");
-    json_decref(json);
-    return ORL_EXIT_OK;
-}
-
 int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct glare_options a = {0};
@@ -201,9 +188,9 @@ int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv)
         return orl_report_error(&err);
     print_warnings(operands.items[0], &glare, settings.eye_lx > 0);
     if (a.json)
-        rc = print_json(&glare);
+        rc = orl_print_json(orl_glare_to_json(&glare, (1U << ORL_GLARE_METRICS) - 1), 9, &err);
     else
         print_glare(&glare, &a);
     orl_glare_done(&glare);
-    return rc;
+    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
 }

@@ -42,7 +42,6 @@ static int read_part(struct part *part, const char *path, struct orl_error *err)
     json_t *json = NULL;
     uint64_t threads = 1;
     int rc = here.open(here.ctx, path, &text, err);
-
     if (rc)
         return rc;
     rc = orl_json_parse(path, text.data, text.size, &json, err);
@@ -77,11 +76,9 @@ static bool is_mine(const struct part *part, const struct orl_job_task *job_task
 {
     const json_t *own;
     size_t i;
-
     json_array_foreach(part->tasks, i, own)
     {
         const char *key = json_string_value(json_object_get(own, "key"));
-
         if (key && strcmp(key, job_task->key) == 0)
             return true;
     }
@@ -92,7 +89,6 @@ static bool is_mine(const struct part *part, const struct orl_job_task *job_task
 static bool is_last(const struct orl_job_task *job_task)
 {
     static const char *const last[] = {"sensors", "view", "sky", "rows", "run", "speed", "lot"};
-
     for (size_t i = 0; i < sizeof last / sizeof *last; i++)
         if (strcmp(job_task->kind, last[i]) == 0)
             return true;
@@ -105,13 +101,11 @@ static size_t count_made(const struct part *part)
 {
     const json_t *own;
     size_t i, made = 0;
-
     json_array_foreach(part->tasks, i, own)
     {
         const char *kind = json_string_value(json_object_get(own, "kind"));
         const char *key = json_string_value(json_object_get(own, "key"));
         char path[8400];
-
         if (!kind || !key)
             continue;
         snprintf(path, sizeof path, "%.4000s/%.16s-%.64s.opm", part->shared_store.folder,
@@ -125,7 +119,6 @@ static size_t count_made(const struct part *part)
 static bool is_over(void *ctx)
 {
     struct part *part = ctx;
-
     part->over = part->begun >= json_array_size(part->tasks);
     return part->over;
 }
@@ -143,7 +136,6 @@ static int choose_pieces(void *ctx, const struct orl_job_task *tasks, size_t n, 
 {
     struct part *part = ctx;
     size_t mine = 0, last = 0;
-
     (void)watch;
     for (size_t i = 0; i < n; i++) {
         ret_here[i] = is_mine(part, &tasks[i]);
@@ -177,7 +169,6 @@ static int run_job(const struct part *part, struct orl_job_request *job_request,
     struct orl_bsdf_make_result made = {0};
     json_t *results = NULL;
     int rc;
-
     if (job_request->kind == ORL_JOB_KIND_ANNUAL)
         return orl_local_annual(&job_request->of.annual, files, part->scratch, NULL, part->threads,
                                 distribution, &callback, err);
@@ -215,7 +206,6 @@ static int make_pieces(struct part *part, struct orl_error *err)
     struct orl_job_request job_request = {0};
     char files[4200];
     int rc = orl_job_request_from_json(part->doc, ORL_JOB_LOCAL, &job_request, NULL, err);
-
     snprintf(files, sizeof files, "%s/files", part->folder);
     snprintf(part->scratch, sizeof part->scratch, "%s.%ld", part->stem, (long)getpid());
     snprintf(part->shared_store.folder, sizeof part->shared_store.folder, "%.4000s/store",
@@ -243,7 +233,6 @@ static int write_ending(const struct part *part, const char *ending, const json_
 {
     struct orl_error err = {0};
     char path[4300];
-
     snprintf(path, sizeof path, "%s.%s", part->stem, ending);
     return orl_write_json(path, json, &err) ? orl_report_error(&err) : ORL_EXIT_OK;
 }
@@ -254,7 +243,6 @@ static int run_part(const char *path)
     struct orl_error err = {0};
     json_t *json;
     int rc, code;
-
     snprintf(part.stem, sizeof part.stem, "%.*s", (int)(strlen(path) - strlen(".json")), path);
     rc = read_part(&part, path, &err);
     if (rc == 0)
@@ -274,7 +262,6 @@ int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_local_line line = {.threads = 1};
     const size_t ending = strlen(".json");
     int code;
-
     if (!orl_local_parse(self, argc, argv, NULL, 0, &line, &code))
         return code;
     if (strlen(line.operand) <= ending ||

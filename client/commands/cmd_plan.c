@@ -16,23 +16,9 @@
 #include "output/terminal.h"
 #include "result/result_json.h"
 
-static int print_json(const struct orl_result *result, const struct orl_accuracy_curve *curve,
-                      struct orl_error *err)
-{
-    json_t *json = orl_planned_to_json(result, curve);
-    const int failed = !json || json_dumpf(json, stdout, JSON_INDENT(2)) != 0;
-
-    json_decref(json);
-    if (failed)
-        return orl_error_set(err, ORL_ERR_IO, "the plan cannot be written");
-    putchar('\n');
-    return 0;
-}
-
 static void print_table(const struct orl_result *result, const struct orl_accuracy_curve *curve)
 {
     static const char mark[] = "warning: ";
-
     orl_plan_print(stdout, &result->plan);
     if (curve)
         orl_curve_print(stdout, curve);
@@ -51,9 +37,8 @@ static int print_plan(void *ctx, const char *sky, const struct orl_result *plann
                       const struct orl_accuracy_curve *curve, struct orl_error *err)
 {
     struct plans *plans = ctx;
-
     if (plans->as_json)
-        return print_json(planned, curve, err);
+        return orl_print_json(orl_planned_to_json(planned, curve), 0, err);
     if (sky)
         printf("%ssky %s\n\n", plans->begun ? "\n" : "", sky);
     plans->begun = true;
@@ -81,7 +66,6 @@ static int plan_document(const char *document, const struct orl_project_line *pr
     struct orl_job job = {0};
     struct orl_error err = {0};
     int rc = orl_job_file_open(document, project, &file, &err);
-
     if (rc == 0)
         rc = refuse_years(&file, &err);
     if (rc == 0)
@@ -99,12 +83,11 @@ int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_project_line project = {0};
     bool as_json = false;
     const struct orl_option options[] = {
-        {.name = "json", .help = "print the plan as JSON", .flag = &as_json},
+        {"json", 0, NULL, "print the plan as JSON", NULL, &as_json},
         ORL_OPTIONS_PROJECT(&project),
         ORL_OPTION_THREADS(&line.threads_text),
     };
     int code;
-
     if (!orl_local_parse(self, argc, argv, options, 4, &line, &code))
         return code;
     return plan_document(line.operand, &project, line.threads, as_json);

@@ -12,9 +12,8 @@ static int write_job(const struct orl_project_folder *project_folder, struct orl
 {
     json_t *doc = json_pack("{s:s}", "kind", "render");
     char path[4096];
-    int rc = doc ? orl_project_fill_document(project_folder, NULL, doc, err)
-                 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    int rc =
+        doc ? orl_project_fill_document(project_folder, NULL, doc, err) : orl_error_no_memory(err);
     if (rc == 0)
         rc = orl_join_path(project_folder->folder, "job.json", path, sizeof path, err);
     if (rc == 0)
@@ -28,11 +27,7 @@ int orl_cmd_project(const struct orl_subcommand *self, int argc, char **argv)
     const char *output = NULL;
     struct orl_project_line line = {0};
     const struct orl_option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "DIR",
-         .help = "folder for a model's Radiance files",
-         .value = &output},
+        {"output", 'o', "DIR", "folder for a model's Radiance files", &output, NULL},
         ORL_OPTIONS_PROJECT(&line),
     };
     struct orl_operands operands;
@@ -40,7 +35,6 @@ int orl_cmd_project(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_error err = {0};
     json_t *scene = NULL;
     int rc, code;
-
     if (!orl_options_parse(self, argc, argv, options, 3, 1, 1, &operands, &code))
         return code;
     rc = orl_project_scene_to_json(operands.items[0], &line, &scene, &err);

@@ -16,6 +16,7 @@
 #include "options/job_options.h"
 #include "output/reports.h"
 #include "result/result_json.h"
+#include "json/encode.h"
 #include "json/problem.h"
 
 /* Returns result.json for a failed run: the known facts and the error. */
@@ -25,22 +26,14 @@ static json_t *failure_to_json(const struct orl_job *job, uint32_t threads,
     const struct orl_result nothing = {.threads = threads, .seed = job->seed};
     const char *state = err->code == ORL_ERR_CANCELLED ? "cancelled" : "failed";
     json_t *json = orl_result_to_json(&nothing, state);
-
-    if (json && json_object_set_new(json, "error", orl_problem_from_error(err, NULL)) != 0) {
-        json_decref(json);
-        return NULL;
-    }
-    return json;
+    return orl_json_checked(
+        json, json && json_object_set_new(json, "error", orl_problem_from_error(err, NULL)) != 0);
 }
 
 static int write_result(const char *output, json_t *json, struct orl_error *err)
 {
     char path[4096];
-    int rc;
-
-    if (!json)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    rc = orl_join_path(output, "result.json", path, sizeof path, err);
+    const int rc = orl_join_path(output, "result.json", path, sizeof path, err);
     return rc ? rc : orl_write_json(path, json, err);
 }
 
@@ -49,7 +42,6 @@ static void print_sums(const struct orl_cross_check *check)
 {
     static const double most = 0.3; /* half width of a 95 % interval that says something */
     const double error = 1.96 * check->ratio_error;
-
     if (error <= most)
         fprintf(stderr, ", their sum within %.2g %%", 100 * (fabs(check->ratio - 1) + error));
     else if (isfinite(check->ratio))
@@ -87,7 +79,6 @@ static void print_summary(const struct orl_result *result, const char *output)
 static void print_skies(const json_t *results, const char *output)
 {
     const json_t *timings = json_object_get(results, "timings_s");
-
     fprintf(stderr, "seconds: total %.2f under %zu skies\n",
             json_number_value(json_object_get(timings, "total")),
             json_array_size(json_object_get(results, "skies")));
@@ -99,11 +90,9 @@ static int render_job(const struct orl_job *job, const char *folder, const char 
                       uint32_t threads, const struct orl_local_distribution *distribution,
                       struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
 {
-    int rc;
-
     if (job->n_skies > 0)
         return orl_local_run_skies(job, folder, output, threads, distribution, ret_json, err);
-    rc = orl_local_run(job, folder, output, threads, distribution, ret_result, err);
+    int rc = orl_local_run(job, folder, output, threads, distribution, ret_result, err);
     if (rc == 0)
         *ret_json = orl_result_to_json(ret_result, "succeeded");
     return rc;
@@ -116,22 +105,15 @@ static int render_shared(const struct orl_job_file *file, const struct orl_job *
                          struct orl_result *ret_result, json_t **ret_json, struct orl_error *err)
 {
     struct orl_local_distributed shared;
-    const struct orl_local_distribution distribution = {&shared.distributed.tasks,
-                                                        &shared.distributed.store};
-    int rc;
-
-    if (!distributed_options)
-        return render_job(job, file->folder, line->output, line->threads, NULL, ret_result,
-                          ret_json, err);
-    if (job->goal.deadline_s > 0)
+    if (distributed_options && job->goal.deadline_s > 0)
         return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                              "a job with a deadline cannot run in parts, because its result "
                              "depends on the machine; request an accuracy instead");
-    rc = orl_local_distributed_open(&shared, distributed_options, file->doc, file->folder,
-                                    line->output, line->threads, orl_local_interrupted(), err);
+    int rc = orl_local_distributed_open(&shared, distributed_options, file->doc, file->folder,
+                                        line->output, line->threads, err);
     if (rc == 0)
-        rc = render_job(job, file->folder, line->output, line->threads, &distribution, ret_result,
-                        ret_json, err);
+        rc = render_job(job, file->folder, line->output, line->threads, shared.distribution,
+                        ret_result, ret_json, err);
     orl_local_distributed_done(&shared, rc == 0);
     return rc;
 }
@@ -148,7 +130,6 @@ static int run_document(const struct orl_local_line *line, const struct orl_proj
     json_t *json = NULL;
     char path[4096];
     int rc = orl_make_folder(output, &err);
-
     if (rc == 0)
         rc = orl_join_path(output, "result.json", path, sizeof path, &err);
     if (rc)
@@ -184,17 +165,12 @@ int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_project_line project = {0};
     struct orl_distributed_options distributed = {0};
     const struct orl_option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "DIR",
-         .help = "folder for result.json and the images",
-         .value = &line.output},
+        {"output", 'o', "DIR", "folder for result.json and the images", &line.output, NULL},
         ORL_OPTIONS_PROJECT(&project),
         ORL_OPTION_THREADS(&line.threads_text),
         ORL_OPTIONS_DISTRIBUTED(&distributed),
     };
     int code;
-
     if (!orl_local_parse(self, argc, argv, options, 4 + ORL_DISTRIBUTED_OPTIONS, &line, &code))
         return code;
     const bool shared = orl_distributed_is_requested(self, &distributed, &code);

@@ -24,7 +24,6 @@ enum { FILE_COUNT = sizeof file_names / sizeof *file_names };
 static int clear_output(const char *output, char paths[FILE_COUNT][4096], struct orl_error *err)
 {
     int rc = orl_make_folder(output, err);
-
     for (int i = 0; i < FILE_COUNT && rc == 0; i++) {
         rc = orl_join_path(output, file_names[i], paths[i], sizeof paths[i], err);
         if (rc == 0)
@@ -39,7 +38,6 @@ static int decode_study(const struct orl_job_file *file, struct orl_study_reques
 {
     struct orl_study_request request;
     int rc = orl_study_from_json(file->doc, ORL_JOB_LOCAL, &request, NULL, err);
-
     if (rc == 0) {
         rc = orl_study_request_validate(&request, err);
         if (rc)
@@ -57,9 +55,7 @@ static int write_files(const struct orl_study *study, const struct orl_study_req
                        char paths[FILE_COUNT][4096], struct orl_error *err)
 {
     json_t *json = orl_study_to_json(study, request);
-    int rc = json ? orl_write_json(paths[0], json, err)
-                  : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    int rc = orl_write_json(paths[0], json, err);
     json_decref(json);
     if (rc == 0)
         rc = orl_study_write_csv(study, paths[1], err);
@@ -87,18 +83,11 @@ static int run_study(const struct orl_study_request *request, const struct orl_j
                      struct orl_error *err)
 {
     struct orl_local_distributed shared;
-    const struct orl_local_distribution distribution = {&shared.distributed.tasks,
-                                                        &shared.distributed.store};
-    int rc;
-
-    if (!distributed)
-        return orl_local_study(request, file->folder, line->output, line->threads, NULL, ret_study,
-                               err);
-    rc = orl_local_distributed_open(&shared, distributed, file->doc, file->folder, line->output,
-                                    line->threads, orl_local_interrupted(), err);
+    int rc = orl_local_distributed_open(&shared, distributed, file->doc, file->folder, line->output,
+                                        line->threads, err);
     if (rc == 0)
-        rc = orl_local_study(request, file->folder, line->output, line->threads, &distribution,
-                             ret_study, err);
+        rc = orl_local_study(request, file->folder, line->output, line->threads,
+                             shared.distribution, ret_study, err);
     orl_local_distributed_done(&shared, rc == 0);
     return rc;
 }
@@ -113,7 +102,6 @@ static int run_document(const struct orl_local_line *line,
     struct orl_error err = {0};
     char paths[FILE_COUNT][4096];
     int rc = clear_output(line->output, paths, &err);
-
     if (rc == 0)
         rc = orl_job_file_read(line->operand, &file, &err);
     if (rc == 0)
@@ -137,20 +125,13 @@ int orl_cmd_study(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_local_line line = {.threads = 1, .writes = true};
     struct orl_distributed_options distributed = {0};
     const struct orl_option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "DIR",
-         .help = "folder for the study's files",
-         .value = &line.output},
-        {.name = "threads",
-         .letter = 'j',
-         .metavar = "N",
-         .help = "threads of every run (default: 1); times depend on it, errors do not",
-         .value = &line.threads_text},
+        {"output", 'o', "DIR", "folder for the study's files", &line.output, NULL},
+        {"threads", 'j', "N",
+         "threads of every run (default: 1); times depend on it, errors do not", &line.threads_text,
+         NULL},
         ORL_OPTIONS_DISTRIBUTED(&distributed),
     };
     int code;
-
     if (!orl_local_parse(self, argc, argv, options, 2 + ORL_DISTRIBUTED_OPTIONS, &line, &code))
         return code;
     const bool shared = orl_distributed_is_requested(self, &distributed, &code);

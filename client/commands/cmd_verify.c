@@ -4,7 +4,6 @@
  */
 #include "options/command.h"
 
-#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +16,7 @@
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "http/json_get.h"
+#include "input/input_folders.h"
 #include "input/job_file.h"
 #include "output/reports.h"
 
@@ -45,7 +45,6 @@ static bool is_unchanged(const struct verification *v, const json_t *input)
     const char *name = orl_get_text(input, "name"), *wanted = orl_get_text(input, "sha256");
     char path[PATH_SIZE], digest[ORL_DIGEST_TEXT];
     struct orl_error err = {0};
-
     if (orl_join_path(v->files, name, path, sizeof path, &err) ||
         orl_digest_file(path, digest, &err)) {
         orl_report_error(&err);
@@ -62,7 +61,6 @@ static int check_inputs(const struct verification *v, const json_t *provenance)
 {
     const json_t *inputs = json_object_get(provenance, "inputs"), *input;
     size_t i, wrong = 0;
-
     json_array_foreach(inputs, i, input) wrong += !is_unchanged(v, input);
     if (wrong == 0)
         return 0;
@@ -78,10 +76,9 @@ static int on_result(void *ctx, const struct orl_annual_result *result,
                      struct orl_error *err)
 {
     struct verification *v = ctx;
-
     (void)result, (void)report;
     v->repeated_result = json_deep_copy(document);
-    return v->repeated_result ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return v->repeated_result ? 0 : orl_error_no_memory(err);
 }
 
 static int run_again(struct verification *v, const json_t *document, uint32_t threads)
@@ -90,7 +87,6 @@ static int run_again(struct verification *v, const json_t *document, uint32_t th
     struct orl_annual_job job = {0};
     struct orl_error err = {0};
     int rc = orl_annual_job_from_json(document, ORL_JOB_LOCAL, &job, NULL, &err);
-
     if (rc == 0)
         rc = orl_local_annual(&job, v->files, v->work, NULL, threads, NULL, &callback, &err);
     orl_annual_job_done(&job);
@@ -106,7 +102,6 @@ static int compare_files(const char *a, const char *b)
     const struct orl_files here = orl_files_from_folder(".");
     struct orl_file one, other;
     int rc = here.open(here.ctx, a, &one, NULL);
-
     if (rc)
         return rc;
     rc = here.open(here.ctx, b, &other, NULL);
@@ -124,7 +119,6 @@ static void compare_file(struct verification *v, const char *name)
 {
     char first[PATH_SIZE], repeated_result[PATH_SIZE];
     int rc = orl_join_path(v->result.folder, name, first, sizeof first, NULL);
-
     if (rc == 0)
         rc = orl_join_path(v->work, name, repeated_result, sizeof repeated_result, NULL);
     if (rc == 0)
@@ -145,7 +139,6 @@ static void compare_documents(struct verification *v)
     const size_t before = v->differing;
     const char *key;
     json_t *value;
-
     for (int k = 0; k < 2; k++) {
         for (size_t i = 0; i < sizeof own / sizeof *own; i++)
             json_object_del(both[k], own[i]);
@@ -172,7 +165,6 @@ static int compare_results(struct verification *v)
 {
     const json_t *names = json_object_get(v->result.doc, "files"), *name;
     size_t i;
-
     json_array_foreach(names, i, name) if (json_is_string(name))
         compare_file(v, json_string_value(name));
     compare_documents(v);
@@ -187,31 +179,10 @@ static int compare_results(struct verification *v)
 
 /* ---- Command --------------------------------------------------------------------------------- */
 
-static int remove_one(const char *path, const struct stat *st, int flag, struct FTW *at)
-{
-    (void)st, (void)flag, (void)at;
-    remove(path);
-    return 0;
-}
-
-static int make_work(struct verification *v)
-{
-    const char *folder = getenv("TMPDIR");
-
-    snprintf(v->work, sizeof v->work, "%s/oriel-verify-XXXXXX",
-             folder && *folder ? folder : "/tmp");
-    if (mkdtemp(v->work))
-        return 0;
-    perror(v->work);
-    v->work[0] = '\0';
-    return EXIT_CANNOT;
-}
-
 static const json_t *provenance_of(const struct verification *v)
 {
     const json_t *provenance = json_object_get(v->result.doc, "provenance");
     const char *kind = orl_get_text(v->result.doc, "kind");
-
     if (strcmp(kind, "annual") == 0 &&
         strcmp(orl_get_text(v->result.doc, "state"), "succeeded") == 0 &&
         json_is_object(json_object_get(provenance, "document")))
@@ -226,16 +197,16 @@ static const json_t *provenance_of(const struct verification *v)
 static int verify_result(struct verification *v, uint32_t threads)
 {
     const json_t *provenance = provenance_of(v);
+    struct orl_error err = {0};
     int code = provenance ? check_inputs(v, provenance) : EXIT_CANNOT;
-
     if (code)
         return code;
     if (strcmp(orl_get_text(provenance, "version"), ORL_VERSION) != 0)
         fprintf(stderr, "the result was made by Oriel %s, this is %s\n",
                 orl_get_text(provenance, "version"), ORL_VERSION);
-    code = make_work(v);
-    if (code == 0)
-        code = run_again(v, json_object_get(provenance, "document"), threads);
+    if (orl_temp_folder_make("verify", v->work, &err))
+        return report_cannot(&err);
+    code = run_again(v, json_object_get(provenance, "document"), threads);
     return code ? code : compare_results(v);
 }
 
@@ -244,17 +215,14 @@ int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv)
     struct verification v = {.files = "."};
     struct orl_local_line line = {0};
     const struct orl_option options[] = {
-        {.name = "files",
-         .metavar = "DIR",
-         .help = "folder of scene, weather and sensors (default: the current folder)",
-         .value = &v.files},
+        {"files", 0, "DIR", "folder of scene, weather and sensors (default: the current folder)",
+         &v.files, NULL},
         ORL_OPTION_THREADS(&line.threads_text),
     };
     struct orl_error err = {0};
     struct stat st;
     char path[PATH_SIZE];
     int code;
-
     if (!orl_local_parse(self, argc, argv, options, 2, &line, &code))
         return code;
     snprintf(path, sizeof path, "%s%s", line.operand,
@@ -262,7 +230,7 @@ int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv)
     code = orl_job_file_read(path, &v.result, &err) ? report_cannot(&err)
                                                     : verify_result(&v, line.threads);
     if (v.work[0])
-        nftw(v.work, remove_one, 16, FTW_DEPTH | FTW_PHYS);
+        orl_remove_folder(v.work);
     json_decref(v.repeated_result);
     orl_job_file_done(&v.result);
     return code;

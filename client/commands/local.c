@@ -34,7 +34,6 @@ static atomic_bool has_parts;
 static void on_stop_limit(int number)
 {
     static const char text[] = "\noriel: terminated, because it did not stop within 5 s\n";
-
     (void)number;
     if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
         _exit(ORL_EXIT_FAILED);
@@ -52,7 +51,6 @@ static void on_interrupt(int number)
 static void catch_interrupts(void)
 {
     struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_RESTART};
-
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
@@ -66,7 +64,6 @@ static void catch_interrupts(void)
 static uint32_t count_cores(void)
 {
     cpu_set_t set;
-
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
         return (uint32_t)CPU_COUNT(&set);
     return 1;
@@ -76,7 +73,6 @@ static uint32_t count_cores(void)
 static int read_threads(const struct orl_subcommand *self, struct orl_local_line *line)
 {
     uint64_t threads = line->threads > 0 ? line->threads : count_cores();
-
     if (line->threads_text && !orl_parse_count(line->threads_text, 1, 1024, &threads))
         return orl_usage_error(self, "--threads takes a number from 1 to 1024, not \"%s\"",
                                line->threads_text);
@@ -115,7 +111,6 @@ static void on_warned(void *ctx, const char *warning)
     struct local *local = ctx;
     const char *const printed = local->warnings ? local->warnings : "\n";
     char *grown = NULL, *line = NULL;
-
     if (asprintf(&line, "\n%s\n", warning) < 0)
         return;
     const bool known = strstr(printed, line) != NULL;
@@ -140,7 +135,6 @@ static void on_progress(void *ctx, enum orl_stage stage, double stage_fraction, 
 static void on_plan(void *ctx, const struct orl_plan *plan)
 {
     char text[128];
-
     orl_format_plan(plan, text, sizeof text);
     orl_progress_note(&((struct local *)ctx)->progress, "plan: %s", text);
 }
@@ -149,7 +143,6 @@ static void on_map(void *ctx, const struct orl_map_info *info)
 {
     json_t *map = orl_map_info_to_json(info);
     char text[256];
-
     if (map) {
         orl_format_map(map, text, sizeof text);
         orl_progress_note(&((struct local *)ctx)->progress, "%s", text);
@@ -161,7 +154,6 @@ static void on_round(void *ctx, const struct orl_result *result)
 {
     const struct orl_outcome *outcome = &result->outcome;
     char error[32] = "not known yet";
-
     if (outcome->achieved >= 0 && outcome->goal.dgp_error > 0)
         snprintf(error, sizeof error, "of DGP %.2g", outcome->achieved);
     else if (outcome->achieved >= 0)
@@ -183,8 +175,6 @@ static int init_env(struct orl_run_env *env, uint32_t threads, struct orl_error 
 static int local_start(struct local *local, const char *folder, const char *output,
                        uint32_t threads, struct orl_error *err)
 {
-    int rc;
-
     local->files = orl_raypath_files(folder);
     local->store = orl_map_store_in_folder(&local->maps);
     local->env = (struct orl_run_env){.files = &local->files,
@@ -197,7 +187,7 @@ static int local_start(struct local *local, const char *folder, const char *outp
                                       .round_ready = on_round,
                                       .ctx = local};
     local->warnings = NULL;
-    rc = orl_join_path(output, "maps", local->maps.folder, sizeof local->maps.folder, err);
+    int rc = orl_join_path(output, "maps", local->maps.folder, sizeof local->maps.folder, err);
     if (rc == 0)
         rc = init_env(&local->env, threads, err);
     if (rc == 0)
@@ -236,7 +226,6 @@ int orl_local_run(const struct orl_job *job, const char *folder, const char *out
 {
     struct local local;
     int rc = local_start(&local, folder, output, threads, err);
-
     if (rc)
         return rc;
     set_distribution(&local, distribution);
@@ -255,7 +244,6 @@ struct skies {
 static void on_sky(void *ctx, size_t index, const struct orl_job *job, const char *file_prefix)
 {
     struct skies *skies = ctx;
-
     (void)job, (void)file_prefix;
     orl_progress_note(&skies->local.progress, "sky %s (%zu of %zu)", skies->job->skies[index].name,
                       index + 1, skies->job->n_skies);
@@ -268,15 +256,12 @@ static int on_sky_done(void *ctx, size_t index, const struct orl_result *result,
     const char *name = skies->job->skies[index].name;
     json_t *json = orl_sky_result_to_json(result, name);
     char file[128], path[4096];
-    int rc = json ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
     snprintf(file, sizeof file, "%s.json", name);
-    if (rc == 0)
-        rc = orl_join_path(skies->local.env.output_folder, file, path, sizeof path, err);
+    int rc = orl_join_path(skies->local.env.output_folder, file, path, sizeof path, err);
     if (rc == 0)
         rc = orl_write_json(path, json, err);
     if (rc == 0 && orl_skies_result_add(skies->results, json))
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     json_decref(json);
     return rc;
 }
@@ -288,8 +273,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
     struct skies skies = {.job = job, .results = orl_skies_result_new(job->seed, threads)};
     const struct orl_skies_env env = {.ctx = &skies, .begins = on_sky, .done = on_sky_done};
     int rc = skies.results ? local_start(&skies.local, folder, output, threads, err)
-                           : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+                           : orl_error_no_memory(err);
     if (rc == 0) {
         set_distribution(&skies.local, distribution);
         rc = orl_run_skies(job, &skies.local.env, &env, err);
@@ -298,7 +282,7 @@ int orl_local_run_skies(const struct orl_job *job, const char *folder, const cha
         local_stop(&skies.local);
     }
     if (rc == 0 && orl_skies_result_end(skies.results, "succeeded"))
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     if (rc)
         json_decref(skies.results);
     else
@@ -312,7 +296,6 @@ int orl_local_plan(const struct orl_job *job, const char *folder, uint32_t threa
     const struct orl_files files = orl_raypath_files(folder);
     struct orl_run_env env = {.files = &files};
     int rc = init_env(&env, threads, err);
-
     if (rc)
         return rc;
     rc = orl_plan_skies(job, &env, SIZE_MAX, on_result, ctx, err);
@@ -333,7 +316,6 @@ struct year {
 static void on_year_round(void *ctx, const struct orl_annual_refinement *r)
 {
     struct local *local = ctx;
-
     orl_progress_note(&local->progress, "round %u: %s: %.4g [%.4g, %.4g], %s; %zu sensors refined",
                       r->rounds, r->target.text, r->area.value.value, r->area.value.low,
                       r->area.value.high, orl_verdict_name(r->verdict), r->refined);
@@ -344,7 +326,6 @@ static int on_year_done(void *ctx, const struct orl_annual_result *result,
                         const json_t *names, struct orl_error *err)
 {
     const struct year *year = ctx;
-
     (void)names;
     return year->on_result->on_result(year->on_result->ctx, result, report, document, err);
 }
@@ -360,7 +341,6 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
                                            .round = on_year_round,
                                            .on_result = on_year_done};
     int rc = local_start(&year.local, folder, output, threads, err);
-
     if (rc)
         return rc;
     set_distribution(&year.local, distribution);
@@ -370,8 +350,8 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
     }
     year.local.env.files_id = "of this run";
     year.local.env.memory_cache = orl_memory_cache_new(YEAR_SHELF);
-    rc = year.local.env.memory_cache ? orl_annual_job_run(job, &env, err)
-                                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    rc =
+        year.local.env.memory_cache ? orl_annual_job_run(job, &env, err) : orl_error_no_memory(err);
     orl_memory_cache_free(year.local.env.memory_cache);
     local_stop(&year.local);
     return rc;
@@ -386,7 +366,6 @@ static void on_study_point(void *ctx, const struct orl_study_point *point)
 {
     json_t *json = orl_study_point_in_short(point);
     char text[160];
-
     if (json) {
         orl_format_study_point(json, text, sizeof text);
         orl_progress_note(ctx, "%s", text);
@@ -410,12 +389,10 @@ int orl_local_study(const struct orl_study_request *request, const char *folder,
                                       .progress = on_study_progress,
                                       .point_ready = on_study_point,
                                       .ctx = &progress};
-    int rc;
-
     if (!env.pool)
         return orl_error_set(err, ORL_ERR_NOMEM, "%u threads cannot be started", threads);
     orl_progress_start(&progress);
-    rc = orl_study_run(request, &env, ret_study, err);
+    int rc = orl_study_run(request, &env, ret_study, err);
     orl_progress_end(&progress);
     orl_thread_pool_stop(env.pool);
     return rc;

@@ -18,7 +18,7 @@
 #include <oriel/job/study.h>
 
 #include "annual_job/annual_json.h"
-#include "options/command.h"
+#include "options/job_options.h"
 
 /* The command line of a local command: an operand, -o DIR and --threads N. */
 struct orl_local_line {
@@ -44,13 +44,6 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
         .help = "threads to use (default: one per core); results do not depend on it",             \
         .value = (target)                                                                          \
     }
-
-/* Sharing of a run with other processes (oriel/job/job_tasks.h), and the store of its tasks and
- * maps. Borrowed. */
-struct orl_local_distribution {
-    const struct orl_job_tasks *tasks;
-    const struct orl_map_store *store;
-};
 
 /*
  * Returns the flag that Ctrl-C and SIGTERM set. A run that does not end within 5 s after that

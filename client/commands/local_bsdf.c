@@ -46,7 +46,6 @@ struct bsdf_run {
 static void on_progress(void *ctx, uint32_t round, double fraction)
 {
     char name[32];
-
     snprintf(name, sizeof name, "round %u", round);
     orl_progress_show(ctx, name, fraction, NAN);
 }
@@ -62,15 +61,13 @@ static int start_crew(uint32_t threads, struct orl_thread_pool **ret_pool, struc
 static int bsdf_run_start(struct bsdf_run *m, const char *folder, uint32_t threads,
                           struct orl_error *err)
 {
-    int rc;
-
     *m = (struct bsdf_run){.env = {.cancel = orl_local_interrupted(), .progress = on_progress}};
     if (folder) {
         m->files = orl_raypath_files(folder);
         m->env.files = &m->files;
     }
     m->env.ctx = &m->progress;
-    rc = start_crew(threads, &m->env.pool, err);
+    int rc = start_crew(threads, &m->env.pool, err);
     if (rc == 0)
         orl_progress_start(&m->progress);
     return rc;
@@ -90,7 +87,6 @@ int orl_local_make_bsdf(const struct orl_bsdf_make_request *request, const char 
     const struct orl_bsdf_distributor shared = orl_bsdf_distribute(&tasks);
     struct bsdf_run m;
     int rc = bsdf_run_start(&m, folder, threads, err);
-
     if (rc)
         return rc;
     if (distribution) {
@@ -109,7 +105,6 @@ int orl_local_convert_bsdf(const struct orl_bsdf *bsdf, const char *source,
 {
     struct bsdf_run m;
     int rc = bsdf_run_start(&m, NULL, threads, err);
-
     if (rc)
         return rc;
     rc = orl_bsdf_convert(bsdf, source, to, &m.env, ret_made, err);
@@ -124,7 +119,6 @@ int orl_local_cull_bsdf(const struct orl_bsdf *bsdf, const char *source,
 {
     struct bsdf_run m;
     int rc = bsdf_run_start(&m, NULL, threads, err);
-
     if (rc)
         return rc;
     rc = orl_bsdf_convert_within(bsdf, source, to, within, &m.env, ret_unseen, ret_made, ret_lost,
@@ -139,7 +133,6 @@ int orl_local_fit_bsdf(const struct orl_bsdf_fit_request *request, const char *f
 {
     struct bsdf_run m;
     int rc = bsdf_run_start(&m, folder, threads, err);
-
     if (rc)
         return rc;
     rc = orl_bsdf_fit(request, &m.env, ret_fitted, err);
@@ -152,7 +145,6 @@ int orl_local_compare_bsdfs(const struct orl_bsdf *a, const struct orl_bsdf *b, 
 {
     struct orl_thread_pool *pool;
     int rc = start_crew(threads, &pool, err);
-
     if (rc)
         return rc;
     rc = orl_bsdf_compare(a, b, pool, orl_local_interrupted(), ret_comparison, err);

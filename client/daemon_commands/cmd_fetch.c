@@ -29,7 +29,6 @@ static bool is_plain_name(const char *name)
 static int make_folders(const char *file, struct orl_error *err)
 {
     char folder[4096];
-
     snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(file, '/') - file), file);
     return orl_make_folder(folder, err);
 }
@@ -38,12 +37,10 @@ static int fetch_file(struct orl_http *http, const char *id, const char *name, c
                       struct orl_error *err)
 {
     char escaped[1024], rest[1100], path[2048], file[4096];
-    int rc;
-
     if (!is_plain_name(name))
         return orl_error_set(err, ORL_ERR_INVALID,
                              "the daemon lists a file \"%.100s\" outside the output folder", name);
-    rc = orl_http_escape(name, escaped, sizeof escaped, err);
+    int rc = orl_http_escape(name, escaped, sizeof escaped, err);
     if (rc)
         return rc;
     snprintf(rest, sizeof rest, "/files/%s", escaped);
@@ -64,7 +61,6 @@ static int fetch_result(struct orl_http *http, const char *id, const char *folde
 {
     char path[1024], file[4096];
     int rc = orl_job_path(id, "/result", path, sizeof path, err);
-
     if (rc == 0)
         rc = orl_join_path(folder, result_name, file, sizeof file, err);
     if (rc == 0)
@@ -79,7 +75,6 @@ static int explain_absence(const json_t *job, const char *id, struct orl_error *
 {
     const json_t *problem = json_object_get(job, "error");
     struct orl_error why = {.code = ORL_ERR_INVALID};
-
     if (json_is_object(problem))
         orl_problem_to_error(problem, &why);
     *err = why;
@@ -102,7 +97,6 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
     const json_t *entry;
     size_t i;
     int rc = orl_job_path(id, "", path, sizeof path, err);
-
     if (rc == 0)
         rc = orl_http_call(http, "GET", path, &job, err);
     if (rc)
@@ -110,7 +104,6 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
     json_array_foreach(json_object_get(job, "files"), i, entry)
     {
         const char *name = orl_get_text(entry, "name");
-
         rc = strcmp(name, result_name) != 0 ? fetch_file(http, id, name, folder, err) : 0;
         if (rc)
             break;
@@ -127,31 +120,23 @@ static int fetch_all(struct orl_http *http, const char *id, const char *folder,
 
 int orl_cmd_fetch(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL, *folder = NULL;
+    struct orl_daemon_command daemon = {0};
+    const char *folder = NULL;
     const struct orl_option options[] = {
-        {.name = "output",
-         .letter = 'o',
-         .metavar = "DIR",
-         .help = "folder for the results",
-         .value = &folder},
-        ORL_OPTION_SERVER(&server),
+        {"output", 'o', "DIR", "folder for the results", &folder, NULL},
+        ORL_OPTION_SERVER(&daemon.server),
     };
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
     int rc;
-
-    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, 2, 1, 1, &daemon.operands, &rc))
         return rc;
     if (!folder)
         return orl_usage_error(self, "-o DIR is missing");
-    rc = orl_http_open(&http, server, &err);
+    rc = orl_daemon_open(&daemon);
     if (rc == 0)
-        rc = orl_make_folder(folder, &err);
+        rc = orl_make_folder(folder, &daemon.err);
     if (rc == 0)
-        rc = fetch_all(&http, operands.items[0], folder, &err);
-    orl_http_close(&http);
-    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+        rc = fetch_all(&daemon.http, daemon.operands.items[0], folder, &daemon.err);
+    return orl_daemon_end(&daemon, rc);
 }
 
 /* ---- oriel link ------------------------------------------------------------------------------ */
@@ -161,7 +146,6 @@ enum { MOST_FILES = 100, MOST_SECONDS = 3600, USUAL_SECONDS = 300 };
 static json_t *make_document(const struct orl_operands *operands, uint64_t seconds)
 {
     json_t *files = json_array();
-
     for (int i = 1; i < operands->count && files; i++)
         json_array_append_new(files, json_string(operands->items[i]));
     return json_pack("{s:o, s:I}", "files", files, "seconds", (json_int_t)seconds);
@@ -171,7 +155,6 @@ static void print_links(const struct orl_http *http, const json_t *links)
 {
     const json_t *link;
     size_t i;
-
     json_array_foreach(links, i, link)
     {
         printf("%s%s\n", http->base_url, orl_get_text(link, "url"));
@@ -180,38 +163,32 @@ static void print_links(const struct orl_http *http, const json_t *links)
 
 int orl_cmd_link(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL, *seconds_text = NULL;
+    struct orl_daemon_command daemon = {0};
+    const char *seconds_text = NULL;
     const struct orl_option options[] = {
-        ORL_OPTION_SERVER(&server),
-        {.name = "seconds",
-         .metavar = "N",
-         .help = "seconds until the addresses expire, up to 3600 (300)",
-         .value = &seconds_text},
+        ORL_OPTION_SERVER(&daemon.server),
+        {"seconds", 0, "N", "seconds until the addresses expire, up to 3600 (300)", &seconds_text,
+         NULL},
     };
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
     uint64_t seconds = USUAL_SECONDS;
     json_t *reply = NULL;
     char path[1024];
     int rc;
-
-    if (!orl_options_parse(self, argc, argv, options, 2, 2, 1 + MOST_FILES, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, 2, 2, 1 + MOST_FILES, &daemon.operands, &rc))
         return rc;
     if (seconds_text && !orl_parse_count(seconds_text, 1, MOST_SECONDS, &seconds))
         return orl_usage_error(self, "--seconds takes a number from 1 to %d, not \"%s\"",
                                MOST_SECONDS, seconds_text);
-    json_t *body = make_document(&operands, seconds);
-    rc = body ? orl_http_open(&http, server, &err)
-              : orl_error_set(&err, ORL_ERR_INVALID, "file names must be UTF-8");
+    json_t *body = make_document(&daemon.operands, seconds);
+    rc = body ? orl_daemon_open(&daemon)
+              : orl_error_set(&daemon.err, ORL_ERR_INVALID, "file names must be UTF-8");
     if (rc == 0)
-        rc = orl_job_path(operands.items[0], "/links", path, sizeof path, &err);
+        rc = orl_job_path(daemon.operands.items[0], "/links", path, sizeof path, &daemon.err);
     if (rc == 0)
-        rc = orl_http_post_json(&http, path, body, &reply, &err);
+        rc = orl_http_post_json(&daemon.http, path, body, &reply, &daemon.err);
     if (rc == 0)
-        print_links(&http, json_object_get(reply, "links"));
+        print_links(&daemon.http, json_object_get(reply, "links"));
     json_decref(reply);
     json_decref(body);
-    orl_http_close(&http);
-    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+    return orl_daemon_end(&daemon, rc);
 }

@@ -17,10 +17,9 @@
 #include "output/reports.h"
 
 /* Returns the document's member that names the files to upload. */
-static const char *queue_position(const struct orl_job_file *file)
+static const char *files_member(const struct orl_job_file *file)
 {
     const char *kind = json_string_value(json_object_get(file->doc, "kind"));
-
     return kind && strcmp(kind, orl_job_request_kind_name(ORL_JOB_KIND_BSDF_FIT)) == 0
                ? "measurements"
                : "scene";
@@ -33,12 +32,10 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     struct orl_upload bundle = {0};
     struct orl_job_request job_request = {0};
     char *id = NULL;
-    int rc;
-
-    if (!json_is_object(json_object_get(file->doc, queue_position(file))))
+    if (!json_is_object(json_object_get(file->doc, files_member(file))))
         return 0;
     /* Decoding it as a local job finds errors before anything is sent. */
-    rc = orl_job_request_from_json(file->doc, ORL_JOB_LOCAL, &job_request, NULL, err);
+    int rc = orl_job_request_from_json(file->doc, ORL_JOB_LOCAL, &job_request, NULL, err);
     if (rc) {
         orl_error_at(err, file->path, 0, NULL);
         return rc;
@@ -46,8 +43,8 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
     rc = orl_job_bundle_collect(file->folder, &job_request, &bundle, err);
     if (rc == 0)
         rc = orl_bundle_upload(&bundle, http, &id, err);
-    if (rc == 0 && json_object_set_new(file->doc, queue_position(file), json_string(id)) != 0)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    if (rc == 0 && json_object_set_new(file->doc, files_member(file), json_string(id)) != 0)
+        rc = orl_error_no_memory(err);
     free(id);
     orl_bundle_done(&bundle);
     orl_job_request_done(&job_request);
@@ -60,7 +57,6 @@ static int send_scene(struct orl_http *http, struct orl_job_file *file, struct o
 static bool is_inlined(const struct orl_job_file *file)
 {
     const char *kind = json_string_value(json_object_get(file->doc, "kind"));
-
     return !kind || strcmp(kind, orl_job_request_kind_name(ORL_JOB_KIND_ANNUAL)) != 0;
 }
 
@@ -70,10 +66,8 @@ static int set_labels(struct orl_job_file *file, const char *name, const char *t
 {
     json_t *list = tags ? json_array() : NULL;
     int rc = name ? json_object_set_new(file->doc, "name", json_string(name)) : 0;
-
     while (tags && *tags && rc == 0) {
         const size_t length = strcspn(tags, ",");
-
         rc = json_array_append_new(list, json_stringn(tags, length));
         tags += length + (tags[length] == ',');
     }
@@ -90,7 +84,6 @@ static int submit_job(struct orl_http *http, const char *path,
 {
     struct orl_job_file file = {0};
     int rc = orl_job_file_open(path, project, &file, err);
-
     if (rc == 0)
         rc = set_labels(&file, name, tags, err);
     if (rc == 0 && is_inlined(&file))
@@ -107,39 +100,34 @@ static int submit_job(struct orl_http *http, const char *path,
 
 int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL, *name = NULL, *tags = NULL;
+    struct orl_daemon_command daemon = {0};
+    const char *name = NULL, *tags = NULL;
     struct orl_project_line project = {0};
     bool wait = false;
     const struct orl_option options[] = {
-        ORL_OPTION_SERVER(&server),
-        {.name = "name", .metavar = "NAME", .help = "name of the job", .value = &name},
-        {.name = "tags",
-         .metavar = "TAG,...",
-         .help = "tags to find the job by, as with oriel status --tag",
-         .value = &tags},
+        ORL_OPTION_SERVER(&daemon.server),
+        {"name", 0, "NAME", "name of the job", &name, NULL},
+        {"tags", 0, "TAG,...", "tags to find the job by, as with oriel status --tag", &tags, NULL},
         ORL_OPTIONS_PROJECT(&project),
         ORL_OPTIONS_YEAR(&project),
-        {.name = "wait", .help = "follow the job to its end", .flag = &wait},
+        {"wait", 0, NULL, "follow the job to its end", NULL, &wait},
     };
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
     json_t *reply = NULL;
     int rc, code;
-
-    if (!orl_options_parse(self, argc, argv, options, 9, 1, 1, &operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 9, 1, 1, &daemon.operands, &code))
         return code;
-    rc = orl_http_open(&http, server, &err);
+    rc = orl_daemon_open(&daemon);
     if (rc == 0)
-        rc = submit_job(&http, operands.items[0], &project, name, tags, &reply, &err);
+        rc = submit_job(&daemon.http, daemon.operands.items[0], &project, name, tags, &reply,
+                        &daemon.err);
     if (rc) {
-        code = orl_report_error(&err);
+        code = orl_report_error(&daemon.err);
     } else {
         printf("%s\n", orl_get_text(reply, "id"));
-        code = wait ? orl_follow_job(&http, orl_get_text(reply, "id")) : ORL_EXIT_OK;
+        code = wait ? orl_follow_job(&daemon.http, orl_get_text(reply, "id")) : ORL_EXIT_OK;
     }
     json_decref(reply);
-    orl_http_close(&http);
+    orl_http_close(&daemon.http);
     return code;
 }
 
@@ -147,20 +135,16 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
 
 int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL;
-    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
+    struct orl_daemon_command daemon = {0};
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&daemon.server)};
     int code;
-
-    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &daemon.operands, &code))
         return code;
-    if (orl_http_open(&http, server, &err))
-        code = orl_report_error(&err);
+    if (orl_daemon_open(&daemon))
+        code = orl_report_error(&daemon.err);
     else
-        code = orl_follow_job(&http, operands.items[0]);
-    orl_http_close(&http);
+        code = orl_follow_job(&daemon.http, daemon.operands.items[0]);
+    orl_http_close(&daemon.http);
     return code;
 }
 
@@ -168,33 +152,28 @@ int orl_cmd_wait(const struct orl_subcommand *self, int argc, char **argv)
 
 int orl_cmd_cancel(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL;
-    const struct orl_option options[] = {ORL_OPTION_SERVER(&server)};
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
+    struct orl_daemon_command daemon = {0};
+    const struct orl_option options[] = {ORL_OPTION_SERVER(&daemon.server)};
     json_t *nothing, *job = NULL;
     char path[1024];
     int rc;
-
-    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, 1, 1, 1, &daemon.operands, &rc))
         return rc;
     nothing = json_object();
-    rc = orl_http_open(&http, server, &err);
+    rc = orl_daemon_open(&daemon);
     if (rc == 0)
-        rc = orl_job_path(operands.items[0], "/cancel", path, sizeof path, &err);
+        rc = orl_job_path(daemon.operands.items[0], "/cancel", path, sizeof path, &daemon.err);
     if (rc == 0)
-        rc = orl_http_post_json(&http, path, nothing, &job, &err);
+        rc = orl_http_post_json(&daemon.http, path, nothing, &job, &daemon.err);
     if (rc == 0 && !(job && orl_job_has_ended(job))) {
-        fprintf(stderr, "job %s: cancelling\n", operands.items[0]);
+        fprintf(stderr, "job %s: cancelling\n", daemon.operands.items[0]);
         json_decref(job);
         job = NULL;
-        rc = orl_await_job(&http, operands.items[0], &job, &err);
+        rc = orl_await_job(&daemon.http, daemon.operands.items[0], &job, &daemon.err);
     }
     if (rc == 0)
-        fprintf(stderr, "job %s: %s\n", operands.items[0], orl_get_text(job, "state"));
+        fprintf(stderr, "job %s: %s\n", daemon.operands.items[0], orl_get_text(job, "state"));
     json_decref(job);
     json_decref(nothing);
-    orl_http_close(&http);
-    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+    return orl_daemon_end(&daemon, rc);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "daemon_commands/follow_job.h"
 #include "http/http_client.h"
 #include "http/json_get.h"
 #include "output/reports.h"
@@ -14,13 +15,11 @@
 static void format_age(const char *when, char *text, size_t size)
 {
     struct tm then = {0};
-    double age_s;
-
     if (!strptime(when, "%Y-%m-%dT%H:%M:%S", &then)) {
         snprintf(text, size, "-");
         return;
     }
-    age_s = difftime(time(NULL), timegm(&then));
+    double age_s = difftime(time(NULL), timegm(&then));
     if (age_s < 60)
         snprintf(text, size, "%.0f s", age_s > 0 ? age_s : 0);
     else if (age_s < 3600)
@@ -37,7 +36,6 @@ static void print_maps(const json_t *maps)
     size_t i;
     double saved_s = 0, bytes = 0;
     char span[32], total[32];
-
     printf("%-11s %-12s %9s %9s %10s %9s %5s %9s %7s %7s\n", "kind", "key", "emitted", "stored",
            "size", "built in", "hits", "saved", "age", "unused");
     json_array_foreach(maps, i, map)
@@ -46,7 +44,6 @@ static void print_maps(const json_t *maps)
         const double hits = orl_get_number(map, "hits", 0);
         const double saved = orl_get_number(map, "seconds_saved", hits * seconds);
         char emitted[32], stored[32], size[32], age[32], unused[32];
-
         orl_format_amount(orl_get_number(map, "emitted", 0), "", emitted, sizeof emitted);
         orl_format_amount(orl_get_number(map, "stored", 0), "", stored, sizeof stored);
         orl_format_amount(orl_get_number(map, "bytes", 0), "B", size, sizeof size);
@@ -73,7 +70,6 @@ static int find_map(const json_t *maps, const char *start, const json_t **ret_ma
 {
     const json_t *map, *found = NULL;
     size_t i, n_found = 0;
-
     json_array_foreach(maps, i, map)
     {
         if (strncmp(orl_get_text(map, "key"), start, strlen(start)) != 0)
@@ -94,7 +90,6 @@ static int remove_map(struct orl_http *http, const json_t *maps, const char *sta
     char path[256];
     const json_t *map = NULL;
     int rc = find_map(maps, start, &map, err);
-
     if (rc)
         return rc;
     snprintf(path, sizeof path, "/v1/maps/%.20s/%.64s", orl_get_text(map, "kind"),
@@ -107,30 +102,23 @@ static int remove_map(struct orl_http *http, const json_t *maps, const char *sta
 
 int orl_cmd_maps(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL, *start = NULL;
+    struct orl_daemon_command daemon = {0};
+    const char *start = NULL;
     const struct orl_option options[] = {
-        ORL_OPTION_SERVER(&server),
-        {.name = "remove",
-         .metavar = "KEY",
-         .help = "remove the map whose key begins with KEY",
-         .value = &start},
+        ORL_OPTION_SERVER(&daemon.server),
+        {"remove", 0, "KEY", "remove the map whose key begins with KEY", &start, NULL},
     };
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
     json_t *reply = NULL;
     int rc;
-
-    if (!orl_options_parse(self, argc, argv, options, 2, 0, 0, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, 2, 0, 0, &daemon.operands, &rc))
         return rc;
-    rc = orl_http_open(&http, server, &err);
+    rc = orl_daemon_open(&daemon);
     if (rc == 0)
-        rc = orl_http_call(&http, "GET", "/v1/maps", &reply, &err);
+        rc = orl_http_call(&daemon.http, "GET", "/v1/maps", &reply, &daemon.err);
     if (rc == 0 && start)
-        rc = remove_map(&http, json_object_get(reply, "maps"), start, &err);
+        rc = remove_map(&daemon.http, json_object_get(reply, "maps"), start, &daemon.err);
     else if (rc == 0)
         print_maps(json_object_get(reply, "maps"));
     json_decref(reply);
-    orl_http_close(&http);
-    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+    return orl_daemon_end(&daemon, rc);
 }

@@ -16,7 +16,6 @@ static void print_study(const json_t *study)
     const json_t *points = json_object_get(study, "points"), *point;
     char text[160];
     size_t i;
-
     if (!study)
         return;
     printf("running  %s, run %.0f of %.0f\npoints   %zu of %.0f\n", orl_get_text(study, "running"),
@@ -36,7 +35,6 @@ static void print_job(const json_t *job)
     const double position = orl_get_number(job, "queue_position", -1);
     char text[320];
     size_t i;
-
     printf("id       %s\n", orl_get_text(job, "id"));
     if (*orl_get_text(job, "name"))
         printf("name     %s\n", orl_get_text(job, "name"));
@@ -80,11 +78,9 @@ static int add_filter(char *path, size_t size, const char *name, const char *val
 {
     char escaped[512];
     const size_t used = strlen(path);
-    int rc;
-
     if (!value)
         return 0;
-    rc = orl_http_escape(value, escaped, sizeof escaped, err);
+    int rc = orl_http_escape(value, escaped, sizeof escaped, err);
     if (rc == 0)
         snprintf(path + used, size - used, "&%s=%s", name, escaped);
     return rc;
@@ -92,48 +88,34 @@ static int add_filter(char *path, size_t size, const char *name, const char *val
 
 int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL;
+    struct orl_daemon_command daemon = {0};
     const char *state = NULL, *tag = NULL, *scene = NULL, *since = NULL, *limit = NULL;
-    const struct orl_option options[] = {
-        ORL_OPTION_SERVER(&server),
-        {.name = "state", .metavar = "STATE", .help = "only jobs in that state", .value = &state},
-        {.name = "tag", .metavar = "TAG", .help = "only jobs with that tag", .value = &tag},
-        {.name = "scene", .metavar = "ID", .help = "only jobs of that scene", .value = &scene},
-        {.name = "since",
-         .metavar = "TIME",
-         .help = "only jobs submitted at that time or later: 2026-11-23T08:00:00Z",
-         .value = &since},
-        {.name = "limit", .metavar = "N", .help = "largest number of jobs (100)", .value = &limit},
+    enum { OPTIONS = 6 };
+    const struct orl_option options[OPTIONS] = {
+        ORL_OPTION_SERVER(&daemon.server),
+        {"state", 0, "STATE", "only jobs in that state", &state, NULL},
+        {"tag", 0, "TAG", "only jobs with that tag", &tag, NULL},
+        {"scene", 0, "ID", "only jobs of that scene", &scene, NULL},
+        {"since", 0, "TIME", "only jobs submitted at that time or later: 2026-11-23T08:00:00Z",
+         &since, NULL},
+        {"limit", 0, "N", "largest number of jobs (100)", &limit, NULL},
     };
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
     char path[2048] = "/v1/jobs?fields=summary";
     json_t *reply = NULL;
     int rc;
-
-    if (!orl_options_parse(self, argc, argv, options, 6, 0, 1, &operands, &rc))
+    if (!orl_options_parse(self, argc, argv, options, OPTIONS, 0, 1, &daemon.operands, &rc))
         return rc;
-    rc = orl_http_open(&http, server, &err);
-    if (rc == 0 && operands.count)
-        rc = orl_job_path(operands.items[0], "", path, sizeof path, &err);
-    else if (rc == 0)
-        rc = add_filter(path, sizeof path, "state", state, &err);
-    if (rc == 0 && !operands.count)
-        rc = add_filter(path, sizeof path, "tag", tag, &err);
-    if (rc == 0 && !operands.count)
-        rc = add_filter(path, sizeof path, "scene", scene, &err);
-    if (rc == 0 && !operands.count)
-        rc = add_filter(path, sizeof path, "since", since, &err);
-    if (rc == 0 && !operands.count)
-        rc = add_filter(path, sizeof path, "limit", limit, &err);
+    rc = orl_daemon_open(&daemon);
+    if (rc == 0 && daemon.operands.count)
+        rc = orl_job_path(daemon.operands.items[0], "", path, sizeof path, &daemon.err);
+    for (int i = 1; i < OPTIONS && !daemon.operands.count && rc == 0; i++)
+        rc = add_filter(path, sizeof path, options[i].name, *options[i].value, &daemon.err);
     if (rc == 0)
-        rc = orl_http_call(&http, "GET", path, &reply, &err);
-    if (rc == 0 && operands.count)
+        rc = orl_http_call(&daemon.http, "GET", path, &reply, &daemon.err);
+    if (rc == 0 && daemon.operands.count)
         print_job(reply);
     else if (rc == 0)
         orl_print_jobs(json_object_get(reply, "jobs"));
     json_decref(reply);
-    orl_http_close(&http);
-    return rc ? orl_report_error(&err) : ORL_EXIT_OK;
+    return orl_daemon_end(&daemon, rc);
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "daemon_commands/follow_job.h"
 #include "http/http_client.h"
 #include "http/json_get.h"
 #include "output/reports.h"
@@ -32,7 +33,6 @@ struct watch {
 static bool has_changed(const json_t *printed_jobs, const json_t *job)
 {
     const double percent = orl_get_number(job, "percent", 0);
-
     return !printed_jobs ||
            strcmp(orl_get_text(printed_jobs, "state"), orl_get_text(job, "state")) != 0 ||
            !json_equal(json_object_get(printed_jobs, "error"), json_object_get(job, "error")) ||
@@ -42,7 +42,6 @@ static bool has_changed(const json_t *printed_jobs, const json_t *job)
 static void handle_job(struct watch *watch, json_t *job)
 {
     const char *id = orl_get_text(job, "id");
-
     if (!has_changed(json_object_get(watch->printed_jobs, id), job))
         return;
     orl_print_job(job);
@@ -52,7 +51,6 @@ static void handle_job(struct watch *watch, json_t *job)
 static void handle_event(struct watch *watch)
 {
     json_t *doc = watch->data ? json_loads(watch->data, 0, NULL) : NULL;
-
     if (doc && strcmp(watch->event, "job") == 0) {
         handle_job(watch, doc);
     } else if (doc && strcmp(watch->event, "removed") == 0) {
@@ -69,7 +67,6 @@ static void handle_event(struct watch *watch)
 static bool on_line(void *ctx, const char *line)
 {
     struct watch *watch = ctx;
-
     watch->received = true;
     if (strncmp(line, "event: ", 7) == 0) {
         snprintf(watch->event, sizeof watch->event, "%s", line + 7);
@@ -91,11 +88,9 @@ static int list_jobs(struct orl_http *http, struct watch *watch, const char *fil
 {
     char path[2048];
     json_t *reply = NULL;
-
     snprintf(path, sizeof path, "/v1/jobs?fields=summary%s", filters);
     const int rc = orl_http_call(http, "GET", path, &reply, err);
     json_t *jobs = json_object_get(reply, "jobs");
-
     for (size_t i = json_array_size(jobs); rc == 0 && i > 0; i--)
         handle_job(watch, json_array_get(jobs, i - 1));
     json_decref(reply);
@@ -105,7 +100,6 @@ static int list_jobs(struct orl_http *http, struct watch *watch, const char *fil
 static void pause_s(double seconds)
 {
     const struct timespec span = {(time_t)seconds, 0};
-
     nanosleep(&span, NULL);
 }
 
@@ -116,7 +110,6 @@ static int follow_events(struct orl_http *http, struct watch *watch, const char 
     double silent_since_s = orl_clock_s(NULL);
     char path[2048];
     int rc = 0;
-
     snprintf(path, sizeof path, "/v1/events%s%s", *filters ? "?" : "", *filters ? filters + 1 : "");
     while (rc == 0) {
         watch->received = false;
@@ -134,35 +127,32 @@ static int follow_events(struct orl_http *http, struct watch *watch, const char 
 
 int orl_cmd_watch(const struct orl_subcommand *self, int argc, char **argv)
 {
-    const char *server = NULL, *tag = NULL;
+    struct orl_daemon_command daemon = {0};
+    const char *tag = NULL;
     const struct orl_option options[] = {
-        ORL_OPTION_SERVER(&server),
-        {.name = "tag", .metavar = "TAG", .help = "only jobs with that tag", .value = &tag},
+        ORL_OPTION_SERVER(&daemon.server),
+        {"tag", 0, "TAG", "only jobs with that tag", &tag, NULL},
     };
-    struct orl_operands operands;
-    struct orl_http http = {0};
-    struct orl_error err = {0};
     struct watch watch = {.printed_jobs = json_object()};
     char filters[600] = "", escaped[512];
     int rc;
-
-    if (!orl_options_parse(self, argc, argv, options, 2, 0, 0, &operands, &rc)) {
+    if (!orl_options_parse(self, argc, argv, options, 2, 0, 0, &daemon.operands, &rc)) {
         json_decref(watch.printed_jobs);
         return rc;
     }
-    rc = orl_http_open(&http, server, &err);
+    rc = orl_daemon_open(&daemon);
     if (rc == 0 && tag)
-        rc = orl_http_escape(tag, escaped, sizeof escaped, &err);
+        rc = orl_http_escape(tag, escaped, sizeof escaped, &daemon.err);
     if (rc == 0 && tag)
         snprintf(filters, sizeof filters, "&tag=%s", escaped);
     if (rc == 0) {
         orl_print_job_heading();
-        rc = list_jobs(&http, &watch, filters, &err);
+        rc = list_jobs(&daemon.http, &watch, filters, &daemon.err);
     }
     if (rc == 0)
-        rc = follow_events(&http, &watch, filters, &err);
+        rc = follow_events(&daemon.http, &watch, filters, &daemon.err);
     json_decref(watch.printed_jobs);
     free(watch.data);
-    orl_http_close(&http);
-    return orl_report_error(&err);
+    orl_http_close(&daemon.http);
+    return orl_report_error(&daemon.err);
 }

@@ -14,16 +14,25 @@
 /* Seconds to wait for a daemon that stopped answering, because it may be restarting. */
 #define RECONNECT_LIMIT_S 60.0
 
+int orl_daemon_open(struct orl_daemon_command *command)
+{
+    return orl_http_open(&command->http, command->server, &command->err);
+}
+
+int orl_daemon_end(struct orl_daemon_command *command, int rc)
+{
+    orl_http_close(&command->http);
+    return rc ? orl_report_error(&command->err) : ORL_EXIT_OK;
+}
+
 int orl_job_path(const char *id, const char *rest, char *ret_path, size_t size,
                  struct orl_error *err)
 {
     char escaped[512];
     const int rc = orl_http_escape(id, escaped, sizeof escaped, err);
-    int length;
-
     if (rc)
         return rc;
-    length = snprintf(ret_path, size, "/v1/jobs/%s%s", escaped, rest);
+    int length = snprintf(ret_path, size, "/v1/jobs/%s%s", escaped, rest);
     if (length < 0 || (size_t)length >= size)
         return orl_error_set(err, ORL_ERR_LIMIT, "the job's address is too long");
     return 0;
@@ -34,7 +43,6 @@ void orl_format_map(const json_t *map, char *ret_text, size_t size)
     const double seconds = orl_get_number(map, "seconds", 0);
     const double reused = orl_get_number(map, "reused", 0);
     char stored[32], bytes[32], before[32];
-
     if (strcmp(orl_get_text(map, "kind"), "made") == 0) {
         orl_format_amount(orl_get_number(map, "emitted", 0), "", stored, sizeof stored);
         snprintf(ret_text, size, "BSDF: %s %.1f s (from %s paths or measured rows)",
@@ -70,13 +78,11 @@ static void report_warnings(struct orl_progress_line *progress, const json_t *jo
 {
     const json_t *warnings = json_object_get(job, "warnings"), *warning;
     size_t i;
-
     if (!*reported_warnings)
         *reported_warnings = json_object();
     json_array_foreach(warnings, i, warning)
     {
         const char *text = json_string_value(warning);
-
         if (!text || json_object_get(*reported_warnings, text))
             continue;
         json_object_set_new(*reported_warnings, text, json_true());
@@ -90,7 +96,6 @@ static void report_sky(struct orl_progress_line *progress, const json_t *job,
 {
     const json_t *skies = json_object_get(job, "skies");
     const char *sky = orl_get_text(skies, "running");
-
     if (!*sky || strcmp(reported->sky, sky) == 0)
         return;
     *reported = (struct reported){.technique = true, .runner = true};
@@ -104,7 +109,6 @@ static void report_runner(struct orl_progress_line *progress, const json_t *job,
 {
     const json_t *runner = json_object_get(job, "runner");
     const bool slurm = strcmp(orl_get_text(runner, "name"), "slurm") == 0;
-
     if (runner && !*reported)
         orl_progress_note(progress, "%s: %s",
                           slurm ? "runs in parts with Slurm" : "runs in the daemon",
@@ -116,7 +120,6 @@ static void report_runner(struct orl_progress_line *progress, const json_t *job,
 static void report_technique(struct orl_progress_line *progress, const json_t *job, bool *reported)
 {
     const char *technique = orl_get_text(job, "technique");
-
     if (*technique && !*reported)
         orl_progress_note(progress, "plan: %s", technique);
     *reported = *reported || *technique;
@@ -126,10 +129,8 @@ static void report_technique(struct orl_progress_line *progress, const json_t *j
 static void report_maps(struct orl_progress_line *progress, const json_t *job, size_t *reported)
 {
     const json_t *maps = json_object_get(job, "maps");
-
     for (; *reported < json_array_size(maps); ++*reported) {
         char text[256];
-
         orl_format_map(json_array_get(maps, *reported), text, sizeof text);
         orl_progress_note(progress, "%s", text);
     }
@@ -139,10 +140,8 @@ static void report_maps(struct orl_progress_line *progress, const json_t *job, s
 static void report_points(struct orl_progress_line *progress, const json_t *job, size_t *reported)
 {
     const json_t *points = json_object_get(json_object_get(job, "study"), "points");
-
     for (; *reported < json_array_size(points); ++*reported) {
         char text[160];
-
         orl_format_study_point(json_array_get(points, *reported), text, sizeof text);
         orl_progress_note(progress, "%s", text);
     }
@@ -154,7 +153,6 @@ static void report_round(struct orl_progress_line *progress, const json_t *job, 
     const json_t *accuracy = json_object_get(job, "accuracy");
     const double rounds = orl_get_number(accuracy, "rounds", 0);
     const double error = orl_get_number(accuracy, "achieved", -1);
-
     if (!(rounds > *reported))
         return;
     *reported = rounds;
@@ -172,7 +170,6 @@ static void report_verdict(struct orl_progress_line *progress, const json_t *job
     const json_t *accuracy = json_object_get(json_object_get(job, "annual"), "accuracy");
     const json_t *interval = json_object_get(accuracy, "interval_95");
     const double rounds = orl_get_number(accuracy, "rounds", 0);
-
     if (!(rounds > *reported))
         return;
     *reported = rounds;
@@ -188,7 +185,6 @@ static void report_timings(json_t *job)
 {
     json_t *timings = json_object_get(job, "timings_s"), *value;
     const char *name;
-
     if (json_object_size(timings) == 0)
         return;
     fprintf(stderr, "seconds:");
@@ -203,9 +199,7 @@ static void report_timings(json_t *job)
 static int report_end(json_t *job, const char *id)
 {
     const char *state = orl_get_text(job, "state");
-
     const json_t *accuracy = json_object_get(job, "accuracy");
-
     orl_report_job_error(job);
     if (accuracy)
         fprintf(stderr, "accuracy: %s: %s\n",
@@ -224,14 +218,12 @@ static void pause_s(double seconds)
 {
     const struct timespec span = {(time_t)seconds,
                                   (long)((seconds - (double)(time_t)seconds) * 1e9)};
-
     nanosleep(&span, NULL);
 }
 
 static void show_job(struct orl_progress_line *progress, const json_t *job)
 {
     const char *state = orl_get_text(job, "state"), *stage = orl_get_text(job, "stage");
-
     if (!*stage)
         stage = orl_get_text(json_object_get(job, "study"), "running");
     if (strcmp(state, "queued") == 0)
@@ -243,7 +235,6 @@ static void show_job(struct orl_progress_line *progress, const json_t *job)
 bool orl_job_has_ended(const json_t *job)
 {
     const char *state = orl_get_text(job, "state");
-
     return strcmp(state, "succeeded") == 0 || strcmp(state, "failed") == 0 ||
            strcmp(state, "cancelled") == 0;
 }
@@ -253,7 +244,6 @@ int orl_await_job(struct orl_http *http, const char *id, json_t **ret_job, struc
     char path[1024];
     json_t *job = NULL;
     int rc = orl_job_path(id, "", path, sizeof path, err);
-
     while (rc == 0) {
         rc = orl_http_call(http, "GET", path, &job, err);
         if (rc == 0 && orl_job_has_ended(job)) {
@@ -277,12 +267,10 @@ int orl_follow_job(struct orl_http *http, const char *id)
     json_t *reported_warnings = NULL;
     double silent_since_s = -1, wait_s = 0.1;
     int rc = orl_job_path(id, "", path, sizeof path, &err);
-
     orl_progress_start(&progress);
     while (rc == 0) {
         json_t *job = NULL;
         int code = -1;
-
         rc = orl_http_call(http, "GET", path, &job, &err);
         if (rc == 0) {
             silent_since_s = -1;

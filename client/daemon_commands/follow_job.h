@@ -10,6 +10,19 @@
 #include <jansson.h>
 
 #include "http/http_client.h"
+#include "options/command.h"
+
+/* A command that uses a daemon. All zero at first. */
+struct orl_daemon_command {
+    const char *server; /* value of --server; NULL: absent */
+    struct orl_operands operands;
+    struct orl_http http;
+    struct orl_error err;
+};
+/* Opens the connection. */
+int orl_daemon_open(struct orl_daemon_command *command);
+/* Closes it, and reports the error if rc is not 0. Returns an exit code. */
+int orl_daemon_end(struct orl_daemon_command *command, int rc);
 
 /* Follows the job until it ends. Returns an exit code; errors are already reported. */
 int orl_follow_job(struct orl_http *http, const char *id);

@@ -8,6 +8,7 @@
 #include <pwd.h>
 #include <unistd.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/limits.h>
 #include <oriel/base/version.h>
 
@@ -33,12 +34,10 @@ struct sink {
 int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *err)
 {
     const char *chosen = url ? url : getenv("ORIEL_URL");
-    size_t length;
-
     *ret_http = (struct orl_http){0};
     if (!chosen || !*chosen)
         chosen = DEFAULT_URL;
-    length = strlen(chosen);
+    size_t length = strlen(chosen);
     while (length && chosen[length - 1] == '/')
         length--;
     if (length >= sizeof ret_http->base_url)
@@ -52,7 +51,7 @@ int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *
     }
     ret_http->curl = curl_easy_init();
     if (!ret_http->curl)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     return 0;
 }
 
@@ -66,9 +65,8 @@ int orl_http_escape(const char *segment, char *ret_text, size_t size, struct orl
 {
     char *escaped = curl_easy_escape(NULL, segment, 0);
     int rc = 0;
-
     if (!escaped)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     else if (!*escaped || strlen(escaped) >= size || strcmp(escaped, ".") == 0 ||
              strcmp(escaped, "..") == 0)
         rc = orl_error_set(err, ORL_ERR_INVALID, "\"%.100s\" is not a valid id", segment);
@@ -80,28 +78,17 @@ int orl_http_escape(const char *segment, char *ret_text, size_t size, struct orl
 
 static bool sink_grow(struct sink *sink, size_t more)
 {
-    size_t room = sink->room ? sink->room : 4096;
-    char *data;
-
     if (more >= ORL_LIMIT_JOB_BYTES - sink->size) {
         sink->overflow = true;
         return false;
     }
-    while (room < sink->size + more + 1)
-        room *= 2;
-    data = room == sink->room ? sink->data : realloc(sink->data, room);
-    if (!data)
-        return false;
-    sink->data = data;
-    sink->room = room;
-    return true;
+    return orl_array_reserve_more(&sink->data, &sink->room, sink->size, more + 1, 1);
 }
 
 /* Passes whole lines to the callback and keeps the rest. */
 static bool deliver_lines(struct sink *sink)
 {
     char *from = sink->data, *end;
-
     while ((end = memchr(from, '\n', sink->size - (size_t)(from - sink->data)))) {
         *end = '\0';
         if (!sink->line(sink->ctx, from)) {
@@ -120,7 +107,6 @@ static size_t sink_write(char *data, size_t unit, size_t count, void *arg)
     struct sink *sink = arg;
     const size_t size = unit * count; /* unit is always 1 */
     long status = 0;
-
     curl_easy_getinfo(sink->curl, CURLINFO_RESPONSE_CODE, &status);
     if (sink->file && status / 100 == 2)
         return fwrite(data, 1, size, sink->file);
@@ -137,7 +123,6 @@ static bool is_loopback(const char *url)
 {
     const char *host = strstr(url, "://") + 3;
     static const char *const names[] = {"127.", "localhost", "[::1]"};
-
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (strncmp(host, names[i], strlen(names[i])) == 0)
             return true;
@@ -149,7 +134,6 @@ static bool is_loopback(const char *url)
 static void add_credentials(struct orl_http *http)
 {
     const char *token = getenv("ORIEL_TOKEN"), *ca = getenv("ORIEL_CA");
-
     if (token && *token &&
         (strncmp(http->base_url, "https://", 8) == 0 || is_loopback(http->base_url))) {
         curl_easy_setopt(http->curl, CURLOPT_HTTPAUTH, (long)CURLAUTH_BEARER);
@@ -166,7 +150,6 @@ static int prepare_request(struct orl_http *http, const char *method, const char
     CURL *const curl = http->curl;
     char url[4096];
     const int length = snprintf(url, sizeof url, "%s%s", http->base_url, path);
-
     if (length < 0 || (size_t)length >= sizeof url)
         return orl_error_set(err, ORL_ERR_LIMIT, "the request's URL is too long");
     http->status = 0;
@@ -193,12 +176,10 @@ static int prepare_request(struct orl_http *http, const char *method, const char
 static int perform_request(struct orl_http *http, struct sink *sink, struct orl_error *err)
 {
     const CURLcode code = curl_easy_perform(http->curl);
-
     if (sink->overflow)
         return orl_error_set(err, ORL_ERR_LIMIT, "the daemon's reply is implausibly large");
     if (code != CURLE_OK) {
         const bool unreached = code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST;
-
         orl_error_set(err, ORL_ERR_IO, "no answer from %s: %s", http->base_url,
                       curl_easy_strerror(code));
         if (unreached)
@@ -218,7 +199,6 @@ static int perform_json(struct orl_http *http, struct sink *sink, json_t **ret_j
     json_error_t where;
     json_t *json = NULL;
     int rc = perform_request(http, sink, err);
-
     if (rc == 0 && ret_json) {
         json = sink->size ? json_loadb(sink->data, sink->size, 0, &where) : json_null();
         if (json)
@@ -238,7 +218,6 @@ int orl_http_call(struct orl_http *http, const char *method, const char *path, j
 {
     struct sink sink = {0};
     const int rc = prepare_request(http, method, path, &sink, err);
-
     return rc ? rc : perform_json(http, &sink, ret_json, err);
 }
 
@@ -247,7 +226,6 @@ void orl_http_next_page(const struct orl_http *http, char *ret_path, size_t size
     static const char end[] = ">; rel=\"next\"";
     struct curl_header *header;
     const char *found = NULL;
-
     *ret_path = '\0';
     if (curl_easy_header(http->curl, "Link", 0, CURLH_HEADER, -1, &header) == CURLHE_OK &&
         strncmp(header->value, "</v1/", 5) == 0)
@@ -262,12 +240,10 @@ int orl_http_stream(struct orl_http *http, const char *path, const char *last_id
     struct sink sink = {.line = line, .ctx = ctx};
     struct curl_slist *headers = curl_slist_append(NULL, "Accept: text/event-stream");
     char header[128];
-    int rc = headers ? prepare_request(http, "GET", path, &sink, err)
-                     : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    int rc = headers ? prepare_request(http, "GET", path, &sink, err) : orl_error_no_memory(err);
     snprintf(header, sizeof header, "Last-Event-ID: %s", last_id);
     if (rc == 0 && *last_id && !curl_slist_append(headers, header))
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     if (rc == 0) {
         curl_easy_setopt(http->curl, CURLOPT_HTTPHEADER, headers);
         rc = perform_request(http, &sink, err);
@@ -281,7 +257,6 @@ int orl_http_has(struct orl_http *http, const char *path, bool *ret_found, struc
 {
     struct sink sink = {0};
     int rc = prepare_request(http, "HEAD", path, &sink, err);
-
     if (rc)
         return rc;
     curl_easy_setopt(http->curl, CURLOPT_NOBODY, 1L);
@@ -300,9 +275,7 @@ static struct curl_slist *add_name(struct curl_slist *headers)
     enum { NAME_MAX_BYTES = 64 };
     const char *name = getenv("ORIEL_CLIENT");
     const struct passwd *user = name && *name ? NULL : getpwuid(getuid());
-    struct curl_slist *more;
     char line[96];
-
     if (user)
         name = user->pw_name;
     if (!name || !*name || strlen(name) > NAME_MAX_BYTES)
@@ -311,7 +284,7 @@ static struct curl_slist *add_name(struct curl_slist *headers)
         if (*c < ' ' || *c > '~')
             return headers;
     snprintf(line, sizeof line, "X-Oriel-Client: %s", name);
-    more = curl_slist_append(headers, line);
+    struct curl_slist *more = curl_slist_append(headers, line);
     return more ? more : headers;
 }
 
@@ -322,9 +295,8 @@ int orl_http_post_json(struct orl_http *http, const char *path, const json_t *bo
     struct curl_slist *headers = curl_slist_append(NULL, "Content-Type: application/json");
     char *text = orl_json_text(body, JSON_COMPACT);
     int rc;
-
     if (!headers || !text) {
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
         goto done;
     }
     rc = prepare_request(http, "POST", path, &sink, err);
@@ -347,11 +319,9 @@ int orl_http_post_parts(struct orl_http *http, const char *path,
 {
     struct sink sink = {0};
     curl_mime *form = curl_mime_init(http->curl);
-    int rc = form ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    int rc = form ? 0 : orl_error_no_memory(err);
     for (size_t i = 0; i < n_parts && rc == 0; i++) {
         curl_mimepart *part = curl_mime_addpart(form);
-
         if (!part || curl_mime_name(part, parts[i].resource ? "resource" : "file") ||
             curl_mime_filedata(part, parts[i].path) || curl_mime_filename(part, parts[i].name) ||
             curl_mime_type(part, "application/octet-stream")) {
@@ -378,7 +348,6 @@ int orl_http_post_file(struct orl_http *http, const char *path, const char *file
     FILE *body = NULL;
     long long size = 0;
     int rc = orl_open_for_reading(file, &body, &size, err);
-
     snprintf(line, sizeof line, "Content-Type: %s", type);
     headers = curl_slist_append(NULL, line);
     if (rc)
@@ -404,7 +373,6 @@ int orl_http_download(struct orl_http *http, const char *path, const char *file,
     struct sink sink = {0};
     struct orl_atomic_file out;
     int rc = orl_atomic_file_open(&out, file, err);
-
     if (rc)
         return rc;
     sink.file = out.stream;

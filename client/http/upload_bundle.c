@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 #include <oriel/base/limits.h>
@@ -23,7 +22,6 @@
 static int by_name(const void *a, const void *b)
 {
     const struct orl_upload_part *x = a, *y = b;
-
     return strcmp(x->name, y->name);
 }
 
@@ -34,7 +32,6 @@ static int add_line(struct orl_sha256 *hash, const struct orl_upload_part *part,
     const char *role = part->resource ? "resource " : "main ";
     char digest[ORL_DIGEST_TEXT];
     const int rc = orl_digest_file(part->path, digest, err);
-
     if (rc)
         return rc;
     orl_sha256_add(hash, role, strlen(role));
@@ -56,9 +53,8 @@ static int digest_scene(const struct orl_upload_part *parts, size_t n_parts,
     struct orl_sha256 hash;
     size_t n_resources = 0;
     int rc = 0;
-
     if (!resources)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, first, strlen(first));
     for (size_t i = 0; i < n_parts && rc == 0; i++) {
@@ -91,7 +87,6 @@ static bool name_can_travel(const char *name)
 static bool is_xml(const char *name)
 {
     const size_t length = strlen(name);
-
     return length > 4 && strcmp(name + length - 4, ".xml") == 0;
 }
 
@@ -101,7 +96,6 @@ static int find_path(const char *folder, const char *name, char *ret_path, size_
 {
     char of_library[4096];
     const int rc = orl_join_path(folder, name, ret_path, size, err);
-
     if (rc == 0 && access(ret_path, F_OK) != 0 &&
         orl_raypath_find(name, of_library, sizeof of_library))
         snprintf(ret_path, size, "%s", of_library);
@@ -113,9 +107,6 @@ static int add_part(struct orl_upload *bundle, const char *folder, const char *n
                     struct orl_error *err)
 {
     char path[4096];
-    struct orl_upload_part *part;
-    int rc;
-
     for (size_t i = 0; i < bundle->n_parts; i++)
         if (strcmp(bundle->parts[i].name, name) == 0)
             return 0;
@@ -124,16 +115,16 @@ static int add_part(struct orl_upload *bundle, const char *folder, const char *n
         orl_error_hint(err, "only files below the folder are uploaded: move it there");
         return ORL_ERR_INVALID;
     }
-    rc = find_path(folder, name, path, sizeof path, err);
+    int rc = find_path(folder, name, path, sizeof path, err);
     if (rc)
         return rc;
     if (bundle->n_parts == bundle->room)
         return orl_error_set(err, ORL_ERR_LIMIT, "the scene has more than %u files",
                              ORL_LIMIT_SCENE_FILES);
-    part = &bundle->parts[bundle->n_parts++];
+    struct orl_upload_part *part = &bundle->parts[bundle->n_parts++];
     *part = (struct orl_upload_part){strdup(path), strdup(name), resource || is_xml(name)};
     if (!part->path || !part->name)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     return 0;
 }
 
@@ -144,7 +135,6 @@ static int check_scene(const char *const *main_files, size_t n_files, const stru
     struct orl_bsdf_measurements found;
     struct orl_file first;
     bool measured = false;
-
     if (n_files > 0 && files->open(files->ctx, main_files[0], &first, NULL) == 0) {
         measured = orl_bsdf_is_measured(first.data, first.size);
         files->close(files->ctx, &first);
@@ -160,10 +150,9 @@ int orl_bundle_collect(const char *folder, const char *const *main_files, size_t
     struct orl_upload bundle = {.room = ORL_LIMIT_SCENE_FILES};
     struct orl_scene_summary summary = {0};
     int rc;
-
     bundle.parts = calloc(bundle.room, sizeof *bundle.parts);
     if (!bundle.parts) {
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
         goto done;
     }
     rc = check_scene(main_files, n_files, &files, &summary, err);
@@ -188,7 +177,6 @@ static int add_referenced(struct orl_upload *bundle, const char *folder, const c
     const struct orl_files files = orl_raypath_files(folder);
     struct orl_scene_summary summary = {0};
     int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
-
     for (size_t i = 0; i < summary.n_referenced && rc == 0; i++)
         rc = add_part(bundle, folder, summary.referenced[i], true, err);
     orl_scene_summary_done(&summary);
@@ -209,11 +197,8 @@ static int compare_names(const void *a, const void *b)
 
 static bool is_of_scene(const char *name)
 {
-    const size_t length = strlen(name);
-
-    return (length > 4 && strcasecmp(name + length - 4, ".rad") == 0) ||
-           (length > 4 && strcasecmp(name + length - 4, ".mat") == 0) ||
-           (length > 5 && strcasecmp(name + length - 5, ".json") == 0);
+    return orl_name_has_ending(name, ".rad") || orl_name_has_ending(name, ".mat") ||
+           orl_name_has_ending(name, ".json");
 }
 
 /* Lists a folder's files that end in .rad, .mat or .json, sorted. */
@@ -221,7 +206,6 @@ static int list_scene_files(const char *folder, char **names, size_t *count, str
 {
     DIR *entries = NULL;
     int rc = orl_open_folder(folder, &entries, err);
-
     if (rc)
         return rc;
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
@@ -232,7 +216,7 @@ static int list_scene_files(const char *folder, char **names, size_t *count, str
                                "the folder has more than %u .rad, .mat and .json files",
                                ORL_LIMIT_SCENE_FILES);
         else if (!(names[*count] = strdup(entry->d_name)))
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
         *count += rc == 0;
     }
     closedir(entries);
@@ -247,14 +231,12 @@ int orl_bundle_main_files(const char *folder, char ***ret_names, size_t *ret_cou
     size_t chosen[ORL_LIMIT_SCENE_FILES];
     char **names = calloc(ORL_LIMIT_SCENE_FILES, sizeof *names);
     size_t count = 0, kept = 0;
-    int rc = names ? list_scene_files(folder, names, &count, err)
-                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-
+    int rc = names ? list_scene_files(folder, names, &count, err) : orl_error_no_memory(err);
     if (rc == 0)
         rc = orl_main_files_choose((const char *const *)names, count, &files, chosen, &kept, err);
     char **mains = rc == 0 ? calloc(kept + 1, sizeof *mains) : NULL;
     if (rc == 0 && !mains)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     for (size_t i = 0; i < kept && mains && names; i++) {
         mains[i] = names[chosen[i]]; /* moved */
         names[chosen[i]] = NULL;
@@ -272,7 +254,6 @@ int orl_bundle_add(struct orl_upload *bundle, const char *folder, const char *na
     struct orl_file file;
     /* Opening it reports a misspelt name before anything is sent. */
     const int rc = files.open(files.ctx, name, &file, err);
-
     if (rc)
         return rc;
     files.close(files.ctx, &file);
@@ -301,12 +282,10 @@ int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, ch
     bool known = false;
     char id[ORL_DIGEST_TEXT], path[ORL_DIGEST_TEXT + 32];
     int rc = digest_scene(bundle->parts, bundle->n_parts, id, err);
-
     if (rc)
         return rc;
     for (size_t i = 0; i < bundle->n_parts; i++) {
         struct stat info;
-
         if (stat(bundle->parts[i].path, &info) == 0)
             bytes += (double)info.st_size;
     }
@@ -323,7 +302,7 @@ int orl_bundle_upload(const struct orl_upload *bundle, struct orl_http *http, ch
     *ret_id = strdup(known ? id : orl_get_text(reply, "id"));
     json_decref(reply);
     if (!*ret_id)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     return 0;
 }
 
@@ -336,7 +315,6 @@ struct resources {
 static int add_file(void *ctx, const struct orl_job_request_file *file, struct orl_error *err)
 {
     const struct resources *resources = ctx;
-
     return orl_bundle_add(resources->bundle, resources->folder, file->name, err);
 }
 
@@ -348,15 +326,13 @@ static int collect_state(const struct resources *resources,
     size_t count;
     char *const *names = orl_job_request_scene(job_request, &count);
     const char **all = malloc((count + state->n_files + 1) * sizeof *all);
-    int rc;
-
     if (!all)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < count; i++)
         all[i] = names[i];
     for (size_t i = 0; i < state->n_files; i++)
         all[count + i] = state->files[i];
-    rc = add_referenced(resources->bundle, resources->folder, all, count + state->n_files, err);
+    int rc = add_referenced(resources->bundle, resources->folder, all, count + state->n_files, err);
     free(all);
     return rc;
 }
@@ -368,7 +344,6 @@ static int collect_shades(const struct resources *resources,
     const struct orl_annual_request *year = &job_request->of.annual.request;
     const size_t groups = job_request->kind == ORL_JOB_KIND_ANNUAL ? year->n_groups : 0;
     int rc = 0;
-
     for (size_t g = 0; g < groups; g++)
         for (size_t s = 0; s < year->groups[g].n_states && rc == 0; s++)
             if (year->groups[g].states[s].n_files > 0)
@@ -383,7 +358,6 @@ int orl_job_bundle_collect(const char *folder, const struct orl_job_request *job
     size_t count;
     const char *const *names = (const char *const *)orl_job_request_scene(job_request, &count);
     int rc = orl_bundle_collect(folder, names, count, ret_bundle, err);
-
     if (rc == 0)
         rc = orl_job_request_files(job_request, add_file, (void *)(uintptr_t)&resources, err);
     return rc ? rc : collect_shades(&resources, job_request, err);

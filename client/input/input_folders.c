@@ -8,6 +8,8 @@
 
 #include <sys/stat.h>
 
+#include <oriel/base/array.h>
+
 #include "distributed/atomic_files.h"
 #include "input/input_folders.h"
 
@@ -17,11 +19,9 @@ bool orl_raypath_find(const char *name, char *ret_path, size_t size)
 {
     const char *at = getenv("RAYPATH");
     struct stat info;
-
     while (at && *at) {
         const int length = (int)strcspn(at, ":");
         const int needed = snprintf(ret_path, size, "%.*s/%s", length, at, name);
-
         if (length > 0 && needed > 0 && (size_t)needed < size && stat(ret_path, &info) == 0 &&
             S_ISREG(info.st_mode))
             return true;
@@ -35,7 +35,6 @@ static int raypath_open(void *ctx, const char *name, struct orl_file *ret_file,
 {
     const struct orl_files here = orl_files_from_folder(".");
     char path[PATH_SIZE];
-
     (void)ctx;
     if (!orl_raypath_find(name, path, sizeof path))
         return orl_error_set(err, ORL_ERR_NOT_FOUND, "'%.200s' is in no folder of RAYPATH", name);
@@ -45,7 +44,6 @@ static int raypath_open(void *ctx, const char *name, struct orl_file *ret_file,
 struct orl_files orl_raypath_files(const char *folder)
 {
     struct orl_files files = orl_files_from_folder(folder);
-
     files.library = raypath_open;
     return files;
 }
@@ -53,7 +51,6 @@ struct orl_files orl_raypath_files(const char *folder)
 bool orl_is_folder(const char *path)
 {
     struct stat info;
-
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
@@ -70,20 +67,10 @@ int orl_names_add(struct orl_names *names, const char *name, struct orl_error *e
 {
     if (names->count == MOST_NAMES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the project has more than %d files", MOST_NAMES);
-    if (names->count == names->room) {
-        const size_t room = names->room > 0 ? 2 * names->room : 64;
-        char **grown = realloc(names->items, room * sizeof *grown);
-
-        if (!grown)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        names->items = grown;
-        names->room = room;
-    }
+    if (!orl_array_reserve(&names->items, &names->room, names->count, sizeof *names->items))
+        return orl_error_no_memory(err);
     names->items[names->count] = strdup(name);
-    if (!names->items[names->count])
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    names->count++;
-    return 0;
+    return names->items[names->count++] ? 0 : orl_error_no_memory(err);
 }
 
 int orl_names_list(const char *folder, const char *prefix, unsigned depth, struct orl_names *names,
@@ -91,12 +78,10 @@ int orl_names_list(const char *folder, const char *prefix, unsigned depth, struc
 {
     DIR *entries = NULL;
     int rc = orl_open_folder(folder, &entries, err);
-
     if (rc)
         return rc;
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
         char path[PATH_SIZE], name[PATH_SIZE];
-
         if (entry->d_name[0] == '.' ||
             orl_join_path(folder, entry->d_name, path, sizeof path, NULL) ||
             snprintf(name, sizeof name, "%s%s", prefix, entry->d_name) >= PATH_SIZE - 1)
@@ -105,7 +90,6 @@ int orl_names_list(const char *folder, const char *prefix, unsigned depth, struc
             rc = orl_names_add(names, name, err);
         } else if (depth < DEPTH) {
             const size_t length = strlen(name);
-
             name[length] = '/';
             name[length + 1] = '\0';
             rc = orl_names_list(path, name, depth + 1, names, err);
@@ -117,11 +101,10 @@ int orl_names_list(const char *folder, const char *prefix, unsigned depth, struc
 
 /* ---- The temporary folder -------------------------------------------------------------------- */
 
-int orl_temp_folder_make(char folder[PATH_SIZE], struct orl_error *err)
+int orl_temp_folder_make(const char *purpose, char folder[PATH_SIZE], struct orl_error *err)
 {
     const char *top = getenv("TMPDIR");
-
-    snprintf(folder, PATH_SIZE, "%s/oriel-project-XXXXXX", top && *top ? top : "/tmp");
+    snprintf(folder, PATH_SIZE, "%s/oriel-%s-XXXXXX", top && *top ? top : "/tmp", purpose);
     if (mkdtemp(folder))
         return 0;
     folder[0] = '\0';
@@ -134,7 +117,6 @@ int orl_temp_folder_link(const char *temp_folder, const char *name, const char *
 {
     char path[PATH_SIZE];
     int rc = orl_join_path(temp_folder, name, path, sizeof path, err);
-
     if (rc)
         return rc;
     unlink(path);
@@ -149,12 +131,10 @@ int orl_temp_folder_link_entries(const char *temp_folder, const char *folder, st
     char whole[PATH_MAX], to[PATH_SIZE], path[PATH_SIZE];
     DIR *entries = NULL;
     int rc = orl_open_folder(realpath(folder, whole) ? whole : folder, &entries, err);
-
     if (rc)
         return rc;
     for (const struct dirent *entry; rc == 0 && (entry = readdir(entries)) != NULL;) {
         struct stat there;
-
         if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
             continue;
         rc = orl_join_path(whole, entry->d_name, to, sizeof to, err);

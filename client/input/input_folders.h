@@ -40,8 +40,9 @@ int orl_names_add(struct orl_names *names, const char *name, struct orl_error *e
 int orl_names_list(const char *folder, const char *prefix, unsigned depth, struct orl_names *names,
                    struct orl_error *err);
 
-/* Creates a temporary folder below $TMPDIR or /tmp; remove it by orl_remove_folder. */
-int orl_temp_folder_make(char ret_folder[4096], struct orl_error *err);
+/* Creates a temporary folder for that purpose below $TMPDIR or /tmp; remove it by
+ * orl_remove_folder. */
+int orl_temp_folder_make(const char *purpose, char ret_folder[4096], struct orl_error *err);
 /* Creates or replaces a link of that name in temp_folder. */
 int orl_temp_folder_link(const char *temp_folder, const char *name, const char *to,
                          struct orl_error *err);

@@ -20,7 +20,6 @@ static int folder_of(const char *path, char *ret_folder, size_t size, struct orl
 {
     const char *slash = strrchr(path, '/');
     const size_t length = slash ? (size_t)(slash - path) : 0;
-
     if (length >= size)
         return orl_error_set(err, ORL_ERR_LIMIT, "the document's path is too long");
     if (!slash)
@@ -36,7 +35,6 @@ static int folder_of(const char *path, char *ret_folder, size_t size, struct orl
 static bool begins_as_object(const char *text, size_t size)
 {
     size_t i = 0;
-
     while (i < size && strchr(" \t\r\n\xef\xbb\xbf", text[i]) && text[i])
         i++;
     return i < size && text[i] == '{';
@@ -68,7 +66,6 @@ static int read_document(struct orl_job_file *file, struct orl_error *err)
 static int check_project_members(const char *path, const json_t *doc, struct orl_error *err)
 {
     const char *kind = json_string_value(json_object_get(doc, "kind"));
-
     if ((kind && strcmp(kind, "render") != 0) || json_object_get(doc, "sensors") ||
         json_object_get(doc, "grids") || json_array_size(json_object_get(doc, "views")) > 0)
         return 0;
@@ -91,7 +88,6 @@ static int lead_from_root(json_t *value, const char *folder, json_t **ret_instea
     json_t *item, *instead;
     size_t i;
     int rc = 0;
-
     *ret_instead = NULL;
     if (name && strncmp(name, "../", 3) == 0 &&
         orl_join_path(folder, name, path, sizeof path, NULL) == 0 && realpath(path, whole))
@@ -108,7 +104,7 @@ static int lead_from_root(json_t *value, const char *folder, json_t **ret_instea
         if (rc == 0 && instead)
             rc = json_array_set_new(value, i, instead);
     }
-    return rc ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : 0;
+    return rc ? orl_error_no_memory(err) : 0;
 }
 
 /* Replaces "scene": {"project": PATH, ...} by the project's contents. */
@@ -119,7 +115,6 @@ static int resolve_project(struct orl_job_file *file, const char *beside, struct
     char path[4096];
     json_t *instead;
     int rc = named ? orl_join_path(file->folder, named, path, sizeof path, err) : 0;
-
     if (rc == 0 && named)
         rc = orl_project_open(scene, path, beside, &file->project, err);
     if (rc == 0 && named && beside)
@@ -138,10 +133,8 @@ static int resolve_project(struct orl_job_file *file, const char *beside, struct
 
 int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
 {
-    int rc;
-
     *ret_file = (struct orl_job_file){.path = path};
-    rc = read_document(ret_file, err);
+    int rc = read_document(ret_file, err);
     return rc ? rc : resolve_project(ret_file, ret_file->folder, err);
 }
 
@@ -150,10 +143,8 @@ static int read_states(const char *text, json_t *scene, struct orl_error *err)
 {
     json_t *states = json_object();
     int rc = json_object_set_new(scene, "states", states);
-
     while (rc == 0 && *text) {
         const size_t length = strcspn(text, ","), group = strcspn(text, "=,");
-
         if (group == length)
             rc = orl_error_set(err, ORL_ERR_INVALID, "--states takes GROUP=STATE,...");
         else
@@ -169,7 +160,6 @@ int orl_project_scene_to_json(const char *path, const struct orl_project_line *l
 {
     json_t *scene = json_pack("{s:s}", "project", path);
     int rc = scene ? 0 : orl_error_set(err, ORL_ERR_INVALID, "the project's path is not UTF-8");
-
     if (rc == 0 && line->states)
         rc = read_states(line->states, scene, err);
     if (rc == 0 && line->sky && line->sky[0] != '{')
@@ -207,11 +197,9 @@ static int check_year(const struct orl_job_file *file, const struct orl_project_
 static json_t *read_rules(const char *text)
 {
     json_t *rules = json_array();
-
     while (text && *text) {
         text += strspn(text, " ");
         const size_t length = strcspn(text, ",");
-
         json_array_append_new(rules, json_stringn(text, length));
         text += length + (text[length] == ',');
     }
@@ -223,14 +211,12 @@ static json_t *read_year(const char *text)
 {
     char *end = NULL;
     const long year = strtol(text, &end, 10);
-
     return end > text && *end == '\0' ? json_integer(year) : json_string(text);
 }
 
 static const char *name_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
-
     return slash ? slash + 1 : path;
 }
 
@@ -238,7 +224,6 @@ static const char *name_of(const char *path)
 static int link_weather(const struct orl_job_file *file, const char *path, struct orl_error *err)
 {
     char whole[PATH_MAX];
-
     if (!realpath(path, whole))
         return orl_error_set(err, orl_err_of_errno(errno), "cannot open '%.300s': %s", path,
                              strerror(errno));
@@ -251,20 +236,17 @@ static int link_sky_weather(const struct orl_job_file *file, struct orl_error *e
 {
     json_t *weather = json_object_get(json_object_get(file->doc, "sky"), "weather");
     const char *path = json_string_value(json_object_get(weather, "file"));
-    int rc;
-
     if (!path || access(path, F_OK) != 0)
         return 0;
-    rc = link_weather(file, path, err);
+    int rc = link_weather(file, path, err);
     if (rc == 0 && json_object_set_new(weather, "file", json_string(name_of(path))) != 0)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     return rc;
 }
 
 static int make_year(json_t *doc, const struct orl_project_line *line, struct orl_error *err)
 {
     int rc = json_object_set_new(doc, "kind", json_string("annual"));
-
     rc |= json_object_set_new(doc, "weather", json_string(name_of(line->weather)));
     if (rc == 0 && line->rules)
         rc = json_object_set_new(doc, "rules", read_rules(line->rules));
@@ -278,12 +260,11 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
 {
     json_t *scene = NULL, *sky = NULL;
     int rc = orl_project_scene_to_json(file->path, line, &scene, err);
-
     file->doc = json_pack("{s:s, s:o*}", "kind", "render", "scene", scene);
     if (rc == 0 && file->doc && line->weather)
         rc = make_year(file->doc, line, err);
     if (rc == 0 && !file->doc)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     if (rc == 0 && line->sky && line->sky[0] == '{') {
         rc = orl_json_parse("--sky", line->sky, strlen(line->sky), &sky, err);
         if (rc == 0)
@@ -296,7 +277,6 @@ static int make_document(struct orl_job_file *file, const struct orl_project_lin
 static int read_job(const char *path, struct orl_job_file *ret_file, struct orl_error *err)
 {
     const int rc = orl_job_file_read(path, ret_file, err);
-
     if (rc == ORL_ERR_SYNTAX && !ret_file->doc && err->hint[0])
         orl_error_hint(err, "the file must be a JSON job document that lists the scene's files, or "
                             "a project: a Honeybee model or folder, or a .rif file");
@@ -306,8 +286,6 @@ static int read_job(const char *path, struct orl_job_file *ret_file, struct orl_
 int orl_job_file_open(const char *path, const struct orl_project_line *line,
                       struct orl_job_file *ret_file, struct orl_error *err)
 {
-    int rc;
-
     if (!orl_is_project(path)) {
         if (!line->sky && !line->states && !line->weather && !line->rules && !line->year)
             return read_job(path, ret_file, err);
@@ -318,7 +296,7 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
                                                        : "--sky and --states are");
     }
     *ret_file = (struct orl_job_file){.path = path, .folder = "."};
-    rc = check_line(line, err);
+    int rc = check_line(line, err);
     if (rc == 0)
         rc = make_document(ret_file, line, err);
     if (rc == 0)
@@ -348,7 +326,6 @@ static void hint_command(const struct orl_job_file *file, struct orl_error *err)
                     {"bsdf_make", "bsdf make"},
                     {"bsdf_fit", "bsdf fit"}};
     const char *kind = json_string_value(json_object_get(file->doc, "kind"));
-
     for (size_t i = 0; kind && i < sizeof commands / sizeof *commands; i++)
         if (strcmp(kind, commands[i].kind) == 0)
             orl_error_hint(err, "use `oriel %s` for such a document", commands[i].command);
@@ -360,7 +337,6 @@ int orl_job_file_decode(const struct orl_job_file *file, struct orl_job *ret_job
     struct orl_error found = {0};
     struct orl_job job = {0};
     int rc = orl_job_from_json(file->doc, ORL_JOB_LOCAL, &job, NULL, &found);
-
     if (rc == 0)
         rc = orl_job_validate(&job, &found);
     if (rc) {
@@ -388,7 +364,6 @@ static int inline_sensors(json_t *holder, const struct orl_files *folder, struct
     struct orl_file text;
     json_t *array;
     int rc;
-
     if (!name)
         return 0; /* absent, an array, or invalid, which the daemon reports */
     rc = folder->open(folder->ctx, name, &text, err);
@@ -396,10 +371,10 @@ static int inline_sensors(json_t *holder, const struct orl_files *folder, struct
         return rc;
     array = json_array();
     rc = array ? orl_sensors_read(name, text.data, text.size, append_sensor, array, err)
-               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+               : orl_error_no_memory(err);
     folder->close(folder->ctx, &text);
     if (rc == 0 && json_object_set(holder, "sensors", array) != 0)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     json_decref(array);
     return rc;
 }
@@ -410,7 +385,6 @@ int orl_job_file_inline_sensors(struct orl_job_file *file, struct orl_error *err
     int rc = inline_sensors(file->doc, &folder, err);
     json_t *grid;
     size_t i;
-
     json_array_foreach(json_object_get(file->doc, "grids"), i, grid)
     {
         rc = rc ? rc : inline_sensors(grid, &folder, err);
@@ -425,7 +399,6 @@ static int inline_view(json_t *view, const struct orl_files *folder, struct orl_
     const json_t *entry = json_object_get(view, "entry");
     struct orl_file text;
     char number[24], *options = NULL;
-
     if (!name)
         return 0;
     snprintf(number, sizeof number, "%lld", (long long)json_integer_value(entry));
@@ -440,7 +413,7 @@ static int inline_view(json_t *view, const struct orl_files *folder, struct orl_
         return rc;
     char *whole = orl_view_text_join(options, json_string_value(json_object_get(view, "view")));
     if (!whole || json_object_set_new(view, "view", json_string(whole)))
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     json_object_del(view, "file");
     json_object_del(view, "entry");
     free(options);
@@ -454,7 +427,6 @@ int orl_job_file_inline_views(struct orl_job_file *file, struct orl_error *err)
     json_t *view;
     size_t i;
     int rc = 0;
-
     json_array_foreach(json_object_get(file->doc, "views"), i, view)
     {
         rc = rc ? rc : inline_view(view, &folder, err);

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include <oriel/base/files.h>
 
@@ -17,17 +16,10 @@
 
 enum { PATH_SIZE = 4096, VIEW_SIDE = 800 };
 
-static bool ends_with(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), tail = strlen(ending);
-
-    return length > tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
 /* Returns true for a file that lists a scene's files: of rad, or of frads. */
 static bool is_list(const char *path)
 {
-    return ends_with(path, ".rif") || ends_with(path, ".cfg");
+    return orl_name_has_ending(path, ".rif") || orl_name_has_ending(path, ".cfg");
 }
 
 /* Returns true if the file is a model: models may be called .json, as documents are. */
@@ -38,7 +30,6 @@ static bool holds_model(const char *path)
     struct orl_file text;
     json_t *doc = NULL;
     bool model = false;
-
     if (here.open(here.ctx, path, &text, &err))
         return false;
     if (orl_json_parse(path, text.data, text.size, &doc, &err) == 0)
@@ -50,8 +41,8 @@ static bool holds_model(const char *path)
 
 bool orl_is_project(const char *path)
 {
-    return orl_is_folder(path) || ends_with(path, ".hbjson") || is_list(path) ||
-           (ends_with(path, "json") && holds_model(path));
+    return orl_is_folder(path) || orl_name_has_ending(path, ".hbjson") || is_list(path) ||
+           (orl_name_has_ending(path, "json") && holds_model(path));
 }
 
 /* ---- Models ---------------------------------------------------------------------------------- */
@@ -61,8 +52,6 @@ static int write_file(const char *project_folder, const struct orl_text_file *fi
 {
     char path[PATH_SIZE], folder[PATH_SIZE];
     int rc = orl_join_path(project_folder, file->name, path, sizeof path, err);
-    FILE *stream;
-
     if (rc)
         return rc;
     snprintf(folder, sizeof folder, "%s", path);
@@ -70,7 +59,7 @@ static int write_file(const char *project_folder, const struct orl_text_file *fi
     rc = orl_make_folder(folder, err);
     if (rc)
         return rc;
-    stream = orl_fopen_regular(path, 'w');
+    FILE *stream = orl_fopen_regular(path, 'w');
     if (stream && fwrite(file->text, 1, file->size, stream) == file->size && fclose(stream) == 0)
         return 0;
     return orl_error_set(err, orl_err_of_errno(errno), "cannot write '%s': %s", path,
@@ -85,7 +74,6 @@ static int translate_model(const char *path, const char *project_folder, struct 
     struct orl_file text;
     json_t *model = NULL;
     int rc = here.open(here.ctx, path, &text, err);
-
     if (rc)
         return rc;
     rc = orl_json_parse(path, text.data, text.size, &model, err);
@@ -112,7 +100,6 @@ static int lay_out_folder(const char *path, const char *project_folder, struct o
 {
     char scene[PATH_SIZE], whole[PATH_MAX];
     int rc = orl_join_path(path, "scene", scene, sizeof scene, err);
-
     if (rc)
         return rc;
     if (!orl_is_folder(scene)) {
@@ -130,14 +117,12 @@ static int write_commands(const struct orl_project_folder *project_folder, struc
     const json_t *command;
     size_t i;
     int rc = 0;
-
     json_array_foreach(json_object_get(project_folder->project, "commands"), i, command)
     {
         const struct orl_text_file file = {
             (char *)(uintptr_t)json_string_value(json_object_get(command, "name")),
             (char *)(uintptr_t)json_string_value(json_object_get(command, "text")),
             json_string_length(json_object_get(command, "text"))};
-
         rc = rc ? rc : write_file(project_folder->folder, &file, err);
     }
     return rc;
@@ -152,11 +137,10 @@ static int lay_out_list(const char *path, struct orl_project_folder *project_fol
     char folder[PATH_SIZE];
     struct orl_file text;
     int rc = here.open(here.ctx, path, &text, err);
-
     if (rc)
         return rc;
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
-    rc = ends_with(path, ".cfg")
+    rc = orl_name_has_ending(path, ".cfg")
              ? orl_frads_read(path, text.data, text.size, &project_folder->project, err)
              : orl_rif_read(path, text.data, text.size, &project_folder->project, err);
     here.close(here.ctx, &text);
@@ -175,7 +159,6 @@ static int find_project(const char *path, const json_t *scene, const struct orl_
                                               json_string_value(json_object_get(scene, "sky"))};
     int rc = orl_project_find((const char *const *)names->items, names->count, &files, &choice,
                               &project_folder->project, err);
-
     if (rc == 0 && !project_folder->project) {
         rc = orl_error_set(err, ORL_ERR_NOT_FOUND,
                            "is not a project: it has no .rad file in a folder \"scene\"");
@@ -191,8 +174,7 @@ int orl_project_open(const json_t *scene, const char *path, const char *beside,
 {
     struct orl_project_folder project_folder = {{0}, false, NULL};
     struct orl_names names = {0};
-    int rc = orl_temp_folder_make(project_folder.folder, err);
-
+    int rc = orl_temp_folder_make("project", project_folder.folder, err);
     if (rc == 0 && is_list(path))
         rc = lay_out_list(path, &project_folder, err);
     else if (rc == 0)
@@ -217,7 +199,6 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
     struct orl_project_folder project_folder = {.is_permanent = true};
     struct orl_names names = {0};
     int rc = 0;
-
     snprintf(project_folder.folder, sizeof project_folder.folder, "%s", into);
     if (orl_is_folder(path) || is_list(path)) {
         rc =
@@ -263,7 +244,6 @@ static json_t *views_of(const json_t *project)
 {
     json_t *views = json_array(), *view;
     size_t i;
-
     json_array_foreach(json_object_get(project, "views"), i, view)
     {
         if (json_object_get(view, "width")) { /* has its own size */
@@ -289,14 +269,13 @@ int orl_project_fill_document(const struct orl_project_folder *project_folder, c
            *more = json_object_get(scene, "files");
     int rc = more ? json_array_extend(files, more) : 0;
     rc |= json_object_set_new(doc, "scene", json_pack("{s:o}", "files", files));
-
     if (rc == 0 && !json_object_get(doc, "sensors") && !json_object_get(doc, "grids") &&
         json_array_size(grids) > 0)
         rc = json_object_set(doc, "grids", (json_t *)(uintptr_t)grids);
     if (rc == 0 && renders && !json_object_get(doc, "views"))
         rc = json_object_set_new(doc, "views", views_of(project_folder->project));
     if (rc)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     if (!kind || strcmp(kind, "annual") != 0)
         return 0;
     return orl_project_fill_shades(json_object_get(project_folder->project, "states"),
@@ -307,13 +286,11 @@ static void print_names(const char *what, const json_t *list)
 {
     const json_t *item;
     size_t i;
-
     if (json_array_size(list) > 0)
         fprintf(stderr, "%s:", what);
     json_array_foreach(list, i, item)
     {
         const char *name = json_string_value(item);
-
         fprintf(stderr, " %s", name ? name : json_string_value(json_object_get(item, "name")));
     }
     if (json_array_size(list) > 0)
@@ -326,7 +303,6 @@ void orl_project_list(const json_t *project)
     json_t *state;
     const char *group;
     size_t i;
-
     fprintf(stderr, "project: %zu scene files\n",
             json_array_size(json_object_get(project, "files")));
     print_names("grids", json_object_get(project, "grids"));

@@ -9,7 +9,7 @@
 
 static int no_memory(struct orl_error *err)
 {
-    return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return orl_error_no_memory(err);
 }
 
 /* ---- Request --------------------------------------------------------------------------------- */
@@ -18,11 +18,9 @@ static bool any_names(const json_t *list, const char *what)
 {
     const json_t *item;
     size_t i;
-
     json_array_foreach(list, i, item)
     {
         const char *text = json_string_value(item);
-
         if (text && strncasecmp(text, what, strlen(what)) == 0)
             return true;
     }
@@ -35,7 +33,6 @@ static bool asks_for_blinds(const json_t *doc)
 {
     const char *verdict =
         json_string_value(json_object_get(json_object_get(doc, "accuracy"), "verdict"));
-
     return any_names(json_object_get(doc, "rules"), "LEED") ||
            any_names(json_object_get(doc, "targets"), "sDA") ||
            any_names(json_object_get(doc, "metrics"), "sDA") ||
@@ -50,7 +47,6 @@ static json_t *states_of(const json_t *group)
                  *name;
     json_t *states = json_array();
     size_t i;
-
     json_array_foreach(names, i, name)
     {
         json_array_append_new(
@@ -66,11 +62,9 @@ static json_t *find_shade(json_t *shades, const char *group)
 {
     json_t *shade;
     size_t i;
-
     json_array_foreach(shades, i, shade)
     {
         const char *name = json_string_value(json_object_get(shade, "name"));
-
         if (name && strcmp(name, group) == 0)
             return shade;
     }
@@ -81,7 +75,6 @@ static json_t *find_shade(json_t *shades, const char *group)
 static bool has_windows(const json_t *group)
 {
     const char *file = json_string_value(json_array_get(json_object_get(group, "files"), 0));
-
     return file && strstr(file, "aperture_group/");
 }
 
@@ -89,7 +82,6 @@ static json_t *make_shade(const char *name, const json_t *group, bool blinds)
 {
     json_t *states = states_of(group),
            *shade = states ? json_pack("{s:s, s:o}", "name", name, "states", states) : NULL;
-
     if (shade && blinds && has_windows(group) &&
         json_object_set_new(shade, "control", json_pack("{s:s}", "by", "LM-83"))) {
         json_decref(shade);
@@ -101,7 +93,6 @@ static json_t *make_shade(const char *name, const json_t *group, bool blinds)
 static void print_shade(const char *name, const json_t *group, const json_t *shade)
 {
     const json_t *of = json_object_get(group, "of");
-
     if (json_object_get(shade, "control"))
         fprintf(stderr, "group %s: closed to %s by LM-83's rule\n", name,
                 json_string_value(json_array_get(of, 1)));
@@ -118,7 +109,6 @@ static int fill_group(const char *name, const json_t *group, bool blinds, json_t
                       struct orl_error *err)
 {
     json_t *shade = find_shade(shades, name);
-
     if (shade && !json_object_get(shade, "states"))
         return json_object_set_new(shade, "states", states_of(group)) ? no_memory(err) : 0;
     if (shade)
@@ -134,7 +124,6 @@ static int fill_group(const char *name, const json_t *group, bool blinds, json_t
 static int find_shades(json_t *doc, json_t **ret_shades, struct orl_error *err)
 {
     json_t *shades = json_object_get(doc, "shades");
-
     if (shades && !json_is_array(shades))
         return orl_error_set(err, ORL_ERR_INVALID, "shades: a list is expected");
     *ret_shades = shades ? shades : json_array();
@@ -150,11 +139,9 @@ int orl_project_fill_shades(const json_t *states, const json_t *chosen, json_t *
     json_t *shades = NULL, *group;
     const char *name;
     int rc = find_shades(doc, &shades, err);
-
     json_object_foreach((json_t *)(uintptr_t)states, name, group)
     {
         const size_t n = json_array_size(json_object_get(group, "of"));
-
         if (n < 2 || json_object_get(chosen, name) ||
             (!find_shade(shades, name) && json_array_size(shades) >= ORL_SHADES_MOST_GROUPS))
             continue;

@@ -35,6 +35,11 @@ void orl_member_options_fill(struct orl_member_options *member_options,
  * that should be a number but is none is added as text, so that the decoder refuses it by name. */
 int orl_member_options_apply(const struct orl_member_options *member_options, json_t *doc);
 bool orl_member_options_any(const struct orl_member_options *member_options);
+/* Makes a document of that kind, whose member names the files, with the members of the options. A
+ * new reference; NULL: out of memory, or text is not UTF-8. */
+json_t *orl_member_options_document(const struct orl_member_options *member_options,
+                                    const char *kind, const char *member,
+                                    const struct orl_operands *files);
 
 /* Returns true if an operand is a document: FILE.json. */
 bool orl_is_document_name(const char *operand);
@@ -66,8 +71,17 @@ enum { ORL_DISTRIBUTED_OPTIONS = 3 };
 bool orl_distributed_is_requested(const struct orl_subcommand *self,
                                   const struct orl_distributed_options *line, int *ret_rc);
 
-/* A shared job, and the data that its specification borrows. */
+/* Sharing of a run with other processes (oriel/job/job_tasks.h), and the store of its tasks and
+ * maps. Borrowed. */
+struct orl_local_distribution {
+    const struct orl_job_tasks *tasks;
+    const struct orl_map_store *store;
+};
+
+/* A job that may be shared, and the data that its specification borrows. */
 struct orl_local_distributed {
+    const struct orl_local_distribution *distribution; /* NULL: it is not shared */
+    struct orl_local_distribution shared;
     struct orl_distributed_job distributed;
     char program[4096], folder[4096];
     char *options;                             /* owned; split into words */
@@ -75,14 +89,14 @@ struct orl_local_distributed {
     size_t n_words;
 };
 
-/* Lays the job out in output/parts, which only its owner may access. doc: names its scene's
- * files below folder. threads: per part. Call orl_local_distributed_done afterwards, also after an
- * error. */
+/* Lays the job out in output/parts, which only its owner may access. line: NULL if the job is not
+ * shared; then nothing is done. doc: names its scene's files below folder. threads: per part. Call
+ * orl_local_distributed_done afterwards, also after an error. */
 int orl_local_distributed_open(struct orl_local_distributed *job,
                                const struct orl_distributed_options *line, const json_t *doc,
                                const char *folder, const char *output, uint32_t threads,
-                               const atomic_bool *cancel, struct orl_error *err);
-/* Ends the job and reports the number of parts on stderr. remove: also removes the folder with
+                               struct orl_error *err);
+/* Ends a shared job and reports the number of parts on stderr. remove: also removes the folder with
  * all tasks. */
 void orl_local_distributed_done(struct orl_local_distributed *job, bool remove);
 

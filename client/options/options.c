@@ -10,7 +10,6 @@
 int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
 {
     va_list args;
-
     fprintf(stderr, "oriel %s: ", self->name);
     va_start(args, format);
     vfprintf(stderr, format, args);
@@ -28,7 +27,6 @@ static void print_help(const struct orl_subcommand *self, const struct orl_optio
     printf("\noptions:\n");
     for (size_t i = 0; i < n; i++) {
         char left[64];
-
         snprintf(left, sizeof left, "%s%c%s--%s%s%s", options[i].letter ? "-" : "",
                  options[i].letter ? options[i].letter : ' ', options[i].letter ? ", " : "   ",
                  options[i].name, options[i].metavar ? " " : "",
@@ -46,7 +44,6 @@ static const struct orl_option *find_option(const char *arg, const struct orl_op
     const bool is_long = arg[1] == '-';
     const char *name = arg + 2, *equals = is_long ? strchr(name, '=') : NULL;
     const size_t length = equals ? (size_t)(equals - name) : strlen(name);
-
     for (size_t i = 0; i < n; i++) {
         if (is_long && strlen(options[i].name) == length &&
             strncmp(options[i].name, name, length) == 0) {
@@ -67,7 +64,6 @@ static int take_option(const struct orl_subcommand *self, int argc, char **argv,
 {
     const char *value = NULL;
     const struct orl_option *option = find_option(argv[*at], options, n, &value);
-
     if (!option)
         return orl_usage_error(self, "unknown option \"%s\"", argv[*at]);
     if (!option->metavar) {
@@ -90,7 +86,6 @@ bool orl_options_parse(const struct orl_subcommand *self, int argc, char **argv,
 {
     int count = 0;
     bool only_operands = false;
-
     for (int i = 1; i < argc; i++) {
         if (only_operands || argv[i][0] != '-' || argv[i][1] == '\0') {
             argv[1 + count++] = argv[i]; /* overwrites only arguments that were already read */
@@ -120,7 +115,6 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
 {
     char *end;
     unsigned long long value;
-
     if (text[0] < '0' || text[0] > '9')
         return false;
     errno = 0;

@@ -14,7 +14,6 @@ enum { HEAD_WIDTH = 13 };
 static int left_out(const struct orl_plan *plan)
 {
     int count = 0;
-
     for (int i = 0; i < ORL_EFFECT_COUNT; i++)
         count += !plan->effects[i].simulated;
     return count;
@@ -35,7 +34,6 @@ static void format_bound(const struct orl_decision *decision, char *ret_text, si
     const bool relative = decision->unit == ORL_BOUND_RELATIVE;
     const double value = relative ? 100 * decision->bound : decision->bound;
     const char *unit = relative ? "%" : "lx";
-
     if (decision->unit == ORL_BOUND_NONE)
         snprintf(ret_text, size, "-");
     else if (!isfinite(value) || value >= 1e6)
@@ -66,7 +64,6 @@ static void format_time(double seconds, char *ret_text, size_t size)
 static void print_row(FILE *to, enum orl_effect effect, const struct orl_decision *decision)
 {
     char simulated[32], bound[32], cost[32], saved[32];
-
     snprintf(simulated, sizeof simulated, "%s%s%s%s", decision->simulated ? "yes" : "no",
              decision->override ? " (" : "",
              decision->override ? orl_effect_override_name(decision->override) : "",
@@ -86,11 +83,9 @@ static void print_photons(FILE *to, const struct orl_plan *plan)
         uint64_t target;
     } maps[] = {{"global", plan->photons_global}, {"caustic", plan->photons_caustic}};
     const char *before = "";
-
     fprintf(to, "%-*s", HEAD_WIDTH, "photons");
     for (size_t i = 0; i < sizeof maps / sizeof maps[0]; i++) {
         char amount[32];
-
         if (maps[i].target == 0)
             continue;
         orl_format_amount((double)maps[i].target, "", amount, sizeof amount);
@@ -106,7 +101,6 @@ static void print_photons(FILE *to, const struct orl_plan *plan)
 static void format_forecast(double seconds, char *ret_text, size_t size)
 {
     char amount[32] = "";
-
     if (isfinite(seconds))
         orl_format_duration(seconds, amount, sizeof amount);
     snprintf(ret_text, size, "%s%s", *amount ? "about " : "not known", amount);
@@ -117,7 +111,6 @@ static void print_forecast(FILE *to, const struct orl_plan *plan)
 {
     const struct orl_photon_forecast *f = &plan->forecast;
     char seconds[48], job[48], text[ORL_WHY_MAX + 160];
-
     if (!f->made)
         return;
     format_forecast(f->known ? f->photons_s : NAN, seconds, sizeof seconds);
@@ -131,7 +124,6 @@ static void print_technique(FILE *to, const char *head, enum orl_technique techn
                             const char *why)
 {
     char text[ORL_WHY_MAX + 64];
-
     snprintf(text, sizeof text, "%s%s%s", orl_technique_name(technique), why[0] ? ": " : "", why);
     fprintf(to, "%-*s", HEAD_WIDTH, head);
     orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
@@ -159,7 +151,6 @@ static void format_strategies(const struct orl_plan *plan, enum orl_path_class c
 {
     const unsigned found = orl_path_strategies(plan->technique, class, ORL_RECEIVER_SURFACE);
     size_t length = 0;
-
     for (unsigned i = 0; i < ORL_PATH_STRATEGIES && length < size; i++)
         if (found & 1U << i)
             length +=
@@ -171,11 +162,9 @@ static void format_strategies(const struct orl_plan *plan, enum orl_path_class c
 static void print_paths(FILE *to, const struct orl_plan *plan)
 {
     const char *head = "light";
-
     for (int i = 0; i < ORL_PATH_CLASSES; i++) {
         const enum orl_path_class class = (enum orl_path_class)i;
         char by[160] = "", text[320];
-
         if (!(plan->paths & 1U << i))
             continue;
         format_strategies(plan, class, by, sizeof by);
@@ -190,7 +179,6 @@ void orl_plan_print(FILE *to, const struct orl_plan *plan)
 {
     char line[96];
     double saved_s = 0;
-
     print_head(to, plan);
     print_paths(to, plan);
     fprintf(to, "\n%-*s  %-*s  %*s  %*s  %*s  %s\n", EFFECT_WIDTH, "effect", SIMULATED_WIDTH,
@@ -217,7 +205,6 @@ void orl_curve_print(FILE *to, const struct orl_accuracy_curve *curve)
         orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, curve->model);
     for (uint32_t i = 0; i < curve->n_points; i++) {
         char seconds[32];
-
         format_time(curve->points[i].seconds, seconds, sizeof seconds);
         fprintf(to, "%*.3g %%  %*s\n", HEAD_WIDTH - 3, 100 * curve->points[i].error, TIME_WIDTH + 1,
                 seconds);
@@ -230,7 +217,6 @@ static const char space[] = " \t\r\n";
 static size_t character_bytes(const char *text)
 {
     size_t length = 1;
-
     while (((unsigned char)text[length] & 0xc0) == 0x80)
         length++;
     return length;
@@ -239,7 +225,6 @@ static size_t character_bytes(const char *text)
 static int count_columns(const char *text, size_t length)
 {
     int count = 0;
-
     for (size_t at = 0; at < length; at += character_bytes(text + at))
         count++;
     return count;
@@ -256,7 +241,6 @@ static int print_word(FILE *to, int column, int indent, const char *word, size_t
     for (size_t at = 0; at < length;) {
         const size_t step = character_bytes(word + at);
         const unsigned char first = (unsigned char)word[at];
-
         if (column >= ORL_WRAP_COLUMNS && indent < ORL_WRAP_COLUMNS) {
             start_line(to, indent);
             column = indent;
@@ -276,7 +260,6 @@ void orl_print_wrapped(FILE *to, int column, int indent, const char *text)
     for (int number = 0;; number++) {
         text += strspn(text, space);
         const size_t length = strcspn(text, space);
-
         if (length == 0)
             break;
         if (number > 0 && column + 1 + count_columns(text, length) > ORL_WRAP_COLUMNS) {

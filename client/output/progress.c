@@ -11,7 +11,6 @@
 double orl_clock_s(void *unused)
 {
     struct timespec now;
-
     (void)unused;
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
@@ -20,7 +19,6 @@ double orl_clock_s(void *unused)
 void orl_format_duration(double seconds, char *ret_text, size_t size)
 {
     const double rounded = seconds < 0 ? -1 : ceil(seconds);
-
     if (!(rounded >= 0) || rounded > 1e7)
         snprintf(ret_text, size, "?");
     else if (rounded < 60)
@@ -36,7 +34,6 @@ void orl_format_amount(double amount, const char *unit, char *ret_text, size_t s
 {
     static const char *const prefix[] = {"", "k", "M", "G", "T"};
     size_t step = 0;
-
     while (amount >= 999.95 && step + 1 < sizeof prefix / sizeof prefix[0]) {
         amount /= 1000;
         step++;
@@ -61,7 +58,6 @@ void orl_progress_end(struct orl_progress_line *progress)
 void orl_progress_note(struct orl_progress_line *progress, const char *format, ...)
 {
     va_list args;
-
     orl_progress_end(progress);
     va_start(args, format);
     vfprintf(stderr, format, args);
@@ -75,7 +71,6 @@ static void draw_bar(struct orl_progress_line *progress, const char *stage, doub
     struct winsize window;
     char bar[61];
     int columns = 80, width, filled;
-
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0)
         columns = window.ws_col;
     /* Text beside the bar takes about 40 columns; a very narrow window gets no bar. */
@@ -96,10 +91,8 @@ void orl_progress_show(struct orl_progress_line *progress, const char *stage, do
     const double now_s = orl_clock_s(NULL);
     const bool new_stage = strncmp(stage, progress->stage, sizeof progress->stage - 1) != 0;
     char eta[32];
-    int tenth;
-
     fraction = fraction > 0 ? fmin(fraction, 1) : 0; /* a NaN counts as 0 */
-    tenth = (int)(10 * fraction);
+    int tenth = (int)(10 * fraction);
     orl_format_duration(eta_s, eta, sizeof eta);
     if (progress->terminal) {
         if (!new_stage && now_s - progress->drawn_s < 0.1)
@@ -117,7 +110,6 @@ void orl_progress_show_local(struct orl_progress_line *progress, const char *sta
                              double left_s)
 {
     const double now_s = orl_clock_s(NULL);
-
     orl_eta_update(&progress->eta, left_s, now_s);
     orl_progress_show(progress, stage, fraction, orl_eta_s(&progress->eta, now_s));
 }

@@ -12,7 +12,6 @@ int orl_report_reply_to_error(const char *body, size_t size, long status, struct
 {
     json_t *problem = size ? json_loadb(body, size, 0, NULL) : NULL;
     struct orl_error found = {0};
-
     if (json_is_object(problem))
         orl_problem_to_error(problem, &found);
     json_decref(problem);
@@ -27,18 +26,34 @@ int orl_report_reply_to_error(const char *body, size_t size, long status, struct
 int orl_report_error(const struct orl_error *err)
 {
     char text[2 * ORL_ERROR_TEXT_MAX + 2 * ORL_ERROR_NAME_MAX + 64];
-
     orl_error_format(err, text, sizeof text);
     /* The line starts with the file, as compilers do, or else with the program's name. */
     fprintf(stderr, "%s%s\n", err->file[0] ? "" : "oriel: ", text);
     return ORL_EXIT_FAILED;
 }
 
+int orl_print_json(json_t *json, size_t digits, struct orl_error *err)
+{
+    int rc = json ? 0 : orl_error_no_memory(err);
+    if (json && json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(digits)) != 0)
+        rc = orl_error_set(err, ORL_ERR_IO, "standard output cannot be written");
+    json_decref(json);
+    if (rc == 0)
+        putchar('\n');
+    return rc;
+}
+
+void orl_print_warnings(json_t *warnings)
+{
+    for (size_t i = 0; i < json_array_size(warnings); i++)
+        fprintf(stderr, "warning: %s\n", json_string_value(json_array_get(warnings, i)));
+    json_decref(warnings);
+}
+
 void orl_report_job_error(const json_t *job)
 {
     const json_t *problem = json_object_get(job, "error");
     struct orl_error err;
-
     if (!json_is_object(problem))
         return;
     orl_problem_to_error(problem, &err);
@@ -51,7 +66,6 @@ enum { NAME_WIDTH = 24, CELL = 32 };
 static void print_padded(const char *text, int most)
 {
     int characters = 0;
-
     for (const char *c = text; *c; c++) {
         if ((*c & 0xc0) != 0x80 && characters++ == most)
             break;
@@ -66,14 +80,12 @@ static void print_name(const json_t *job)
     const json_t *tags = json_object_get(job, "tags");
     char text[400] = "";
     size_t used = 0;
-
     if (*orl_get_text(job, "name")) {
         print_padded(orl_get_text(job, "name"), NAME_WIDTH);
         return;
     }
     for (size_t i = 0; i < json_array_size(tags) && used + 1 < sizeof text; i++) {
         const char *tag = json_string_value(json_array_get(tags, i));
-
         used +=
             (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? "," : "", tag ? tag : "");
     }
@@ -94,7 +106,6 @@ void orl_print_job(const json_t *job)
     const double eta_s = orl_get_number(job, "eta_s", -1);
     const double position = orl_get_number(job, "queue_position", -1);
     char percent[CELL], eta[CELL] = "", error[CELL];
-
     format_share(orl_get_number(job, "percent", -1), percent);
     format_share(100 * orl_get_number(job, "error", -1), error);
     if (eta_s >= 0)
@@ -117,7 +128,6 @@ void orl_print_jobs(const json_t *jobs)
 {
     const json_t *job;
     size_t i;
-
     orl_print_job_heading();
     json_array_foreach(jobs, i, job)
     {
@@ -242,7 +252,6 @@ static void print_value(FILE *to, const json_t *verdict)
     const json_t *value = json_object_get(verdict, "value");
     const json_t *interval = json_object_get(verdict, "interval_95");
     const json_t *low = json_array_get(interval, 0), *high = json_array_get(interval, 1);
-
     if (!json_is_number(value))
         return;
     fprintf(to, ": %.4g", json_number_value(value));
@@ -254,7 +263,6 @@ static void print_verdict(FILE *to, const json_t *verdict)
 {
     const char *rule = orl_get_text(verdict, "rule"), *target = orl_get_text(verdict, "target");
     const char *grid = orl_get_text(verdict, "grid"), *note = orl_get_text(verdict, "note");
-
     fprintf(to, "%-10s %s%s%s (%s)", orl_get_text(verdict, "verdict"), rule,
             *rule && *target ? ": " : "", target, *grid ? grid : "all grids");
     print_value(to, verdict);
@@ -265,7 +273,6 @@ void orl_print_verdicts(FILE *to, const json_t *verdicts)
 {
     const json_t *one;
     size_t i;
-
     json_array_foreach(verdicts, i, one)
     {
         print_verdict(to, one);

@@ -21,6 +21,13 @@ int orl_report_reply_to_error(const char *body, size_t size, long status, struct
 /* Prints err to stderr. Returns ORL_EXIT_FAILED for convenience. */
 int orl_report_error(const struct orl_error *err);
 
+/* Prints a document on standard output, indented, with so many significant digits (0: all). Takes
+ * ownership of it; NULL: ORL_ERR_NOMEM. */
+int orl_print_json(json_t *json, size_t digits, struct orl_error *err);
+
+/* Prints each text of the array to stderr as a warning. Takes ownership of it. */
+void orl_print_warnings(json_t *warnings);
+
 /* Prints "failed" with the reason from the job document's "error", if there is one. */
 void orl_report_job_error(const json_t *job);
 
