@@ -61,17 +61,17 @@ static void close_all(struct orl_server *server)
     orl_storage_stop(&server->storage);
     orl_checks_close(&server->checks);
     orl_wal_sync_stop(server->wal_sync);
-    uv_close((uv_handle_t *)&server->cache_changed, NULL);
-    uv_close((uv_handle_t *)&server->drain, NULL);
-    uv_close((uv_handle_t *)&server->saving, NULL);
-    uv_close((uv_handle_t *)&server->log_lines, NULL);
+    uv_close((uv_handle_t *)&server->handles.cache_changed, NULL);
+    uv_close((uv_handle_t *)&server->stop.timer, NULL);
+    uv_close((uv_handle_t *)&server->handles.saving, NULL);
+    uv_close((uv_handle_t *)&server->handles.log_lines, NULL);
     orl_signals_stop();
 }
 
 static void on_answers_late(uv_timer_t *timer)
 {
     struct orl_server *server = timer->data;
-    server->answers_late = true;
+    server->stop.answers_late = true;
     stop_if_quiet(server);
 }
 
@@ -79,17 +79,17 @@ static void on_answers_late(uv_timer_t *timer)
  * get a little time, for clients that read them. */
 static void stop_if_quiet(struct orl_server *server)
 {
-    if (!server->context.stopping || !server->jobs_idle || server->context.working > 0 ||
+    if (!server->context.stopping || !server->stop.jobs_idle || server->context.working > 0 ||
         !orl_wal_sync_is_idle(server->wal_sync))
         return;
-    if (!server->answering) {
-        server->answering = true;
-        uv_timer_start(&server->drain, on_answers_late, ANSWERS_MS, 0);
+    if (!server->stop.answering) {
+        server->stop.answering = true;
+        uv_timer_start(&server->stop.timer, on_answers_late, ANSWERS_MS, 0);
         orl_events_stop(server->events); /* may send, and so come here again */
         orl_event_broker_stop(server->broker);
     }
-    if (!server->closing && (server->context.unanswered == 0 || server->answers_late)) {
-        server->closing = true;
+    if (!server->stop.closing && (server->context.unanswered == 0 || server->stop.answers_late)) {
+        server->stop.closing = true;
         close_all(server);
     }
 }
@@ -121,7 +121,7 @@ static void stop_server(struct orl_server *server)
 static void on_jobs_idle(void *ctx)
 {
     struct orl_server *server = ctx;
-    server->jobs_idle = true;
+    server->stop.jobs_idle = true;
     stop_server(server);
     stop_if_quiet(server);
 }
@@ -160,7 +160,7 @@ static void on_job_changed(void *ctx, const struct orl_jobs_job *job)
     orl_events_wake(server->events);
     orl_event_broker_job_changed(server->broker, job);
     server->sweep.wanted = server->sweep.wanted || orl_jobs_ended(job);
-    uv_async_send(&server->cache_changed);
+    uv_async_send(&server->handles.cache_changed);
 }
 
 static void on_job_leaving(void *ctx, const struct orl_jobs_job *job)
@@ -177,12 +177,12 @@ static void on_signal(int signum, void *ctx)
         return;
     orl_log_event(&server->log, ORL_LOG_INFO, "stopping", "i", "signal", (int64_t)signum);
     notify("STOPPING=1");
-    if (server->draining || server->config.drain_s == 0) {
+    if (server->stop.draining || server->config.drain_s == 0) {
         stop_server(server);
         return;
     }
-    server->draining = true;
-    uv_timer_start(&server->drain, on_drain_over, 1000 * (uint64_t)server->config.drain_s, 0);
+    server->stop.draining = true;
+    uv_timer_start(&server->stop.timer, on_drain_over, 1000 * (uint64_t)server->config.drain_s, 0);
     orl_jobs_drain(server->jobs);
 }
 
@@ -230,9 +230,9 @@ static void gather_log(struct orl_server *server)
 {
     static char lines[1 << 16];
     setvbuf(server->log.stream, lines, _IOFBF, sizeof lines);
-    uv_prepare_init(&server->loop, &server->log_lines);
-    server->log_lines.data = server;
-    uv_prepare_start(&server->log_lines, write_log);
+    uv_prepare_init(&server->loop, &server->handles.log_lines);
+    server->handles.log_lines.data = server;
+    uv_prepare_start(&server->handles.log_lines, write_log);
 }
 
 /* ---- Callbacks into the daemon -------------------------------------------------------------- */
@@ -350,10 +350,10 @@ static int open_storage(struct orl_server *server, struct orl_error *err)
                             &server->blobs, err);
     if (rc == 0)
         rc = orl_map_cache_open(&server->loop, &server->folders, &server->db, wake_for_maps,
-                                &server->cache_changed, &server->maps, err);
+                                &server->handles.cache_changed, &server->maps, err);
     if (rc == 0) {
         server->checks.check_pool = orl_check_pool_new();
-        rc = server->checks.check_pool ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = server->checks.check_pool ? 0 : orl_error_no_memory(err);
     }
     orl_memory_open(&server->memory, server->config.memory_bytes);
     server->memory_cache =
@@ -401,13 +401,21 @@ static void close_storage(struct orl_server *server)
     orl_folders_close(&server->folders);
 }
 
+static void open_handles(struct orl_server *server)
+{
+    uv_async_init(&server->loop, &server->handles.cache_changed, on_cache_changed);
+    server->handles.cache_changed.data = server;
+    uv_timer_init(&server->loop, &server->stop.timer);
+    server->stop.timer.data = server;
+    uv_timer_init(&server->loop, &server->handles.saving);
+    server->handles.saving.data = server;
+    uv_timer_init(&server->loop, &server->storage.fetch_timer);
+    server->storage.fetch_timer.data = &server->storage;
+}
+
 static void watch_signals(struct orl_server *server)
 {
-    uv_timer_init(&server->loop, &server->drain);
-    server->drain.data = server;
-    uv_timer_init(&server->loop, &server->saving);
-    server->saving.data = server;
-    uv_timer_start(&server->saving, on_saving, SAVING_MS, SAVING_MS);
+    uv_timer_start(&server->handles.saving, on_saving, SAVING_MS, SAVING_MS);
     orl_signal_handle(&server->loop, SIGHUP, on_reload, server);
     static const int numbers[2] = {SIGTERM, SIGINT};
     for (int i = 0; i < 2; i++) {
@@ -420,7 +428,7 @@ static int open_jobs(struct orl_server *server, struct orl_error *err)
 {
     server->statuses = orl_status_cache_new();
     if (!server->statuses)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     struct orl_jobs_env env = {
         .loop = &server->loop,
         .db = &server->db,
@@ -497,12 +505,9 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     orl_program_digest(server.program);
     orl_uv_pool_prepare(&server.loop, config->threads + ORL_SERVER_IO_THREADS);
     orl_loop_watchdog_open(&server.watchdog, &server.loop);
-    uv_async_init(&server.loop, &server.cache_changed, on_cache_changed);
-    server.cache_changed.data = &server;
+    open_handles(&server);
     open_checks(&server);
     open_context(&server, routes);
-    uv_timer_init(&server.loop, &server.storage.fetch_timer);
-    server.storage.fetch_timer.data = &server.storage;
     gather_log(&server);
     /* Starts HTTP before the jobs: nothing is served until the loop runs, and a port in use is
      * found before a job starts. */
@@ -531,12 +536,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     } else {
         orl_events_stop(server.events);
         orl_event_broker_stop(server.broker);
-        orl_http_stop(server.http);
-        orl_storage_stop(&server.storage);
-        orl_checks_close(&server.checks);
-        orl_wal_sync_stop(server.wal_sync);
-        uv_close((uv_handle_t *)&server.cache_changed, NULL);
-        uv_close((uv_handle_t *)&server.log_lines, NULL);
+        close_all(&server);
     }
     uv_run(&server.loop, UV_RUN_DEFAULT);
     orl_scrub_thread_stop(server.scrub_thread);

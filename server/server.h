@@ -33,13 +33,27 @@
 #include "store/files/folders.h"
 #include "store/files/stored_files.h"
 
+/* Handles of the loop that are the daemon's own. */
+struct orl_server_handles {
+    uv_async_t cache_changed;
+    uv_timer_t saving;
+    uv_prepare_t log_lines; /* writes buffered lines before the loop sleeps */
+};
+
+/* The progress of a stop. */
+struct orl_server_stop {
+    uv_timer_t timer; /* the limit for draining, then for the last answers */
+    bool draining, jobs_idle;
+    bool answering, answers_late; /* only answers are left to send; they have had their time */
+    bool closing;                 /* the loop's handles are being closed */
+};
+
 struct orl_server {
     struct orl_config config;
     struct orl_log log;
     uv_loop_t loop;
-    uv_async_t cache_changed;
-    uv_timer_t drain, saving;
-    uv_prepare_t log_lines;    /* writes buffered lines before the loop sleeps */
+    struct orl_server_handles handles;
+    struct orl_server_stop stop;
     char program[ORL_SHA_HEX]; /* checkpoints.h */
     struct orl_folders folders;
     struct orl_db db;
@@ -67,9 +81,6 @@ struct orl_server {
     struct orl_memory memory;
     struct orl_previous_exit previous_exit;
     double started_s;
-    bool draining, jobs_idle;
-    bool answering, answers_late; /* only answers are left to send; they have had their time */
-    bool closing;                 /* the loop's handles are being closed */
 };
 
 /*

@@ -125,7 +125,7 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
     pthread_mutex_lock(&cache->mutex);
     struct orl_map_entry *entry = add_entry(cache, kind, key);
     if (!entry)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     while (rc == 0 &&
            (entry->state == ORL_MAP_IS_BUILDING || entry->state == ORL_MAP_IS_BEING_REMOVED)) {
         if (cancel && atomic_load(cancel)) {
@@ -135,7 +135,7 @@ static int cache_acquire(void *ctx, const char *kind, const char *key, atomic_bo
         wait_for_change(cache);
         entry = add_entry(cache, kind, key);
         if (!entry)
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
     }
     if (rc == 0 && is_ready(cache, entry)) {
         hit = true;
@@ -362,7 +362,7 @@ int orl_map_cache_list(struct orl_map_cache *cache, struct orl_stored_map **ret_
         }
     pthread_mutex_unlock(&cache->mutex);
     if (!maps)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     qsort(maps, count, sizeof *maps, compare_last_use);
     *ret_maps = maps;
     *ret_count = count;
@@ -472,7 +472,7 @@ int orl_map_cache_open(uv_loop_t *loop, const struct orl_folders *folders, struc
 {
     struct orl_map_cache *cache = calloc(1, sizeof *cache);
     if (!cache)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     *cache = (struct orl_map_cache){
         .loop = loop, .folders = folders, .db = db, .wake = wake, .wake_ctx = wake_ctx};
     pthread_mutex_init(&cache->mutex, NULL);

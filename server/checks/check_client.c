@@ -17,7 +17,7 @@ static int run_request(struct orl_check_call *call, json_t *request, json_t **re
                                (json_int_t)call->cpu_s);
     int rc = request && bounds && json_object_update(request, bounds) == 0
                  ? 0
-                 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                 : orl_error_no_memory(err);
     if (rc == 0)
         rc = orl_check_pool_run(call, request, ret_result, err);
     json_decref(bounds);
@@ -35,7 +35,7 @@ static int request_text(struct orl_check_call *call, json_t *request, int digits
         return rc;
     *ret_text = orl_json_text(result, JSON_COMPACT | JSON_REAL_PRECISION((size_t)digits));
     json_decref(result);
-    return *ret_text ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return *ret_text ? 0 : orl_error_no_memory(err);
 }
 
 int orl_check_client_scene(struct orl_check_call *call, const struct orl_bundle *bundle,
@@ -102,21 +102,14 @@ int orl_check_client_inputs(struct orl_check_call *call, const struct orl_job_in
 {
     json_t *result = NULL;
     struct orl_job_inputs_found found = {0};
-    uint64_t *const places[] = {&found.sensors, &found.year_rows, &found.surfaces, &found.triangles,
-                                &found.matrix_bytes};
-    enum { PLACES = sizeof places / sizeof *places };
+    uint64_t *places[ORL_JOB_INPUTS_COUNTS];
+    orl_job_inputs_counts(&found, places);
     int rc = run_request(call,
                          json_pack("{s:s, s:o, s:O*, s:s*}", "kind", "inputs", "files",
                                    orl_mapped_inputs_to_json(&inputs->files), "uses", inputs->uses,
                                    "path", document),
                          &result, err);
-    bool good = rc == 0 && json_array_size(result) == PLACES;
-    for (size_t i = 0; i < PLACES && good; i++) {
-        const json_int_t value = json_integer_value(json_array_get(result, i));
-        good = value >= 0;
-        *places[i] = good ? (uint64_t)value : 0;
-    }
-    if (rc == 0 && !good)
+    if (rc == 0 && !orl_counts_from_json(result, places, ORL_JOB_INPUTS_COUNTS))
         rc = orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     if (rc == 0)
         *ret_found = found;

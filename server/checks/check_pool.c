@@ -218,7 +218,7 @@ static int handle_packet(struct exchange *t, char kind, char *data, size_t size)
         if (t->complete || size > VERDICT_BYTES - t->verdict.size)
             return refuse_packet(t);
         if (!orl_frame_text_add(&t->verdict, data, size, VERDICT_BYTES))
-            return orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
+            return orl_error_no_memory(t->err);
         t->complete = kind == ORL_FRAME_VERDICT_END;
         return 0;
     case ORL_FRAME_END:
@@ -235,7 +235,7 @@ static int handle_packet(struct exchange *t, char kind, char *data, size_t size)
 static int receive_verdict(struct exchange *t)
 {
     char *packet = malloc(ORL_FRAME_BYTES + 2);
-    int rc = packet ? 0 : orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
+    int rc = packet ? 0 : orl_error_no_memory(t->err);
     while (packet && rc == 0 && !t->ended) {
         rc = wait_for_socket(t, POLLIN);
         if (rc)
@@ -320,7 +320,7 @@ static int read_verdict(struct exchange *t, json_t **ret_result)
     } else if (result) {
         *ret_result = json_incref(result);
     } else if (starved) {
-        rc = orl_error_set(t->err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(t->err);
     } else {
         rc = refuse_packet(t);
     }
@@ -334,9 +334,9 @@ int orl_check_pool_run(struct orl_check_call *call, const json_t *request, json_
     struct exchange t = {.call = call, .err = err};
     call->met = ORL_CHILD_NONE;
     call->peak_bytes = 0;
-    char *text = request ? orl_json_text(request, JSON_COMPACT) : NULL;
+    char *text = orl_json_text(request, JSON_COMPACT);
     if (!text)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     t.fork_server = acquire_fork_server(call->check_pool);
     int rc = t.fork_server
                  ? 0

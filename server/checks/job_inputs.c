@@ -33,6 +33,14 @@ void orl_job_inputs_done(struct orl_job_inputs *inputs)
     *inputs = (struct orl_job_inputs){0};
 }
 
+void orl_job_inputs_counts(struct orl_job_inputs_found *found,
+                           uint64_t *ret_places[ORL_JOB_INPUTS_COUNTS])
+{
+    uint64_t *const places[] = {&found->sensors, &found->year_rows, &found->surfaces,
+                                &found->triangles, &found->matrix_bytes};
+    memcpy(ret_places, places, sizeof places);
+}
+
 static int add_use(const struct orl_named_file *named, const char *name,
                    struct orl_job_inputs *inputs, struct orl_error *err)
 {
@@ -40,7 +48,7 @@ static int add_use(const struct orl_named_file *named, const char *name,
         inputs->uses = json_array();
     return json_array_append_new(inputs->uses,
                                  json_pack("[s, i, s?]", name, (int)named->role, named->entry))
-               ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
+               ? orl_error_no_memory(err)
                : 0;
 }
 

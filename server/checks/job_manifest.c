@@ -4,12 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/json_read.h>
 #include <oriel/base/limits.h>
 
+#include "checks/child/messages.h"
 #include "jobs/job_results.h"
 #include "runner/estimate/job_estimate.h"
 #include "runner/job_output.h"
+#include "json/encode.h"
 
 void orl_job_manifest_done(struct orl_job_manifest *manifest)
 {
@@ -35,20 +38,13 @@ static int add_file(void *ctx, const struct orl_job_request_file *named, struct 
     if (manifest->n_files == FILES_MAX)
         return orl_error_set(err, ORL_ERR_LIMIT, "the document names more than %d files",
                              FILES_MAX);
-    if (manifest->n_files == manifest->capacity) {
-        const size_t capacity = 2 * manifest->capacity + 8;
-        struct orl_named_file *grown = realloc(manifest->files, capacity * sizeof *grown);
-        if (!grown)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        manifest->files = grown;
-        manifest->capacity = capacity;
-    }
+    if (!orl_array_reserve(&manifest->files, &manifest->capacity, manifest->n_files,
+                           sizeof *manifest->files))
+        return orl_error_no_memory(err);
     struct orl_named_file *file = &manifest->files[manifest->n_files++];
     *file = (struct orl_named_file){named->role, strdup(named->name), strdup(named->location),
                                     entry ? strdup(entry) : NULL};
-    return file->name && file->location && (file->entry || !entry)
-               ? 0
-               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return file->name && file->location && (file->entry || !entry) ? 0 : orl_error_no_memory(err);
 }
 
 int orl_job_manifest_read(const struct orl_file *document, struct orl_job_manifest *ret_manifest,
@@ -84,32 +80,37 @@ int orl_job_manifest_read(const struct orl_file *document, struct orl_job_manife
     return 0;
 }
 
+/* Lists the addresses of a document's needs, in the order in which they are sent. */
+enum { NEEDS = 10 };
+static void list_needs(struct orl_job_memory *needs, uint64_t *ret_places[NEEDS])
+{
+    uint64_t *const places[] = {&needs->sensors,      &needs->photons,         &needs->pixels,
+                                &needs->hour_bytes,   &needs->bsdf_made_bytes, &needs->mask_pixels,
+                                &needs->array_bytes,  &needs->windows,         &needs->viewpoints,
+                                &needs->window_groups};
+    memcpy(ret_places, places, sizeof places);
+}
+
 /* ---- Between processes ----------------------------------------------------------------------- */
 
 json_t *orl_job_manifest_to_json(const struct orl_job_manifest *manifest)
 {
-    const struct orl_job_memory *needs = &manifest->needs;
+    struct orl_job_memory needs = manifest->needs;
+    uint64_t *places[NEEDS];
     json_t *files = json_array();
+    list_needs(&needs, places);
     for (size_t i = 0; files && i < manifest->n_files; i++) {
         const struct orl_named_file *file = &manifest->files[i];
-        if (json_array_append_new(files, json_pack("[s, s, i, s?]", file->name, file->location,
-                                                   (int)file->role, file->entry))) {
-            json_decref(files);
-            return NULL;
-        }
+        files = orl_json_append(files, json_pack("[s, s, i, s?]", file->name, file->location,
+                                                 (int)file->role, file->entry));
     }
     return json_pack(
-        "{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:b, s:[I, I, I, I, I, I, I, I, I, I], "
-        "s:o}",
-        "kind", (int)manifest->kind, "priority", manifest->priority, "name", manifest->labels.name,
-        "tags", manifest->labels.tags, "scene", manifest->scene, "identity", manifest->identity,
+        "{s:i, s:i, s:s*, s:s*, s:s, s:s, s:I, s:I, s:I, s:b, s:o, s:o}", "kind",
+        (int)manifest->kind, "priority", manifest->priority, "name", manifest->labels.name, "tags",
+        manifest->labels.tags, "scene", manifest->scene, "identity", manifest->identity,
         "result_bytes", (json_int_t)manifest->result_bytes, "sensor_bytes",
         (json_int_t)manifest->sensor_bytes, "hour_bytes", (json_int_t)manifest->hour_bytes, "whole",
-        (int)manifest->whole_scene, "needs", (json_int_t)needs->sensors, (json_int_t)needs->photons,
-        (json_int_t)needs->pixels, (json_int_t)needs->hour_bytes,
-        (json_int_t)needs->bsdf_made_bytes, (json_int_t)needs->mask_pixels,
-        (json_int_t)needs->array_bytes, (json_int_t)needs->windows, (json_int_t)needs->viewpoints,
-        (json_int_t)needs->window_groups, "files", files);
+        (int)manifest->whole_scene, "needs", orl_counts_to_json(places, NEEDS), "files", files);
 }
 
 static int read_files(struct orl_job_manifest *manifest, const json_t *files, struct orl_error *err)
@@ -127,22 +128,6 @@ static int read_files(struct orl_job_manifest *manifest, const json_t *files, st
             return rc;
     }
     return 0;
-}
-
-static bool read_needs(struct orl_job_memory *needs, const json_t *numbers)
-{
-    uint64_t *const places[] = {&needs->sensors,      &needs->photons,         &needs->pixels,
-                                &needs->hour_bytes,   &needs->bsdf_made_bytes, &needs->mask_pixels,
-                                &needs->array_bytes,  &needs->windows,         &needs->viewpoints,
-                                &needs->window_groups};
-    enum { PLACES = sizeof places / sizeof *places };
-    bool good = json_array_size(numbers) == PLACES;
-    for (size_t i = 0; i < PLACES && good; i++) {
-        const json_int_t value = json_integer_value(json_array_get(numbers, i));
-        good = value >= 0;
-        *places[i] = good ? (uint64_t)value : 0;
-    }
-    return good;
 }
 
 /* Validates the labels again: a child that read untrusted data may send anything. */
@@ -164,6 +149,8 @@ int orl_job_manifest_from_json(const json_t *json, struct orl_job_manifest *ret_
     const json_t *files = NULL, *needs = NULL;
     int kind = 0, whole_scene = 0;
     json_int_t result_bytes = 0, sensor_bytes = 0, hour_bytes = 0;
+    uint64_t *places[NEEDS];
+    list_needs(&manifest.needs, places);
     int rc = json_unpack(
         (json_t *)(uintptr_t)json, "{s:i, s:i, s?s, s?s, s:s, s:s, s:I, s:I, s:I, s:b, s:o, s:o}",
         "kind", &kind, "priority", &manifest.priority, "name", &name, "tags", &tags, "scene",
@@ -172,7 +159,7 @@ int orl_job_manifest_from_json(const json_t *json, struct orl_job_manifest *ret_
     if (rc || kind < 0 || kind >= ORL_JOB_KIND_COUNT || !orl_is_sha256(scene) ||
         (*identity && !orl_is_sha256(identity)) || manifest.priority < 0 ||
         manifest.priority > ORL_PRIORITY_MAX || result_bytes < 0 || sensor_bytes < 0 ||
-        hour_bytes < 0 || !read_needs(&manifest.needs, needs) ||
+        hour_bytes < 0 || !orl_counts_from_json(needs, places, NEEDS) ||
         !read_labels(&manifest.labels, name, tags))
         return orl_error_set(err, ORL_ERR_INTERNAL, "the check process sent an invalid reply");
     manifest.kind = (enum orl_job_request_kind)kind;

@@ -73,6 +73,11 @@ struct orl_job_inputs_found {
     uint64_t matrix_bytes;        /* memory of an annual job by matrices */
 };
 
+/* Lists the addresses of the findings, in the order in which a child sends them. */
+enum { ORL_JOB_INPUTS_COUNTS = 5 };
+void orl_job_inputs_counts(struct orl_job_inputs_found *found,
+                           uint64_t *ret_places[ORL_JOB_INPUTS_COUNTS]);
+
 /* Checks that the scene has the named files. ORL_ERR_NOT_FOUND if not, with the place in the
  * document. */
 int orl_job_inputs_check(const struct orl_job_manifest *manifest, const struct orl_bundle *scene,

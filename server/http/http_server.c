@@ -160,7 +160,7 @@ int orl_http_start(struct orl_http_context *context, const struct sockaddr *addr
 {
     struct orl_http_server *http = calloc(1, sizeof *http);
     if (!http)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     http->context = context;
     http->connections.idle_s = context->config->idle_timeout_s;
     http->connections.most = context->config->address_connections;

@@ -84,7 +84,7 @@ int orl_queue_add(struct orl_queue *queue, struct orl_queue_entry *entry, const 
 {
     struct orl_queue_client *client = find_client(queue, name);
     if (!client)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     if (!client->first)
         queue->n_idle--;
     struct orl_queue_entry **at = &client->first;

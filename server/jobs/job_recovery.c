@@ -105,12 +105,12 @@ int orl_jobs_open(const struct orl_jobs_env *env, struct orl_jobs **ret_jobs, st
 {
     struct orl_jobs *jobs = calloc(1, sizeof *jobs);
     if (!jobs)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     jobs->env = *env;
     jobs->paused = env->paused;
     jobs->queue = orl_queue_new();
-    const int rc = jobs->queue ? orl_job_rows(env->db, load_row, jobs, err)
-                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    const int rc =
+        jobs->queue ? orl_job_rows(env->db, load_row, jobs, err) : orl_error_no_memory(err);
     if (rc) {
         orl_jobs_close(jobs);
         return rc;

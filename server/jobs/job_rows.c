@@ -112,7 +112,7 @@ void orl_jobs_fail(struct orl_jobs_job *job, const struct orl_error *err)
     json_t *problem = orl_problem_from_error(err, NULL);
     char text[2 * ORL_ERROR_TEXT_MAX];
     free(job->problem);
-    job->problem = problem ? orl_json_text(problem, JSON_COMPACT) : NULL;
+    job->problem = orl_json_text(problem, JSON_COMPACT);
     json_decref(problem);
     orl_jobs_set_state(job, ORL_JOB_FAILED);
     orl_error_format(err, text, sizeof text);

@@ -20,10 +20,10 @@ int orl_jobs_submit(struct orl_jobs *jobs, const struct orl_job_submission *subm
     unsigned char bytes[(ORL_JOB_ID - 1) / 2];
     struct orl_jobs_job *job = calloc(1, sizeof *job);
     if (!job)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     if (orl_job_set_labels(job, submission->labels.name, submission->labels.tags)) {
         orl_job_free(job);
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     }
     randombytes_buf(bytes, sizeof bytes);
     sodium_bin2hex(job->row.id, sizeof job->row.id, bytes, sizeof bytes);

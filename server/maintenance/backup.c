@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +49,6 @@ static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret
 {
     enum { CHUNK = 1 << 17 };
     static unsigned char chunk[CHUNK]; /* static: the command has one thread */
-    unsigned char digest[ORL_SHA256_BYTES];
     struct orl_sha256 hash;
     ssize_t n;
     orl_sha256_init(&hash);
@@ -60,17 +58,12 @@ static int copy_bytes(int from, int to, char ret_sha[ORL_SHA_HEX], uint64_t *ret
         if (n < 0)
             return orl_error_set(err, ORL_ERR_IO, "cannot be read: %s", strerror(errno));
         orl_sha256_add(&hash, chunk, (size_t)n);
-        for (ssize_t done = 0; done < n;) {
-            const ssize_t m = write(to, chunk + done, (size_t)(n - done));
-            if (m < 0 && errno != EINTR)
-                return orl_error_set(err, orl_err_of_errno(errno), "cannot write the copy: %s",
-                                     strerror(errno));
-            done += m > 0 ? m : 0;
-        }
+        if (!orl_write_all(to, chunk, (size_t)n))
+            return orl_error_set(err, orl_err_of_errno(errno), "cannot write the copy: %s",
+                                 strerror(errno));
         *ret_bytes += (uint64_t)n;
     }
-    orl_sha256_finish(&hash, digest);
-    sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
+    orl_sha256_finish_hex(&hash, ret_sha);
     return 0;
 }
 

@@ -56,16 +56,10 @@ void orl_retention_close(struct orl_retention *retention)
 
 enum { ID = 32 };
 
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
 static void sweep_work(uv_work_t *work)
 {
     struct orl_shared_sweep *sweep = work->data;
-    sweep->rc = orl_distributed_job_abandon(sweep->folder, now_s, &sweep->err);
+    sweep->rc = orl_distributed_job_abandon(sweep->folder, orl_time_steady_for, &sweep->err);
 }
 
 /* Ends a sweep. A folder that cannot be swept is tried again when the next job ends. */

@@ -19,35 +19,6 @@ enum { USUAL_PARTS = 64, USUAL_LEAST_S = 60 };
 const char *const orl_runner_named[ORL_RUNNER_NAMED] = {"partition", "account", "qos",
                                                         "constraint"};
 
-static void runner_options_init(struct orl_runner_options *options)
-{
-    *options = (struct orl_runner_options){
-        .parts = USUAL_PARTS, .part_threads = 1, .least_s = USUAL_LEAST_S};
-}
-
-static int parse_count(const char *name, const char *value, unsigned long least, unsigned long most,
-                       uint32_t *ret_number, struct orl_error *err)
-{
-    char *end = NULL;
-    errno = 0;
-    const unsigned long number = strtoul(value, &end, 10);
-    if (errno || !isdigit((unsigned char)value[0]) || *end || number < least || number > most)
-        return orl_error_set(err, ORL_ERR_INVALID, "%s takes a number from %lu to %lu, not '%s'",
-                             name, least, most, value);
-    *ret_number = (uint32_t)number;
-    return 0;
-}
-
-static int parse_runner(struct orl_runner_options *options, const char *value,
-                        struct orl_error *err)
-{
-    options->slurm = strcmp(value, "slurm") == 0;
-    return options->slurm || strcmp(value, "local") == 0
-               ? 0
-               : orl_error_set(err, ORL_ERR_INVALID, "--runner takes local or slurm, not '%s'",
-                               value);
-}
-
 /* Appends an option of sbatch, which gets an argument vector. It would take a word that is not an
  * option for its script. */
 static int add_word(struct orl_runner_options *options, const char *value, struct orl_error *err)
@@ -73,28 +44,15 @@ static bool parse_named(struct orl_runner_options *options, const char *name, co
     return false;
 }
 
-/* Applies an argument. *ret_known: true if it is one of these options. */
+/* Applies the options that may be repeated, or have several names. *ret_known: true if it is one.
+ */
 static int runner_options_apply(struct orl_runner_options *options, const char *name,
                                 const char *value, bool *ret_known, struct orl_error *err)
 {
-    int rc = 0;
-    *ret_known = true;
-    if (strcmp(name, "--runner") == 0)
-        return parse_runner(options, value, err);
-    if (strcmp(name, "--slurm-option") == 0)
-        rc = add_word(options, value, err);
-    else if (strcmp(name, "--shared") == 0)
-        options->shared = value;
-    else if (strcmp(name, "--parts") == 0)
-        rc = parse_count(name, value, 1, MOST_PARTS, &options->parts, err);
-    else if (strcmp(name, "--part-threads") == 0)
-        rc = parse_count(name, value, 1, MOST_THREADS, &options->part_threads, err);
-    else if (strcmp(name, "--least") == 0)
-        rc = parse_count(name, value, 0, MOST_SECONDS, &options->least_s, err);
-    else
-        *ret_known = parse_named(options, name, value);
+    const bool word = strcmp(name, "--slurm-option") == 0;
+    *ret_known = word || parse_named(options, name, value);
     options->any = options->any || *ret_known;
-    return rc;
+    return word ? add_word(options, value, err) : 0;
 }
 
 /* Checks the options against each other. */
@@ -197,15 +155,15 @@ void orl_config_help(FILE *stream)
 }
 
 static int parse_number(const char *option, const char *text, unsigned long min, unsigned long max,
-                        unsigned long *ret_value, struct orl_error *err)
+                        uint32_t *ret_value, struct orl_error *err)
 {
     char *end = NULL;
     errno = 0;
     const unsigned long value = strtoul(text, &end, 10);
-    if (errno || end == text || *end || text[0] == '-' || value < min || value > max)
+    if (errno || !isdigit((unsigned char)text[0]) || *end || value < min || value > max)
         return orl_error_set(err, ORL_ERR_INVALID, "%s takes a number from %lu to %lu, not '%s'",
                              option, min, max, text);
-    *ret_value = value;
+    *ret_value = (uint32_t)value;
     return 0;
 }
 
@@ -227,7 +185,7 @@ static int parse_size(const char *option, const char *text, uint64_t least, uint
     return 0;
 }
 
-static void set_port(struct orl_config *config, unsigned long port)
+static void set_port(struct orl_config *config, uint32_t port)
 {
     if (config->address.any.sa_family == AF_INET6)
         config->address.v6.sin6_port = htons((uint16_t)port);
@@ -265,41 +223,82 @@ static int parse_listen(const char *text, struct orl_config *config, struct orl_
         if (inet_pton(AF_INET, host, &config->address.v4.sin_addr) != 1)
             return orl_error_set(err, ORL_ERR_INVALID, "'%s' is not an IP address", host);
     }
-    unsigned long port = 0;
+    uint32_t port = 0;
     const int rc = parse_number("--listen's port", colon + 1, 0, 65535, &port, err);
     if (rc == 0)
         set_port(config, port);
     return rc;
 }
 
-/* Applies options that set a number. */
-static int apply_number(struct orl_config *config, const char *name, const char *value,
-                        struct orl_error *err)
+/* An option that sets one field, whose type is that of the member set. */
+struct setting {
+    const char *name;
+    const char **text;
+    bool *flag; /* the value is no or yes, two words */
+    const char *no, *yes;
+    uint32_t *number;
+    uint64_t *size;
+    unsigned long least, most; /* of a number; a size has no maximum */
+    bool of_runner;            /* needs --runner slurm */
+};
+
+static int apply_setting(const struct setting *setting, const char *value, struct orl_error *err)
 {
-    const struct {
-        const char *name;
-        unsigned long min, max;
-        uint32_t *field;
-    } numbers[] = {
-        {"--threads", 1, ORL_SERVER_THREADS, &config->threads},
-        {"--jobs", 1, ORL_SERVER_THREADS, &config->jobs},
-        {"--idle-timeout", 1, 3600, &config->idle_timeout_s},
-        {"--check-timeout", 1, 86400, &config->check_timeout_s},
-        {"--job-timeout", 1, 31536000, &config->job_timeout_s},
-        {"--keep-orphans", 0, 36500, &config->keep_orphans_days},
-        {"--keep-jobs", 1, 10000000, &config->keep_jobs},
-        {"--keep-days", 0, 36500, &config->keep_days},
-        {"--drain-timeout", 0, 86400, &config->drain_s},
-        {"--address-connections", 1, ORL_SERVER_CONNECTIONS, &config->address_connections},
+    if (setting->number)
+        return parse_number(setting->name, value, setting->least, setting->most, setting->number,
+                            err);
+    if (setting->size)
+        return parse_size(setting->name, value, setting->least, setting->size, err);
+    if (setting->text) {
+        *setting->text = value;
+        return 0;
+    }
+    *setting->flag = strcmp(value, setting->yes) == 0;
+    return *setting->flag || strcmp(value, setting->no) == 0
+               ? 0
+               : orl_error_set(err, ORL_ERR_INVALID, "%s takes %s or %s, not '%s'", setting->name,
+                               setting->no, setting->yes, value);
+}
+
+static int apply_settings(struct orl_config *config, const char *name, const char *value,
+                          struct orl_error *err)
+{
+    struct orl_runner_options *runner = &config->runner;
+    const struct setting settings[] = {
+        {"--threads", .number = &config->threads, .least = 1, .most = ORL_SERVER_THREADS},
+        {"--jobs", .number = &config->jobs, .least = 1, .most = ORL_SERVER_THREADS},
+        {"--idle-timeout", .number = &config->idle_timeout_s, .least = 1, .most = 3600},
+        {"--check-timeout", .number = &config->check_timeout_s, .least = 1, .most = 86400},
+        {"--job-timeout", .number = &config->job_timeout_s, .least = 1, .most = 31536000},
+        {"--keep-orphans", .number = &config->keep_orphans_days, .most = 36500},
+        {"--keep-jobs", .number = &config->keep_jobs, .least = 1, .most = 10000000},
+        {"--keep-days", .number = &config->keep_days, .most = 36500},
+        {"--drain-timeout", .number = &config->drain_s, .most = 86400},
+        {"--address-connections", .number = &config->address_connections, .least = 1,
+         .most = ORL_SERVER_CONNECTIONS},
+        {"--tokens", .flag = &config->needs_token, .no = "public", .yes = "always"},
+        {"--orphans", .flag = &config->set_orphans_aside, .no = "refuse", .yes = "set-aside"},
+        {"--log-format", .flag = &config->log_json, .no = "text", .yes = "json"},
+        {"--tls-cert", .text = &config->tls_cert},
+        {"--tls-key", .text = &config->tls_key},
+        {"--data", .text = &config->data},
+        {"--storage-budget", .size = &config->storage_bytes, .least = 1},
+        {"--memory", .size = &config->memory_bytes, .least = 1},
+        {"--check-memory", .size = &config->check_memory, .least = 1},
+        {"--scrub-rate", .size = &config->scrub_bytes_per_s},
+        {"--shelf", .size = &config->memory_cache_bytes},
+        {"--runner", .flag = &runner->slurm, .no = "local", .yes = "slurm"},
+        {"--shared", .text = &runner->shared, .of_runner = true},
+        {"--parts", .number = &runner->parts, .least = 1, .most = MOST_PARTS, .of_runner = true},
+        {"--part-threads", .number = &runner->part_threads, .least = 1, .most = MOST_THREADS,
+         .of_runner = true},
+        {"--least", .number = &runner->least_s, .most = MOST_SECONDS, .of_runner = true},
     };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        unsigned long number = 0;
-        if (strcmp(name, numbers[i].name) != 0)
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        if (strcmp(name, settings[i].name) != 0)
             continue;
-        const int rc = parse_number(name, value, numbers[i].min, numbers[i].max, &number, err);
-        if (rc == 0)
-            *numbers[i].field = (uint32_t)number;
-        return rc;
+        runner->any = runner->any || settings[i].of_runner;
+        return apply_setting(&settings[i], value, err);
     }
     orl_error_set(err, ORL_ERR_INVALID, "there is no option '%s'", name);
     orl_error_hint(err, "orield --help lists them");
@@ -320,60 +319,30 @@ static int add_origin(struct orl_config *config, const char *origin, struct orl_
 static int apply_option(struct orl_config *config, const char *name, const char *value,
                         struct orl_error *err)
 {
-    unsigned long number = 0;
+    uint32_t port = 0;
     bool of_runner;
     int rc = runner_options_apply(&config->runner, name, value, &of_runner, err);
     if (of_runner)
         return rc;
     if (strcmp(name, "--listen") == 0)
         return parse_listen(value, config, err);
-    if (strcmp(name, "--tokens") == 0) {
-        config->needs_token = strcmp(value, "always") == 0;
-        if (!config->needs_token && strcmp(value, "public") != 0)
-            rc = orl_error_set(err, ORL_ERR_INVALID, "--tokens takes public or always, not '%s'",
-                               value);
-    } else if (strcmp(name, "--allow-origin") == 0) {
-        rc = add_origin(config, value, err);
-    } else if (strcmp(name, "--tls-cert") == 0) {
-        config->tls_cert = value;
-    } else if (strcmp(name, "--tls-key") == 0) {
-        config->tls_key = value;
-    } else if (strcmp(name, "--data") == 0) {
-        config->data = value;
-    } else if (strcmp(name, "--port") == 0) {
-        rc = parse_number(name, value, 0, 65535, &number, err);
+    if (strcmp(name, "--allow-origin") == 0)
+        return add_origin(config, value, err);
+    if (strcmp(name, "--log-level") == 0)
+        return orl_log_level_from_name(value, &config->log_level)
+                   ? orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value)
+                   : 0;
+    if (strcmp(name, "--port") == 0) {
+        rc = parse_number(name, value, 0, 65535, &port, err);
         if (rc == 0)
-            set_port(config, number);
-    } else if (strcmp(name, "--storage-budget") == 0) {
-        rc = parse_size(name, value, 1, &config->storage_bytes, err);
-    } else if (strcmp(name, "--memory") == 0) {
-        rc = parse_size(name, value, 1, &config->memory_bytes, err);
-    } else if (strcmp(name, "--check-memory") == 0) {
-        rc = parse_size(name, value, 1, &config->check_memory, err);
-        if (rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST)
-            rc = orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes at least %luM",
-                               ORL_SERVER_CHECK_LEAST >> 20);
-    } else if (strcmp(name, "--scrub-rate") == 0) {
-        rc = parse_size(name, value, 0, &config->scrub_bytes_per_s, err);
-    } else if (strcmp(name, "--shelf") == 0) {
-        rc = parse_size(name, value, 0, &config->memory_cache_bytes, err);
-    } else if (strcmp(name, "--log-level") == 0) {
-        if (orl_log_level_from_name(value, &config->log_level))
-            rc = orl_error_set(err, ORL_ERR_INVALID, "there is no log level '%s'", value);
-    } else if (strcmp(name, "--orphans") == 0) {
-        config->set_orphans_aside = strcmp(value, "set-aside") == 0;
-        if (!config->set_orphans_aside && strcmp(value, "refuse") != 0)
-            rc = orl_error_set(err, ORL_ERR_INVALID,
-                               "--orphans takes refuse or set-aside, not '%s'", value);
-    } else if (strcmp(name, "--log-format") == 0) {
-        config->log_json = strcmp(value, "json") == 0;
-        if (!config->log_json && strcmp(value, "text") != 0)
-            rc = orl_error_set(err, ORL_ERR_INVALID, "--log-format takes text or json, not '%s'",
-                               value);
-    } else {
-        rc = apply_number(config, name, value, err);
+            set_port(config, port);
+        return rc;
     }
-    return rc;
+    rc = apply_settings(config, name, value, err);
+    return rc == 0 && config->check_memory < ORL_SERVER_CHECK_LEAST
+               ? orl_error_set(err, ORL_ERR_INVALID, "--check-memory takes at least %luM",
+                               ORL_SERVER_CHECK_LEAST >> 20)
+               : rc;
 }
 
 static void set_defaults(struct orl_config *config)
@@ -389,7 +358,8 @@ static void set_defaults(struct orl_config *config)
                       : processors > (long)ORL_SERVER_THREADS ? ORL_SERVER_THREADS
                                                               : (uint32_t)processors;
     config->jobs = 1;
-    runner_options_init(&config->runner);
+    config->runner = (struct orl_runner_options){
+        .parts = USUAL_PARTS, .part_threads = 1, .least_s = USUAL_LEAST_S};
     config->idle_timeout_s = ORL_SERVER_TIMEOUT_S;
     config->check_timeout_s = ORL_SERVER_CHECK_S;
     config->check_memory = ORL_SERVER_CHECK_BYTES;

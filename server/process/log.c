@@ -161,7 +161,7 @@ static void write_object(const struct orl_log *log, const char *now, const char 
             value = json_real(round(1000 * va_arg(args, double)) / 1000);
         json_object_set_new(doc, key, value);
     }
-    char *text = doc ? orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
+    char *text = orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(12));
     if (text)
         fprintf(log->stream, "%s\n", text);
     free(text);

@@ -18,6 +18,12 @@ double orl_time_steady_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+double orl_time_steady_for(void *ctx)
+{
+    (void)ctx;
+    return orl_time_steady_s();
+}
+
 int64_t orl_time_steady_ms(void)
 {
     return (int64_t)(1000 * orl_time_steady_s());

@@ -10,6 +10,8 @@
 
 int64_t orl_time_now_ms(void);
 double orl_time_steady_s(void);
+/* Returns the same time, as a callback. */
+double orl_time_steady_for(void *ctx);
 int64_t orl_time_steady_ms(void);
 
 enum { ORL_TIME_TEXT = 32 };

@@ -2,7 +2,6 @@
 
 #include <elf.h>
 #include <link.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -78,10 +77,8 @@ static int add_object(struct dl_phdr_info *info, size_t size, void *hash)
 void orl_program_digest(char ret_digest[ORL_SHA_HEX])
 {
     struct orl_sha256 hash;
-    unsigned char digest[ORL_SHA256_BYTES];
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, ORL_VERSION, sizeof ORL_VERSION);
     dl_iterate_phdr(add_object, &hash);
-    orl_sha256_finish(&hash, digest);
-    sodium_bin2hex(ret_digest, ORL_SHA_HEX, digest, sizeof digest);
+    orl_sha256_finish_hex(&hash, ret_digest);
 }

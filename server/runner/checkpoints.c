@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,28 +25,15 @@ static void path_below(const char *folder, const char *before, const char *name,
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
-static void add_text(struct orl_sha256 *hash, const char *text)
-{
-    orl_sha256_add(hash, text, strlen(text) + 1);
-}
-
-static void end_digest(struct orl_sha256 *hash, char ret_hex[ORL_SHA_HEX])
-{
-    unsigned char digest[ORL_SHA256_BYTES];
-    orl_sha256_finish(hash, digest);
-    sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
-}
-
 void orl_checkpoint_key(const char *program, const char *asked, const char *scene,
                         char ret_key[ORL_SHA_HEX])
 {
     struct orl_sha256 hash;
+    const char *const texts[] = {"oriel parts 3", program, asked, scene};
     orl_sha256_init(&hash);
-    add_text(&hash, "oriel parts 3");
-    add_text(&hash, program);
-    add_text(&hash, asked);
-    add_text(&hash, scene);
-    end_digest(&hash, ret_key);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        orl_sha256_add(&hash, texts[i], strlen(texts[i]) + 1);
+    orl_sha256_finish_hex(&hash, ret_key);
 }
 
 void orl_checkpoint_folder(const struct orl_folders *folders, const char *job_id,
@@ -146,10 +132,10 @@ int orl_checkpoint_add(const char *folder, const char *part, json_t *files, json
 {
     char path[ORL_PATH_MAX], note[ORL_PATH_MAX];
     json_t *doc = json_pack("{s:O, s:o}", "files", files, "about", about);
-    char *text = doc ? orl_json_text(doc, JSON_COMPACT) : NULL;
+    char *text = orl_json_text(doc, JSON_COMPACT);
     json_decref(doc);
     if (!text)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     path_below(folder, "+", part, ".note", path);
     path_below(folder, "+", part, ".done", note);
     int rc = orl_write_file(path, text, strlen(text), err);
@@ -190,10 +176,10 @@ bool orl_checkpoint_find(const char *folder, const char *part, json_t **ret_file
     {
         whole = whole && is_whole(folder, entry);
     }
-    if (whole) {
+    if (whole && ret_files)
         *ret_files = json_incref(files);
+    if (whole && ret_about)
         *ret_about = json_incref(about);
-    }
     json_decref(note);
     return whole;
 }
@@ -203,11 +189,7 @@ json_t *orl_checkpoint_view_to_json(const struct orl_view_result *view)
     json_t *json = json_pack("{s:s, s:o, s:b, s:b}", "name", view->name, "seconds",
                              orl_json_from_real(view->seconds), "black", (int)view->black, "rated",
                              (int)(view->glare != NULL));
-    if (json && orl_pictures_to_json(view, json)) {
-        json_decref(json);
-        return NULL;
-    }
-    return json;
+    return orl_json_checked(json, json && orl_pictures_to_json(view, json));
 }
 
 /* Returns a copy, or NULL: there is no such text, or no memory. */
@@ -243,7 +225,7 @@ int orl_checkpoint_sensors_write(const char *folder, const char *name,
     char path[ORL_PATH_MAX];
     double *numbers = malloc((SENSOR_NUMBERS * result->n_sensors + 1) * sizeof *numbers);
     if (!numbers)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < result->n_sensors; i++) {
         double *n = numbers + SENSOR_NUMBERS * i;
         n[0] = result->illuminance_lx[i];

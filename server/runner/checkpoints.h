@@ -56,8 +56,8 @@ void orl_checkpoint_sweep(const struct orl_folders *folders,
  */
 int orl_checkpoint_add(const char *folder, const char *part, json_t *files, json_t *about,
                        struct orl_error *err);
-/* Finds a part. Returns true if its note exists and its files are intact; both results are then new
- * references. */
+/* Finds a part. Returns true if its note exists and its files are intact; both results, if
+ * asked for, are then new references. */
 bool orl_checkpoint_find(const char *folder, const char *part, json_t **ret_files,
                          json_t **ret_about);
 

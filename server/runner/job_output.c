@@ -1,7 +1,6 @@
 #include "runner/job_output.h"
 
 #include <dirent.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,17 +33,11 @@ int orl_job_read(const char *text, size_t size, struct orl_job_request *ret_job_
     rc = orl_job_kinds[job_request.kind].check_limits
              ? orl_job_kinds[job_request.kind].check_limits(&job_request, err)
              : 0;
-    if (rc) {
+    if (rc)
         orl_job_request_done(&job_request);
-        free(scene);
-        return rc;
-    }
-    *ret_job_request = job_request;
-    if (ret_scene_id)
-        *ret_scene_id = scene;
     else
-        free(scene);
-    return 0;
+        *ret_job_request = job_request;
+    return orl_json_return_text(scene, ret_scene_id, rc);
 }
 
 int orl_job_set_scene(struct orl_job_request *job_request, const struct orl_bundle *bundle,
@@ -63,7 +56,7 @@ int orl_job_set_scene(struct orl_job_request *job_request, const struct orl_bund
         all = names[n++] != NULL;
     }
     orl_job_request_set_scene(job_request, names, n);
-    return all ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return all ? 0 : orl_error_no_memory(err);
 }
 
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX])
@@ -84,7 +77,6 @@ static int find_digest(const struct orl_file *file, char ret_sha[ORL_SHA_HEX],
                        struct orl_error *err)
 {
     enum { STEP = 16 << 20 };
-    unsigned char digest[ORL_SHA_HEX / 2];
     struct orl_sha256 hash;
     orl_sha256_init(&hash);
     for (size_t at = 0; at < file->size; at += STEP) {
@@ -92,8 +84,7 @@ static int find_digest(const struct orl_file *file, char ret_sha[ORL_SHA_HEX],
             return orl_error_set(err, ORL_ERR_CANCELLED, "cancelled while listing results");
         orl_sha256_add(&hash, file->data + at, file->size - at < STEP ? file->size - at : STEP);
     }
-    orl_sha256_finish(&hash, digest);
-    sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
+    orl_sha256_finish_hex(&hash, ret_sha);
     return 0;
 }
 
@@ -102,6 +93,8 @@ int orl_job_output_list(const char *name, const char *folder, json_t *list, stru
     char path[ORL_PATH_MAX];
     struct orl_file file;
     char sha[ORL_SHA_HEX];
+    if (!name)
+        return 0;
     orl_job_output_path(folder, name, path);
     int rc = orl_sync_path(path, err);
     if (rc == 0)
@@ -113,33 +106,36 @@ int orl_job_output_list(const char *name, const char *folder, json_t *list, stru
     orl_unmap_file(&file);
     if (rc)
         return rc;
-    if (json_array_append_new(
-            list, json_pack("{s:s, s:I, s:s}", "name", name, "bytes", bytes, "sha256", sha)))
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    return 0;
+    return json_array_append_new(
+               list, json_pack("{s:s, s:I, s:s}", "name", name, "bytes", bytes, "sha256", sha))
+               ? orl_error_no_memory(err)
+               : 0;
+}
+
+static int list_names(const char *const names[], size_t count, const char *folder, json_t *list,
+                      struct orl_error *err)
+{
+    int rc = 0;
+    for (size_t i = 0; i < count && rc == 0; i++)
+        rc = orl_job_output_list(names[i], folder, list, err);
+    return rc;
 }
 
 int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
                              struct orl_error *err)
 {
-    int rc = 0;
-    for (int i = 0; i < ORL_PICTURES && rc == 0; i++)
-        rc = view->files[i] ? orl_job_output_list(view->files[i], folder, list, err) : 0;
-    return rc;
+    return list_names((const char *const *)view->files, ORL_PICTURES, folder, list, err);
 }
 
 int orl_job_output_list_sensors(const struct orl_sensor_files *sensors, const char *folder,
                                 json_t *list, struct orl_error *err)
 {
-    int rc = sensors->csv ? orl_job_output_list(sensors->csv, folder, list, err) : 0;
-    if (rc == 0 && sensors->res)
-        rc = orl_job_output_list(sensors->res, folder, list, err);
+    const char *const tables[] = {sensors->csv, sensors->res};
+    int rc = list_names(tables, 2, folder, list, err);
     for (size_t i = 0; i < sensors->n_maps && rc == 0; i++) {
-        rc = orl_job_output_list(sensors->maps[i].png, folder, list, err);
-        if (rc == 0)
-            rc = orl_job_output_list(sensors->maps[i].svg, folder, list, err);
-        if (rc == 0 && sensors->maps[i].dat)
-            rc = orl_job_output_list(sensors->maps[i].dat, folder, list, err);
+        const char *const maps[] = {sensors->maps[i].png, sensors->maps[i].svg,
+                                    sensors->maps[i].dat};
+        rc = list_names(maps, 3, folder, list, err);
     }
     return rc;
 }
@@ -149,14 +145,10 @@ int orl_job_output_list_grids(const struct orl_result *result, const char *folde
 {
     int rc = 0;
     for (size_t i = 0; i < result->n_grids && rc == 0; i++) {
-        const struct orl_grid_result *grid = &result->grids[i];
-        rc = grid->res ? orl_job_output_list(grid->res, folder, list, err) : 0;
-        if (rc == 0 && grid->npy)
-            rc = orl_job_output_list(grid->npy, folder, list, err);
+        const char *const files[] = {result->grids[i].res, result->grids[i].npy};
+        rc = list_names(files, 2, folder, list, err);
     }
-    return rc == 0 && result->grids_info
-               ? orl_job_output_list(result->grids_info, folder, list, err)
-               : rc;
+    return rc ? rc : orl_job_output_list(result->grids_info, folder, list, err);
 }
 
 int orl_job_output_list_sequence(const json_t *results, const char *folder, json_t *list,
@@ -174,7 +166,7 @@ int orl_job_output_list_sequence(const json_t *results, const char *folder, json
         }
         for (k = 0; k < sizeof keys / sizeof *keys && rc == 0; k++) {
             const char *name = json_string_value(json_object_get(strip, keys[k]));
-            rc = name ? orl_job_output_list(name, folder, list, err) : 0;
+            rc = orl_job_output_list(name, folder, list, err);
         }
     }
     return rc;
@@ -212,7 +204,7 @@ static int write_document(const json_t *doc, const char *name, const char *folde
                           struct orl_error *err)
 {
     char path[ORL_PATH_MAX];
-    char *text = doc ? orl_json_text(doc, JSON_INDENT(1)) : NULL;
+    char *text = orl_json_text(doc, JSON_INDENT(1));
     if (!text)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the result");
     orl_job_output_path(folder, name, path);
@@ -226,10 +218,10 @@ static const char result_file[] = "result.json";
 /* Returns the summary as text. Takes ownership of it; NULL is an error. */
 static int dump_summary(json_t *summary, char **ret_summary, struct orl_error *err)
 {
-    char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
+    char *text = orl_json_text(summary, JSON_COMPACT);
     json_decref(summary);
     if (!text)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     *ret_summary = text;
     return 0;
 }
@@ -247,11 +239,7 @@ static json_t *first_warnings(const json_t *doc)
         rc |= json_array_append_new(
             first,
             json_sprintf("and %zu more, in %s", count - (size_t)ORL_JOB_WARNINGS, result_file));
-    if (rc) {
-        json_decref(first);
-        return NULL;
-    }
-    return first;
+    return orl_json_checked(first, rc);
 }
 
 int orl_job_output_write(const struct orl_result *result, const char *state, const char *folder,
@@ -292,7 +280,7 @@ int orl_skies_output_write(json_t *results, const char *state, size_t count, con
 {
     const json_int_t done = (json_int_t)json_array_size(json_object_get(results, "skies"));
     int rc = orl_skies_result_end(results, state)
-                 ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
+                 ? orl_error_no_memory(err)
                  : write_document(results, result_file, folder, files, err);
     if (rc == 0)
         rc = dump_summary(json_pack("{s:O, s:O, s:{s:I, s:I}, s:o, s:O}", "threads",
@@ -374,23 +362,19 @@ int orl_bsdf_output_write(const struct orl_bsdf_output *output, const char *fold
 
 /* ---- Annual jobs ---------------------------------------------------------------------------- */
 
-static json_t *copy_or_null(const json_t *object, const char *key)
-{
-    json_t *value = json_object_get(object, key);
-    return value ? json_incref(value) : json_null();
-}
-
 static int add_verdict(json_t *verdicts, const json_t *of)
 {
+    static const char *const keys[] = {"rule",  "target",      "grid",    "unit",
+                                       "value", "interval_95", "verdict", "note"};
     if (json_array_size(verdicts) >= ORL_JOB_VERDICTS)
         return 0;
-    return json_array_append_new(
-        verdicts,
-        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "rule", copy_or_null(of, "rule"),
-                  "target", copy_or_null(of, "target"), "grid", copy_or_null(of, "grid"), "unit",
-                  copy_or_null(of, "unit"), "value", copy_or_null(of, "value"), "interval_95",
-                  copy_or_null(of, "interval_95"), "verdict", copy_or_null(of, "verdict"), "note",
-                  copy_or_null(of, "note")));
+    json_t *copy = json_object();
+    int rc = copy ? 0 : -1;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        json_t *value = json_object_get(of, keys[i]);
+        rc |= json_object_set_new(copy, keys[i], value ? json_incref(value) : json_null());
+    }
+    return rc | json_array_append_new(verdicts, copy);
 }
 
 /* Adds the verdicts on targets of rules, or those on the job's own targets. */
@@ -417,11 +401,7 @@ static json_t *short_verdicts(const json_t *document)
     rc |= add_verdicts(verdicts, json_object_get(document, "rules"), true);
     rc |= add_verdicts(verdicts, all, false);
     rc |= add_verdicts(verdicts, all, true);
-    if (rc) {
-        json_decref(verdicts);
-        return NULL;
-    }
-    return verdicts;
+    return orl_json_checked(verdicts, rc);
 }
 
 /* Syncs the folders of a name, below the results' folder. Skips folders that the next name is also

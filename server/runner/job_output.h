@@ -28,7 +28,7 @@ void orl_job_output_set_cancel(const atomic_bool *cancel);
 /* Writes the path of a result file. */
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX]);
 /* Sync a file of the results, or those of a view, and append {"name", "bytes", "sha256"} of each to
- * list. */
+ * list. A name that is NULL is skipped. */
 int orl_job_output_list(const char *name, const char *folder, json_t *list, struct orl_error *err);
 int orl_job_output_list_view(const struct orl_view_result *view, const char *folder, json_t *list,
                              struct orl_error *err);

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <sodium.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -58,27 +57,17 @@ int orl_incoming_append(struct orl_incoming *incoming, const char *data, size_t 
     if (rc)
         return rc;
     orl_sha256_add(&incoming->hash, data, size);
-    while (size > 0) {
-        const ssize_t n = write(incoming->fd, data, size);
-        if (n < 0 && errno != EINTR)
-            return orl_error_set(err, orl_err_of_errno(errno),
-                                 "cannot store a file of the upload: %s", strerror(errno));
-        if (n > 0) {
-            data += n;
-            size -= (size_t)n;
-        }
-    }
-    return 0;
+    return orl_write_all(incoming->fd, data, size)
+               ? 0
+               : orl_error_set(err, orl_err_of_errno(errno),
+                               "cannot store a file of the upload: %s", strerror(errno));
 }
 
 void orl_incoming_end(struct orl_incoming *incoming)
 {
-    unsigned char digest[ORL_SHA256_BYTES];
     if (incoming->fd < 0)
         return;
     close(incoming->fd);
     incoming->fd = -1;
-    struct orl_bundle_file *file = current_file(incoming);
-    orl_sha256_finish(&incoming->hash, digest);
-    sodium_bin2hex(file->sha, sizeof file->sha, digest, sizeof digest);
+    orl_sha256_finish_hex(&incoming->hash, current_file(incoming)->sha);
 }

@@ -5,7 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
+
+#include <oriel/base/array.h>
 
 #include "process/limits.h"
 
@@ -28,21 +29,14 @@ struct splitter {
 
 bool orl_is_xml_name(const char *name)
 {
-    const size_t length = strlen(name);
-    return length > 4 && strcasecmp(name + length - 4, ".xml") == 0;
-}
-
-static bool is_zip(const char *name, const char *type)
-{
-    const size_t length = strlen(name);
-    return orl_is_zip_type(type) || (length > 4 && strcasecmp(name + length - 4, ".zip") == 0);
+    return orl_name_has_ending(name, ".xml");
 }
 
 /* Starts a file. A zip is kept separate until all parts are read. */
 static int begin_file(struct splitter *s, const char *field, const char *name, const char *type)
 {
     const bool resource = (field && strcmp(field, "resource") == 0) || orl_is_xml_name(name);
-    const bool zip = is_zip(name, type);
+    const bool zip = orl_is_zip_type(type) || orl_name_has_ending(name, ".zip");
     orl_incoming_init(&s->file, zip ? &s->parts.zips : &s->parts.files);
     return orl_incoming_begin(&s->file, s->folders, name, resource, s->err);
 }
@@ -54,27 +48,11 @@ static struct field *find_field(struct splitter *s, const char *name)
     return name && strcmp(name, "main") == 0 ? &s->mains : NULL;
 }
 
-/* Makes space for that many more bytes and a NUL. */
-static bool reserve_space(struct field *field, size_t more)
-{
-    size_t capacity = field->capacity ? field->capacity : 256;
-    while (capacity < field->length + more + 1)
-        capacity *= 2;
-    if (capacity == field->capacity)
-        return true;
-    char *grown = realloc(*field->text, capacity);
-    if (!grown)
-        return false;
-    *field->text = grown;
-    field->capacity = capacity;
-    return true;
-}
-
 static int append_to_field(struct splitter *s, const char *name, const char *data, size_t size)
 {
     struct field *field = find_field(s, name);
     if (!field && errno == ENOMEM) /* for example for the name of a file */
-        return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(s->err);
     if (!field) {
         orl_error_set(s->err, ORL_ERR_INVALID, "there is no form field '%.100s'", name ? name : "");
         orl_error_hint(
@@ -83,8 +61,8 @@ static int append_to_field(struct splitter *s, const char *name, const char *dat
     }
     if (field->length + size > ORL_SERVER_FIELD_BYTES)
         return orl_error_set(s->err, ORL_ERR_LIMIT, "the form field '%s' is too long", name);
-    if (!reserve_space(field, size))
-        return orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
+    if (!orl_array_reserve_more(field->text, &field->capacity, field->length, size + 1, 1))
+        return orl_error_no_memory(s->err);
     if (size > 0)
         memcpy(*field->text + field->length, data, size);
     field->length += size;
@@ -125,7 +103,7 @@ static int feed_body(struct splitter *s, struct MHD_PostProcessor *processor,
         errno = 0; /* libmicrohttpd continues when memory runs out, so errno is checked */
         const bool fed = MHD_post_process(processor, body->data + at, n) == MHD_YES;
         if (!fed && s->rc == 0 && errno == ENOMEM)
-            s->rc = orl_error_set(s->err, ORL_ERR_NOMEM, "out of memory");
+            s->rc = orl_error_no_memory(s->err);
         else if (!fed && s->rc == 0)
             s->rc = orl_error_set(s->err, ORL_ERR_SYNTAX,
                                   "the multipart/form-data body is malformed near byte %zu", at);
@@ -145,7 +123,7 @@ int orl_multipart_split(struct MHD_Connection *connection, const struct orl_file
     struct MHD_PostProcessor *processor =
         MHD_create_post_processor(connection, PROCESSOR_BUFFER, on_data, &s);
     if (!processor && errno == ENOMEM)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     if (!processor)
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "the Content-Type of the multipart body names no boundary, or one of "

@@ -290,7 +290,7 @@ int orl_unzip_entries(const struct orl_file *archive, const struct orl_folders *
     if (u.archive && u.buffer)
         rc = unpack_all(&u, archive, err);
     else
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     archive_read_free(u.archive);
     if (utf8)
         uselocale(own);

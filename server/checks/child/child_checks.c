@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,41 +22,31 @@
 #include "uploads/uploads.h"
 #include "json/encode.h"
 
-/* A running check: its request and the files that the request names. */
-struct check {
-    int fd;
-    const json_t *request;
-    struct orl_mapped_inputs files;
-};
-
 /* ---- Kinds ----------------------------------------------------------------------------------- */
 
 /* Reads the files as a project. *ret_project stays NULL if they are not a project. */
-static int find_project(struct check *check, json_t **ret_project, struct orl_error *err)
+static int find_project(struct orl_child_task *task, json_t **ret_project, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
-    const struct orl_bundle *bundle = &check->files.bundle;
-    const json_t *wishes = json_object_get(check->request, "choice");
+    const struct orl_bundle *bundle = &task->files.bundle;
+    const json_t *wishes = json_object_get(task->request, "choice");
     const struct orl_project_choice choice = {json_object_get(wishes, "states"),
                                               json_string_value(json_object_get(wishes, "sky"))};
-    const struct orl_files files = orl_mapped_inputs_provider(&check->files);
+    const struct orl_files files = orl_mapped_inputs_provider(&task->files);
     for (size_t i = 0; i < bundle->count; i++)
         names[i] = bundle->files[i].name;
     return orl_project_find(names, bundle->count, &files, &choice, ret_project, err);
 }
 
 /* Adds to the summary the project's members other than its scene. */
-static int add_project(struct check *check, json_t *summary, struct orl_error *err)
+static int add_project(struct orl_child_task *task, json_t *summary, struct orl_error *err)
 {
     json_t *project = NULL;
-    const int rc =
-        json_object_get(check->request, "choice") ? find_project(check, &project, err) : 0;
+    const int rc = json_object_get(task->request, "choice") ? find_project(task, &project, err) : 0;
     if (rc || !project)
         return rc;
     json_object_del(project, "files");
-    return json_object_set_new(summary, "project", project)
-               ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory")
-               : 0;
+    return json_object_set_new(summary, "project", project) ? orl_error_no_memory(err) : 0;
 }
 
 static bool is_listed(const json_t *list, const char *name)
@@ -68,16 +57,11 @@ static bool is_listed(const json_t *list, const char *name)
     return false;
 }
 
-static bool has_ending(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && strcasecmp(name + length - tail, ending) == 0;
-}
-
 /* Returns true if a file of that name holds surfaces or materials. */
 static bool describes_scene(const char *name)
 {
-    return has_ending(name, ".rad") || has_ending(name, ".mat") || has_ending(name, ".hbjson");
+    return orl_name_has_ending(name, ".rad") || orl_name_has_ending(name, ".mat") ||
+           orl_name_has_ending(name, ".hbjson");
 }
 
 /* Lists the main files, and files that describe a scene but are not read. */
@@ -118,20 +102,20 @@ static int check_measurements(const struct orl_bundle *bundle, const char *const
         return rc;
     *ret_result = json_pack("{s:o}", "measurements", orl_bsdf_measurements_to_json(&found));
     if (!*ret_result)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     add_files(*ret_result, bundle);
     return 0;
 }
 
-static int check_scene(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_scene(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
     struct orl_scene_summary summary;
-    struct orl_bundle *bundle = &check->files.bundle;
+    struct orl_bundle *bundle = &task->files.bundle;
     const size_t count = orl_bundle_main_count(bundle);
     for (size_t i = 0; i < count; i++)
         names[i] = bundle->files[i].name;
-    const struct orl_files files = orl_mapped_inputs_provider(&check->files);
+    const struct orl_files files = orl_mapped_inputs_provider(&task->files);
     if (count > 0 && is_measured(&files, names[0]))
         return check_measurements(bundle, names, count, &files, ret_result, err);
     int rc = orl_scene_check(names, count, &files, NULL, &summary, err);
@@ -139,18 +123,18 @@ static int check_scene(struct check *check, json_t **ret_result, struct orl_erro
         *ret_result = orl_scene_summary_to_json(&summary);
         add_files(*ret_result, bundle);
         orl_scene_summary_done(&summary);
-        rc = *ret_result ? add_project(check, *ret_result, err) : 0;
+        rc = *ret_result ? add_project(task, *ret_result, err) : 0;
     }
     return rc;
 }
 
-static int check_bsdf(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_bsdf(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = NULL;
     struct orl_bsdf_check found;
-    const struct orl_file *file = &check->files.single;
+    const struct orl_file *file = &task->files.single;
     const struct orl_bsdf_xml xml = {.name =
-                                         json_string_value(json_object_get(check->request, "name")),
+                                         json_string_value(json_object_get(task->request, "name")),
                                      .data = file->data,
                                      .size = file->size};
     const int rc = orl_bsdf_load(&xml, &bsdf, err);
@@ -162,25 +146,10 @@ static int check_bsdf(struct check *check, json_t **ret_result, struct orl_error
     return 0;
 }
 
-static int check_plan(struct check *check, json_t **ret_result, struct orl_error *err)
-{
-    return orl_child_plan(&check->files, ret_result, err);
-}
-
-static int check_outline(struct check *check, json_t **ret_result, struct orl_error *err)
-{
-    return orl_child_outline(check->request, &check->files, ret_result, err);
-}
-
-static int check_polar(struct check *check, json_t **ret_result, struct orl_error *err)
-{
-    return orl_child_polar(check->request, &check->files, ret_result, err);
-}
-
-static int check_job(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_job(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     struct orl_job_manifest manifest;
-    const int rc = orl_job_manifest_read(&check->files.single, &manifest, err);
+    const int rc = orl_job_manifest_read(&task->files.single, &manifest, err);
     if (rc == 0) {
         *ret_result = orl_job_manifest_to_json(&manifest);
         orl_job_manifest_done(&manifest);
@@ -190,18 +159,18 @@ static int check_job(struct check *check, json_t **ret_result, struct orl_error 
 
 static int send_file(void *ctx, const char *name, struct orl_error *err)
 {
-    const struct check *check = ctx;
-    return orl_frame_send(check->fd, ORL_FRAME_FILE, name, strlen(name))
+    const struct orl_child_task *task = ctx;
+    return orl_frame_send(task->fd, ORL_FRAME_FILE, name, strlen(name))
                ? 0
                : orl_error_set(err, ORL_ERR_IO, "cannot send the files to the daemon");
 }
 
 static int send_data(void *ctx, const char *data, size_t size, struct orl_error *err)
 {
-    const struct check *check = ctx;
+    const struct orl_child_task *task = ctx;
     while (size > 0) {
         const size_t n = size < ORL_FRAME_BYTES ? size : ORL_FRAME_BYTES;
-        if (!orl_frame_send(check->fd, ORL_FRAME_DATA, data, n))
+        if (!orl_frame_send(task->fd, ORL_FRAME_DATA, data, n))
             return orl_error_set(err, ORL_ERR_IO, "cannot send the files to the daemon");
         data += n;
         size -= n;
@@ -209,20 +178,20 @@ static int send_data(void *ctx, const char *data, size_t size, struct orl_error 
     return 0;
 }
 
-static int check_zip(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_zip(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
-    const struct orl_incoming_sink sink = {send_file, send_data, check};
+    const struct orl_incoming_sink sink = {send_file, send_data, task};
     struct orl_bundle files = {0};
-    const int rc = orl_unzip_entries(&check->files.single, NULL, &sink, 0, &files, err);
+    const int rc = orl_unzip_entries(&task->files.single, NULL, &sink, 0, &files, err);
     orl_bundle_done(&files);
     *ret_result = rc ? NULL : json_null();
     return rc;
 }
 
-static int check_files(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_files(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
-    const struct orl_incoming_sink sink = {send_file, send_data, check};
-    return orl_scene_document_read(&check->files.single, &sink, ret_result, err);
+    const struct orl_incoming_sink sink = {send_file, send_data, task};
+    return orl_scene_document_read(&task->files.single, &sink, ret_result, err);
 }
 
 static int guess_places(struct orl_mapped_inputs *mapped, unsigned *ret_places,
@@ -251,16 +220,16 @@ static void place_project(const struct orl_bundle *bundle, const json_t *project
     }
 }
 
-static int check_roles(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_roles(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     unsigned places[ORL_LIMIT_SCENE_FILES];
-    struct orl_bundle *bundle = &check->files.bundle;
+    struct orl_bundle *bundle = &task->files.bundle;
     json_t *project = NULL;
-    int rc = find_project(check, &project, err);
+    int rc = find_project(task, &project, err);
     if (rc == 0 && project)
         place_project(bundle, project, places);
     else if (rc == 0)
-        rc = guess_places(&check->files, places, err);
+        rc = guess_places(&task->files, places, err);
     json_t *roles = rc ? NULL : json_array();
     for (size_t i = 0; roles && i < bundle->count; i++)
         json_array_append_new(roles, json_integer(places[i]));
@@ -341,38 +310,38 @@ static int read_use(const struct orl_mapped_inputs *files, const json_t *entry, 
     return readers[role](use, err);
 }
 
-static int check_inputs(struct check *check, json_t **ret_result, struct orl_error *err)
+static int check_inputs(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
-    const json_t *uses = json_object_get(check->request, "uses");
+    const json_t *uses = json_object_get(task->request, "uses");
     struct use use = {0};
     int rc = 0;
     for (size_t i = 0; i < json_array_size(uses) && rc == 0; i++)
-        rc = read_use(&check->files, json_array_get(uses, i), &use, err);
+        rc = read_use(&task->files, json_array_get(uses, i), &use, err);
     struct orl_job_inputs_found found = {.sensors = use.sensors, .year_rows = use.rows};
-    if (rc == 0 && check->files.single.data)
-        rc = orl_child_document(&check->files, &found, err);
-    *ret_result = rc ? NULL
-                     : json_pack("[I, I, I, I, I]", (json_int_t)found.sensors,
-                                 (json_int_t)found.year_rows, (json_int_t)found.surfaces,
-                                 (json_int_t)found.triangles, (json_int_t)found.matrix_bytes);
+    if (rc == 0 && task->files.single.data)
+        rc = orl_child_document(task, &found, err);
+    uint64_t *places[ORL_JOB_INPUTS_COUNTS];
+    orl_job_inputs_counts(&found, places);
+    *ret_result = rc ? NULL : orl_counts_to_json(places, ORL_JOB_INPUTS_COUNTS);
     return rc;
 }
 
 /* ---- The check ------------------------------------------------------------------------------- */
 
-static int run_kind(struct check *check, json_t **ret_result, struct orl_error *err)
+static int run_kind(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     static const struct {
         const char *name;
-        int (*run)(struct check *check, json_t **ret_result, struct orl_error *err);
-    } kinds[] = {{"scene", check_scene},   {"bsdf", check_bsdf},   {"job", check_job},
-                 {"unzip", check_zip},     {"files", check_files}, {"roles", check_roles},
-                 {"inputs", check_inputs}, {"plan", check_plan},   {"outline", check_outline},
-                 {"polar", check_polar}};
-    const char *name = json_string_value(json_object_get(check->request, "kind"));
+        int (*run)(struct orl_child_task *task, json_t **ret_result, struct orl_error *err);
+    } kinds[] = {
+        {"scene", check_scene},    {"bsdf", check_bsdf},     {"job", check_job},
+        {"unzip", check_zip},      {"files", check_files},   {"roles", check_roles},
+        {"inputs", check_inputs},  {"plan", orl_child_plan}, {"outline", orl_child_outline},
+        {"polar", orl_child_polar}};
+    const char *name = json_string_value(json_object_get(task->request, "kind"));
     for (size_t i = 0; name && i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(kinds[i].name, name) == 0)
-            return kinds[i].run(check, ret_result, err);
+            return kinds[i].run(task, ret_result, err);
     return orl_error_set(err, ORL_ERR_INTERNAL,
                          "the check process does not know this kind of check");
 }
@@ -448,23 +417,23 @@ void orl_child_check(int fd)
 {
     struct orl_error err = {0};
     json_t *request = receive_request(fd), *result = NULL;
-    struct check check = {.fd = fd, .request = request};
+    struct orl_child_task task = {.fd = fd, .request = request};
     if (!request) /* requests of the daemon are well-formed, so memory must have run out */
         _exit(ORL_CHILD_NO_MEMORY);
     const struct orl_sandbox_limits bounds = {get_number(request, "memory"),
                                               (uint32_t)get_number(request, "cpu_s")};
     orl_set_terminate_handler(on_terminate);
-    int rc = orl_mapped_inputs_open(request, &check.files, &err);
+    int rc = orl_mapped_inputs_open(request, &task.files, &err);
     orl_unzip_prepare();
     if (rc == 0)
         rc = orl_sandbox_enter(&bounds, &err);
     if (rc == 0)
-        rc = run_kind(&check, &result, &err);
+        rc = run_kind(&task, &result, &err);
     if (rc == 0 && !result)
-        rc = orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(&err);
     json_t *verdict = rc ? json_pack("{s:o}", "error", error_to_json(&err))
                          : json_pack("{s:o}", "result", result);
-    char *text = verdict ? orl_json_text(verdict, JSON_COMPACT) : NULL;
+    char *text = orl_json_text(verdict, JSON_COMPACT);
     if (!text)
         _exit(ORL_CHILD_NO_MEMORY);
     orl_frame_send_text(fd, ORL_FRAME_VERDICT, ORL_FRAME_VERDICT_END, text, strlen(text));

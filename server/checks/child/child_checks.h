@@ -39,6 +39,13 @@
  *     polar     "path", "front", "theta_deg", "phi_deg" -> orl_child_polar
  */
 
+/* A running check: its socket, its request, and the files that the request names. */
+struct orl_child_task {
+    int fd;
+    const json_t *request;
+    struct orl_mapped_inputs files;
+};
+
 /* Runs one check in the child, over the socket, and ends the process. */
 void orl_child_check(int fd);
 
@@ -100,9 +107,9 @@ int orl_scene_document_read(const struct orl_file *document, const struct orl_in
  * masks.
  */
 
-/* Runs in the child. mapped: all files of the scene, with the document as its single file. Adds to
- * *found. */
-int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_found *found,
+/* Runs in the child. task->files: all files of the scene, with the document as the single file.
+ * Adds to *found. */
+int orl_child_document(struct orl_child_task *task, struct orl_job_inputs_found *found,
                        struct orl_error *err);
 
 /*
@@ -114,11 +121,11 @@ int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_f
 enum { ORL_PLAN_SKIES = 16 };
 
 /*
- * Plans the job. mapped: the scene's files, with the document as the single file. *ret_result is a
- * new reference: {"plans": [{"sky", "plan", "warnings", "curve"}], "more"}. sky is null if the job
- * has no list of skies.
+ * Plans the job. task->files: the scene's files, with the document as the single file. *ret_result
+ * is a new reference: {"plans": [{"sky", "plan", "warnings", "curve"}], "more"}. sky is null if the
+ * job has no list of skies.
  */
-int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct orl_error *err);
+int orl_child_plan(struct orl_child_task *task, json_t **ret_result, struct orl_error *err);
 
 /*
  * Previews of stored objects, made in a check child: a scene's floor plan, and the directions into
@@ -126,10 +133,8 @@ int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct
  */
 
 /* The request has "height", a number or null; the result is result_json.h's. */
-int orl_child_outline(const json_t *request, struct orl_mapped_inputs *mapped, json_t **ret_result,
-                      struct orl_error *err);
+int orl_child_outline(struct orl_child_task *task, json_t **ret_result, struct orl_error *err);
 /* The request has "front", "theta_deg" and "phi_deg"; the result is bsdf_json.h's. */
-int orl_child_polar(const json_t *request, const struct orl_mapped_inputs *mapped,
-                    json_t **ret_result, struct orl_error *err);
+int orl_child_polar(struct orl_child_task *task, json_t **ret_result, struct orl_error *err);
 
 #endif

@@ -34,15 +34,16 @@ static int check_year(struct orl_annual_request *request, const struct orl_files
     return rc;
 }
 
-int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_found *found,
+int orl_child_document(struct orl_child_task *task, struct orl_job_inputs_found *found,
                        struct orl_error *err)
 {
-    const struct orl_files files = orl_mapped_inputs_provider(mapped);
+    const struct orl_files files = orl_mapped_inputs_provider(&task->files);
+    const struct orl_file *document = &task->files.single;
     struct orl_job_request job_request;
-    int rc = orl_job_read(mapped->single.data, mapped->single.size, &job_request, NULL, err);
+    int rc = orl_job_read(document->data, document->size, &job_request, NULL, err);
     if (rc)
         return rc;
-    rc = orl_job_set_scene(&job_request, &mapped->bundle, err);
+    rc = orl_job_set_scene(&job_request, &task->files.bundle, err);
     if (rc == 0 && job_request.kind == ORL_JOB_KIND_ANNUAL)
         rc = check_year(&job_request.of.annual.request, &files, found, err);
     else if (rc == 0 && orl_job_request_render_job(&job_request))
@@ -53,42 +54,36 @@ int orl_child_document(struct orl_mapped_inputs *mapped, struct orl_job_inputs_f
 
 /* ---- Plans ----------------------------------------------------------------------------------- */
 
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
 static int add_plan(void *ctx, const char *sky, const struct orl_result *planned,
                     const struct orl_accuracy_curve *curve, struct orl_error *err)
 {
     json_t *plan = orl_planned_to_json(planned, curve);
-    if (plan &&
-        json_object_set_new(plan, "sky", sky ? orl_json_from_text(sky) : json_null()) == 0 &&
+    if (plan && json_object_set_new(plan, "sky", orl_json_from_text(sky)) == 0 &&
         json_array_append_new(ctx, plan) == 0)
         return 0;
-    return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    return orl_error_no_memory(err);
 }
 
-int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct orl_error *err)
+int orl_child_plan(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     static atomic_bool cancel; /* never set: the process is killed instead */
-    const struct orl_files files = orl_mapped_inputs_provider(mapped);
-    struct orl_run_env env = {.files = &files, .cancel = &cancel, .now_s = now_s};
+    const struct orl_files files = orl_mapped_inputs_provider(&task->files);
+    const struct orl_file *document = &task->files.single;
+    struct orl_run_env env = {.files = &files, .cancel = &cancel, .now_s = orl_time_steady_for};
     struct orl_job_request job_request;
-    int rc = orl_job_read(mapped->single.data, mapped->single.size, &job_request, NULL, err);
+    int rc = orl_job_read(document->data, document->size, &job_request, NULL, err);
     if (rc)
         return rc;
     if (job_request.kind != ORL_JOB_KIND_RENDER)
         return orl_error_set(err, ORL_ERR_INVALID, "only a render job has a plan");
-    rc = orl_job_set_scene(&job_request, &mapped->bundle, err);
+    rc = orl_job_set_scene(&job_request, &task->files.bundle, err);
     const struct orl_job_work work = orl_job_work(&job_request, &files);
     env.pool = orl_thread_pool_new(1);
     json_t *plans = json_array();
     const struct orl_job *job = &job_request.of.render;
     if (rc == 0)
         rc = env.pool && plans ? orl_plan_skies(job, &env, ORL_PLAN_SKIES, add_plan, plans, err)
-                               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                               : orl_error_no_memory(err);
     if (rc == 0)
         *ret_result =
             json_pack("{s:o, s:b, s:[i, f]}", "plans", plans, "more", job->n_skies > ORL_PLAN_SKIES,
@@ -98,16 +93,16 @@ int orl_child_plan(struct orl_mapped_inputs *mapped, json_t **ret_result, struct
 
 /* ---- Previews -------------------------------------------------------------------------------- */
 
-int orl_child_outline(const json_t *request, struct orl_mapped_inputs *mapped, json_t **ret_result,
-                      struct orl_error *err)
+int orl_child_outline(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     const char *names[ORL_LIMIT_SCENE_FILES];
-    const json_t *height = json_object_get(request, "height");
-    const struct orl_files files = orl_mapped_inputs_provider(mapped);
-    const size_t count = orl_bundle_main_count(&mapped->bundle);
+    const json_t *height = json_object_get(task->request, "height");
+    const struct orl_bundle *bundle = &task->files.bundle;
+    const struct orl_files files = orl_mapped_inputs_provider(&task->files);
+    const size_t count = orl_bundle_main_count(bundle);
     struct orl_floor_plan plan;
     for (size_t i = 0; i < count; i++)
-        names[i] = mapped->bundle.files[i].name;
+        names[i] = bundle->files[i].name;
     const int rc = orl_scene_floor_plan(
         names, count, &files, json_is_number(height) ? json_number_value(height) : NAN, &plan, err);
     if (rc == 0) {
@@ -117,16 +112,15 @@ int orl_child_outline(const json_t *request, struct orl_mapped_inputs *mapped, j
     return rc;
 }
 
-int orl_child_polar(const json_t *request, const struct orl_mapped_inputs *mapped,
-                    json_t **ret_result, struct orl_error *err)
+int orl_child_polar(struct orl_child_task *task, json_t **ret_result, struct orl_error *err)
 {
     static struct orl_bsdf_polar polar;
     struct orl_bsdf *bsdf = NULL;
-    const bool front = json_is_true(json_object_get(request, "front"));
-    const double theta = json_number_value(json_object_get(request, "theta_deg"));
-    const double phi = json_number_value(json_object_get(request, "phi_deg"));
+    const bool front = json_is_true(json_object_get(task->request, "front"));
+    const double theta = json_number_value(json_object_get(task->request, "theta_deg"));
+    const double phi = json_number_value(json_object_get(task->request, "phi_deg"));
     const struct orl_bsdf_xml xml = {
-        .name = "bsdf.xml", .data = mapped->single.data, .size = mapped->single.size};
+        .name = "bsdf.xml", .data = task->files.single.data, .size = task->files.single.size};
     const int rc = orl_bsdf_load(&xml, &bsdf, err);
     if (rc)
         return rc;

@@ -5,8 +5,11 @@
 #include <sys/socket.h>
 #include <sys/uio.h>
 
+#include <oriel/base/array.h>
+
 #include "checks/child/messages.h"
 #include "store/files/folders.h"
+#include "json/encode.h"
 
 bool orl_frame_send(int fd, enum orl_frame_kind kind, const void *data, size_t size)
 {
@@ -31,21 +34,33 @@ bool orl_frame_send_text(int fd, enum orl_frame_kind part, enum orl_frame_kind e
 
 bool orl_frame_text_add(struct orl_frame_text *text, const char *data, size_t size, size_t most)
 {
-    if (size > most - text->size)
+    if (size > most - text->size ||
+        !orl_array_reserve_more(&text->text, &text->capacity, text->size, size + 1, 1))
         return false;
-    if (text->size + size + 1 > text->capacity) {
-        const size_t capacity = 2 * text->capacity + size + 1;
-        char *grown = realloc(text->text, capacity);
-        if (!grown)
-            return false;
-        text->text = grown;
-        text->capacity = capacity;
-    }
     if (size > 0)
         memcpy(text->text + text->size, data, size);
     text->size += size;
     text->text[text->size] = '\0';
     return true;
+}
+
+json_t *orl_counts_to_json(uint64_t *const places[], size_t n)
+{
+    json_t *counts = json_array();
+    for (size_t i = 0; i < n; i++)
+        counts = orl_json_append(counts, json_integer((json_int_t)*places[i]));
+    return counts;
+}
+
+bool orl_counts_from_json(const json_t *counts, uint64_t *const places[], size_t n)
+{
+    bool good = json_array_size(counts) == n;
+    for (size_t i = 0; i < n && good; i++) {
+        const json_int_t value = json_integer_value(json_array_get(counts, i));
+        good = value >= 0;
+        *places[i] = good ? (uint64_t)value : 0;
+    }
+    return good;
 }
 
 json_t *orl_mapped_inputs_to_json(const struct orl_bundle *bundle)
@@ -56,10 +71,7 @@ json_t *orl_mapped_inputs_to_json(const struct orl_bundle *bundle)
         json_t *entry = json_pack("{s:s, s:s, s:s, s:I, s:b, s:b}", "name", file->name, "path",
                                   file->path, "sha", file->sha, "bytes", (json_int_t)file->bytes,
                                   "resource", (int)file->resource, "fresh", (int)file->temporary);
-        if (!entry || json_array_append_new(files, entry)) {
-            json_decref(files);
-            return NULL;
-        }
+        files = orl_json_append(files, entry);
     }
     return files;
 }
@@ -95,7 +107,7 @@ int orl_mapped_inputs_open(const json_t *request, struct orl_mapped_inputs *ret_
     int rc = 0;
     ret_mapped->data = calloc(json_array_size(files) + 1, sizeof *ret_mapped->data);
     if (!ret_mapped->data)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < json_array_size(files) && rc == 0; i++)
         rc = open_file(ret_mapped, json_array_get(files, i), err);
     if (rc == 0 && path)

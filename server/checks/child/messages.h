@@ -56,6 +56,11 @@ struct orl_frame_text {
  * out. */
 bool orl_frame_text_add(struct orl_frame_text *text, const char *data, size_t size, size_t most);
 
+/* Convert counts to a JSON array and back. Places: the addresses of n counts, in their order. NULL:
+ * out of memory; false: it is no array of n counts, and the counts are partly set. */
+json_t *orl_counts_to_json(uint64_t *const places[], size_t n);
+bool orl_counts_from_json(const json_t *counts, uint64_t *const places[], size_t n);
+
 /*
  * The files of a check, all mapped before the sandbox forbids open().
  *

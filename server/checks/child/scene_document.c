@@ -25,7 +25,7 @@ static int decode_content(const json_t *file, const char *where, unsigned char *
     unsigned char *data = malloc(length + 1);
     size_t size = length;
     if (!data)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     memcpy(data, json_string_value(source), length);
     if (!text && sodium_base642bin(data, length + 1, json_string_value(source), length, " \r\n",
                                    &size, NULL, sodium_base64_VARIANT_ORIGINAL) != 0) {
@@ -70,7 +70,7 @@ static int read_file(const json_t *file, size_t index, const struct orl_incoming
     if (rc == 0)
         rc = send_to_sink(name, data, size, sink, err);
     if (rc == 0 && json_array_append_new(resources, json_boolean(resource)))
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     free(data);
     free(name);
     return rc;
@@ -86,7 +86,7 @@ static int read_model(const json_t *model, const struct orl_incoming_sink *sink,
                           files.items[i].size, sink, err);
     orl_text_files_done(&files);
     *ret_rest = rc ? NULL : json_pack("{s:b}", "model", 1);
-    return rc == 0 && !*ret_rest ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory") : rc;
+    return rc == 0 && !*ret_rest ? orl_error_no_memory(err) : rc;
 }
 
 static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, json_t **ret_rest,
@@ -107,7 +107,7 @@ static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, j
     if (rest && bsdfs)
         json_object_set(rest, "bsdfs", bsdfs);
     if (rc == 0 && !rest)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     json_decref(resources);
     if (rc == 0)
         *ret_rest = rest;

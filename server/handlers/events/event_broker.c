@@ -286,7 +286,7 @@ int orl_event_broker_open(struct orl_server *server, struct orl_event_broker **r
     unsigned char start[8];
     struct orl_event_broker *broker = calloc(1, sizeof *broker);
     if (!broker)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     const int rc = orl_event_source_init(&broker->source, server, &calls, err);
     if (rc) {
         free(broker);

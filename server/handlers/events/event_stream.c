@@ -29,7 +29,7 @@ void orl_event_text_unref(struct orl_event_text *text)
 
 struct orl_event_text *orl_event_text_of(const char *id, const char *name, json_t *data)
 {
-    char *json = data ? orl_json_text(data, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
+    char *json = orl_json_text(data, JSON_COMPACT | JSON_REAL_PRECISION(6));
     struct orl_event_text *text = NULL;
     char *line = NULL;
     const int size = json ? asprintf(&line, "id: %s\nevent: %s\ndata: %s\n\n", id, name, json) : -1;
@@ -176,7 +176,7 @@ int orl_event_source_init(struct orl_event_source *source, struct orl_server *se
                                         .heartbeat = new_text(":\n\n", 3),
                                         .heartbeat_s = half_s < HEARTBEAT_S ? half_s : HEARTBEAT_S};
     if (!source->heartbeat)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     uv_timer_init(&server->loop, &source->timer);
     source->timer.data = source;
     return 0;

@@ -164,7 +164,7 @@ int orl_events_open(struct orl_server *server, struct orl_events **ret_events,
     static const struct orl_event_calls calls = {refresh_feeds, has_news, next_text, free_stream};
     struct orl_events *events = calloc(1, sizeof *events);
     if (!events)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     const int rc = orl_event_source_init(&events->source, server, &calls, err);
     if (rc)
         free(events);

@@ -111,9 +111,5 @@ json_t *orl_job_event(const struct orl_jobs *jobs, const struct orl_jobs_job *jo
         rc |= json_object_set_new(doc, "parts", orl_parts_to_json(&event.parts));
     if (runs)
         rc |= json_object_set_new(doc, "cancelling", json_boolean(job->cancelled));
-    if (rc) {
-        json_decref(doc);
-        return NULL;
-    }
-    return doc;
+    return orl_json_checked(doc, rc);
 }

@@ -115,7 +115,7 @@ static const char *job_text(struct orl_server *server, const struct orl_jobs_job
     if (!summary && job->row.state >= ORL_JOB_SUCCEEDED)
         return orl_status_cache_text(server->statuses, server->jobs, job, ret_size);
     json_t *doc = summary ? orl_job_summary(server->jobs, job) : orl_job_status(server->jobs, job);
-    *ret_made = doc ? orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
+    *ret_made = orl_json_text(doc, JSON_COMPACT | JSON_REAL_PRECISION(10));
     *ret_size = *ret_made ? strlen(*ret_made) : 0;
     json_decref(doc);
     return *ret_made;

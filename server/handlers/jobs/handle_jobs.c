@@ -243,19 +243,15 @@ static bool read_key(struct orl_request *request, const char *key,
 void orl_handle_job_post(struct orl_request *request)
 {
     const char *key = orl_request_header(request, "Idempotency-Key");
-    if (request->server->draining) {
+    if (request->server->stop.draining) {
         orl_reply_stopping(request);
         return;
     }
     if (!key && refuse_when_full(request))
         return;
-    struct job_post *post = calloc(1, sizeof *post);
-    if (!post) {
-        orl_reply_json(request, 503, NULL);
+    struct job_post *post = orl_request_new_state(request, sizeof *post, job_post_free);
+    if (!post)
         return;
-    }
-    request->state = post;
-    request->free_state = job_post_free;
     if (!read_client_name(request, post->client) || !read_key(request, key, post->key))
         return;
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
@@ -330,7 +326,7 @@ static int estimate_memory(struct orl_server *server, struct job_post *post,
     json_t *summary = orl_json_read_stored(scene.summary);
     free(scene.summary);
     if (found && !summary)
-        return orl_error_set(&post->err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(&post->err);
     post->memory = post->manifest.needs;
     post->memory.surfaces = larger(number_at(summary, "surfaces"), post->found.surfaces);
     post->memory.triangles = larger(number_at(summary, "triangles"), post->found.triangles);

@@ -14,6 +14,7 @@
 #include "process/times.h"
 #include "server.h"
 #include "json/decode.h"
+#include "json/encode.h"
 
 enum { LEAST_S = 10, DEFAULT_S = 300 };
 
@@ -69,11 +70,8 @@ static json_t *links_to_json(const struct orl_request *request, const struct orl
     char expires[ORL_TIME_TEXT];
     json_t *links = json_array();
     for (size_t i = 0; i < link_request->count && links; i++)
-        if (json_array_append_new(
-                links, link_to_json(request, job->row.id, link_request->files[i], until_s))) {
-            json_decref(links);
-            return NULL;
-        }
+        links = orl_json_append(
+            links, link_to_json(request, job->row.id, link_request->files[i], until_s));
     orl_time_format(1000 * until_s, expires);
     return json_pack("{s:s, s:o}", "expires", expires, "links", links);
 }

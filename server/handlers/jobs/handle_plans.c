@@ -147,13 +147,9 @@ static void start_plan_after_check(struct orl_request *request)
 
 void orl_handle_plan_post(struct orl_request *request)
 {
-    struct plan_post *post = calloc(1, sizeof *post);
-    if (!post) {
-        orl_reply_json(request, 503, NULL);
+    struct plan_post *post = orl_request_new_state(request, sizeof *post, plan_post_free);
+    if (!post)
         return;
-    }
-    request->state = post;
-    request->free_state = plan_post_free;
     if (request->body.size <= ORL_SERVER_SMALL_JSON)
         orl_request_work(request, read_document, start_plan);
     else

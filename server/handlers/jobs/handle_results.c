@@ -143,10 +143,9 @@ static void reply_final(struct orl_request *request, const struct orl_jobs_job *
                         const struct stat *st, const json_t *entry, const char *tag)
 {
     const char *sha = json_string_value(json_object_get(entry, "sha256"));
-    struct final_file *file = calloc(1, sizeof *file);
+    struct final_file *file = orl_request_new_state(request, sizeof *file, final_file_free);
     if (!file) {
         close(fd);
-        orl_reply_json(request, 503, NULL);
         return;
     }
     *file = (struct final_file){
@@ -157,8 +156,6 @@ static void reply_final(struct orl_request *request, const struct orl_jobs_job *
     };
     snprintf(file->sha, sizeof file->sha, "%s", sha ? sha : "");
     snprintf(file->tag, sizeof file->tag, "%s", tag);
-    request->state = file;
-    request->free_state = final_file_free;
     if (!sha || orl_verified_files_has(&request->server->verified, st))
         send_final(request, file);
     else

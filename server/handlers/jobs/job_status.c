@@ -44,10 +44,7 @@ json_t *orl_job_warnings(const struct orl_job_progress *progress)
 {
     json_t *warnings = json_array();
     for (size_t i = 0; i < progress->n_warnings; i++)
-        if (json_array_append_new(warnings, orl_json_from_text(progress->warnings[i]))) {
-            json_decref(warnings);
-            return NULL;
-        }
+        warnings = orl_json_append(warnings, orl_json_from_text(progress->warnings[i]));
     return warnings;
 }
 
@@ -262,11 +259,7 @@ json_t *orl_job_status(const struct orl_jobs *jobs, const struct orl_jobs_job *j
     if (row->state <= ORL_JOB_RUNNING)
         rc |= json_object_set_new(links, "cancel", json_string(cancel));
     rc |= add_unknown(doc);
-    if (rc) {
-        json_decref(doc);
-        return NULL;
-    }
-    return doc;
+    return orl_json_checked(doc, rc);
 }
 
 /* ---- The short form in lists ----------------------------------------------------------------- */
@@ -311,13 +304,10 @@ json_t *orl_job_summary(struct orl_jobs *jobs, const struct orl_jobs_job *job)
         "percent", orl_json_from_real(seen.percent), "eta_s", orl_json_from_real(seen.eta_s),
         "error", orl_json_from_real(seen.error), "created", time_to_json(row->created_ms),
         "started", time_to_json(row->started_ms), "finished", time_to_json(row->finished_ms));
-    if (doc && row->state == ORL_JOB_QUEUED &&
-        json_object_set_new(doc, "queue_position",
-                            json_integer((json_int_t)orl_jobs_position(jobs, job)))) {
-        json_decref(doc);
-        return NULL;
-    }
-    return doc;
+    return orl_json_checked(
+        doc, doc && row->state == ORL_JOB_QUEUED &&
+                 json_object_set_new(doc, "queue_position",
+                                     json_integer((json_int_t)orl_jobs_position(jobs, job))));
 }
 
 /* ---- The cache of ended jobs' documents ------------------------------------------------------ */

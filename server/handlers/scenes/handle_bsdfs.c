@@ -14,15 +14,13 @@
 
 /* A BSDF being uploaded. */
 struct upload {
+    struct orl_item_upload item;
     char name[256]; /* for messages; the sender's name for it */
     char id[ORL_SHA_HEX];
     uint64_t bytes;
     char *summary;           /* JSON text */
     struct orl_blobs *blobs; /* holds a claim on the file; NULL: no claim */
-    struct orl_check check;
-    bool stored; /* its file is stored as a blob already */
-    int rc;
-    struct orl_error err;
+    bool stored;             /* its file is stored as a blob already */
 };
 
 static void upload_free(void *state)
@@ -40,10 +38,11 @@ static void hash_upload(struct orl_request *request)
 {
     struct upload *upload = request->state;
     struct orl_file file;
-    upload->rc = orl_body_view(&request->body, &request->server->folders, &file, &upload->err);
-    if (upload->rc == 0)
+    upload->item.rc =
+        orl_body_view(&request->body, &request->server->folders, &file, &upload->item.err);
+    if (upload->item.rc == 0)
         orl_sha256_hex(file.data, file.size, upload->id);
-    upload->bytes = upload->rc == 0 ? file.size : 0;
+    upload->bytes = upload->item.rc == 0 ? file.size : 0;
 }
 
 /* Stores the file. For a known BSDF this only repairs damage in the store. */
@@ -54,11 +53,11 @@ static void store_file(struct orl_request *request)
     char path[ORL_PATH_MAX];
     if (upload->stored)
         return;
-    upload->rc = orl_body_take_file(&request->body, folders, path, &upload->err);
-    if (upload->rc)
+    upload->item.rc = orl_body_take_file(&request->body, folders, path, &upload->item.err);
+    if (upload->item.rc)
         return;
-    upload->rc = orl_blob_store(folders, path, upload->id, &upload->err);
-    if (upload->rc)
+    upload->item.rc = orl_blob_store(folders, path, upload->id, &upload->item.err);
+    if (upload->item.rc)
         unlink(path);
     else
         upload->stored = true;
@@ -70,15 +69,15 @@ static void check_and_store(struct orl_request *request)
     const struct orl_folders *folders = &request->server->folders;
     char blob[ORL_PATH_MAX];
     const char *file = blob;
-    upload->rc = 0; /* left by an earlier attempt */
+    upload->item.rc = 0; /* left by an earlier attempt */
     if (upload->stored)
         orl_blob_path(folders, upload->id, blob);
     else
-        upload->rc = orl_body_file(&request->body, folders, &file, &upload->err);
-    if (upload->rc == 0)
-        upload->rc = orl_check_client_bsdf(&upload->check.call, file, upload->name,
-                                           &upload->summary, &upload->err);
-    if (upload->rc == 0)
+        upload->item.rc = orl_body_file(&request->body, folders, &file, &upload->item.err);
+    if (upload->item.rc == 0)
+        upload->item.rc = orl_check_client_bsdf(&upload->item.check.call, file, upload->name,
+                                                &upload->summary, &upload->item.err);
+    if (upload->item.rc == 0)
         store_file(request);
 }
 
@@ -88,17 +87,13 @@ static void insert_and_reply(struct orl_request *request)
 {
     struct upload *upload = request->state;
     bool created = false;
-    if (!orl_check_finish(&upload->check, &upload->rc, &upload->err))
+    if (!orl_check_finish(&upload->item.check, &upload->item.rc, &upload->item.err))
         return;
-    if (upload->rc == 0)
-        upload->rc = orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
-                                     upload->summary, &created, &upload->err);
-    if (upload->rc) {
-        orl_reply_error(request, &upload->err);
-        return;
-    }
-    orl_reply_stored_item(request, &orl_item_bsdf, upload->id, created ? 201 : 200, &created);
-    orl_reply_when_durable(request);
+    if (upload->item.rc == 0)
+        upload->item.rc =
+            orl_bsdf_insert(&request->server->db, upload->id, upload->name, upload->bytes,
+                            upload->summary, &created, &upload->item.err);
+    orl_item_reply_created(request, created);
 }
 
 /* Starts the check of a file that is claimed. */
@@ -107,48 +102,23 @@ static void begin_check(struct orl_request *request)
     struct upload *upload = request->state;
     const bool here = orl_blob_exists(&request->server->folders, upload->id);
     if (!orl_reply_if_full(request, here ? 0 : upload->bytes))
-        orl_check_begin(&request->server->checks, &upload->check, request, check_and_store,
+        orl_check_begin(&request->server->checks, &upload->item.check, request, check_and_store,
                         insert_and_reply);
 }
 
-/* Looks the BSDF up. *ret_found is true if it is stored. */
-static void find_stored_bsdf(struct orl_request *request, bool *ret_found)
-{
-    struct upload *upload = request->state;
-    struct orl_stored_item item;
-    *ret_found = false;
-    upload->rc = orl_bsdf_find(&request->server->db, upload->id, &item, ret_found, &upload->err);
-    if (upload->rc == 0 && *ret_found)
-        free(item.summary);
-}
-
-/* Replies for a known BSDF. If it was removed meanwhile, it is checked as a new one. */
 static void reply_known(struct orl_request *request)
 {
-    struct upload *upload = request->state;
-    bool created = false, found = false;
-    if (upload->rc == 0)
-        find_stored_bsdf(request, &found);
-    if (upload->rc) {
-        orl_reply_error(request, &upload->err);
-    } else if (!found) {
-        begin_check(request);
-    } else {
-        orl_reply_stored_item(request, &orl_item_bsdf, upload->id, 200, &created);
-        orl_reply_when_durable(request); /* a concurrent upload may have written the row just now */
-    }
+    orl_item_reply_known(request, begin_check);
 }
 
 static void look_up_bsdf(struct orl_request *request)
 {
     struct upload *upload = request->state;
-    bool found = false;
-    if (upload->rc == 0)
-        find_stored_bsdf(request, &found);
-    if (upload->rc == 0)
-        upload->rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->err);
-    if (upload->rc) {
-        orl_reply_error(request, &upload->err);
+    const bool found = orl_item_is_stored(request);
+    if (upload->item.rc == 0)
+        upload->item.rc = orl_blobs_claim(request->server->blobs, upload->id, &upload->item.err);
+    if (upload->item.rc) {
+        orl_reply_error(request, &upload->item.err);
         return;
     }
     upload->blobs = request->server->blobs;
@@ -161,15 +131,12 @@ static void look_up_bsdf(struct orl_request *request)
 void orl_handle_bsdf_post(struct orl_request *request)
 {
     const char *name = orl_request_query(request, "name");
-    struct upload *upload = calloc(1, sizeof *upload);
+    struct upload *upload = orl_request_new_state(request, sizeof *upload, upload_free);
     struct orl_error err;
-    request->state = upload;
-    request->free_state = upload_free;
-    if (!upload) {
-        orl_error_set(&err, ORL_ERR_NOMEM, "out of memory");
-        orl_reply_error(request, &err);
+    if (!upload)
         return;
-    }
+    upload->item.kind = &orl_item_bsdf;
+    upload->item.id = upload->id;
     if (name && orl_bundle_check_name(name, &err)) {
         orl_reply_error(request, &err);
         return;
@@ -182,11 +149,9 @@ void orl_handle_bsdf_delete(struct orl_request *request)
 {
     struct orl_server *server = request->server;
     const char *id = request->params[0];
-    struct orl_stored_item item = {.summary = NULL};
     bool found = false, removed = false, needed = false;
     struct orl_error err;
-    int rc = orl_bsdf_find(&server->db, id, &item, &found, &err);
-    free(item.summary);
+    int rc = orl_bsdf_find(&server->db, id, NULL, &found, &err);
     if (rc == 0 && found)
         rc = orl_blob_in_scene(&server->db, id, &needed, &err);
     if (rc == 0 && needed) {

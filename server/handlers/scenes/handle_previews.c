@@ -87,9 +87,7 @@ static void check_scene_bsdf(struct orl_request *request)
 static int find_object(struct orl_request *request, const struct orl_item_kind *kind,
                        bool *ret_found, struct orl_error *err)
 {
-    struct orl_stored_item item = {.summary = NULL};
-    const int rc = kind->find(&request->server->db, request->params[0], &item, ret_found, err);
-    free(item.summary);
+    const int rc = kind->find(&request->server->db, request->params[0], NULL, ret_found, err);
     if (rc || *ret_found || kind != &orl_item_bsdf)
         return rc;
     struct orl_scene_bsdf bsdf;
@@ -136,14 +134,9 @@ static struct preview *make_preview(struct orl_request *request, const struct or
         orl_reply_not_found(request, kind->name);
         return NULL;
     }
-    struct preview *preview = calloc(1, sizeof *preview);
-    if (!preview) {
-        orl_reply_json(request, 503, NULL);
-        return NULL;
-    }
-    preview->kind = kind;
-    request->state = preview;
-    request->free_state = preview_free;
+    struct preview *preview = orl_request_new_state(request, sizeof *preview, preview_free);
+    if (preview)
+        preview->kind = kind;
     return preview;
 }
 

@@ -31,11 +31,8 @@ json_t *orl_stored_item_to_json(const char *id, const struct orl_stored_item *it
     json_t *summary = orl_json_read_stored(item->summary);
     json_t *doc = json_pack("{s:s, s:s, s:I, s:o}", "id", id, "created_at", when, "bytes",
                             (json_int_t)item->bytes, "summary", summary);
-    if (doc && created && json_object_set_new(doc, "created", json_boolean(*created))) {
-        json_decref(doc);
-        return NULL;
-    }
-    return doc;
+    return orl_json_checked(doc, doc && created &&
+                                     json_object_set_new(doc, "created", json_boolean(*created)));
 }
 
 void orl_reply_stored_item(struct orl_request *request, const struct orl_item_kind *kind,
@@ -62,6 +59,36 @@ void orl_reply_stored_item(struct orl_request *request, const struct orl_item_ki
         orl_reply_header(request, "Location", location);
     }
     free(item.summary);
+}
+
+bool orl_item_is_stored(struct orl_request *request)
+{
+    struct orl_item_upload *upload = request->state;
+    bool found = false;
+    if (upload->rc == 0)
+        upload->rc =
+            upload->kind->find(&request->server->db, upload->id, NULL, &found, &upload->err);
+    return found;
+}
+
+void orl_item_reply_created(struct orl_request *request, bool created)
+{
+    const struct orl_item_upload *upload = request->state;
+    if (upload->rc) {
+        orl_reply_error(request, &upload->err);
+        return;
+    }
+    orl_reply_stored_item(request, upload->kind, upload->id, created ? 201 : 200, &created);
+    orl_reply_when_durable(request); /* a concurrent upload may have written the row just now */
+}
+
+void orl_item_reply_known(struct orl_request *request, orl_request_step begin)
+{
+    const bool stored = orl_item_is_stored(request);
+    if (!stored && ((struct orl_item_upload *)request->state)->rc == 0)
+        begin(request);
+    else
+        orl_item_reply_created(request, false);
 }
 
 /* ---- Maps ------------------------------------------------------------------------------------ */
@@ -178,10 +205,7 @@ static json_t *split_ids(const char *ids)
     json_t *list = json_array();
     while (list && *ids) {
         const size_t length = strcspn(ids, ",");
-        if (json_array_append_new(list, json_stringn(ids, length))) {
-            json_decref(list);
-            return NULL;
-        }
+        list = orl_json_append(list, json_stringn(ids, length));
         ids += length + (ids[length] == ',');
     }
     return list;

@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 #include <oriel/base/limits.h>
@@ -65,7 +64,7 @@ int orl_scene_upload_add_main(struct orl_scene_upload *upload, const char *names
     const size_t before = upload->mains ? strlen(upload->mains) : 0, size = strlen(names);
     char *grown = realloc(upload->mains, before + size + 2);
     if (!grown)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     if (before > 0)
         grown[before] = '\n';
     memcpy(grown + before + (before > 0), names, size + 1);
@@ -130,17 +129,6 @@ static int make_main(struct orl_bundle *bundle, size_t place, const char *name,
     return 0;
 }
 
-static bool has_ending(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && strcasecmp(name + length - tail, ending) == 0;
-}
-
-static bool ends_in_rad(const char *name)
-{
-    return has_ending(name, ".rad");
-}
-
 static int choose_mains(struct orl_scene_upload *upload, struct orl_error *err)
 {
     size_t place = 0;
@@ -163,10 +151,10 @@ static void list_names(const struct orl_bundle *bundle, bool mains, char *ret_te
     enum { MOST = 8 };
     size_t n_radiance = 0, listed = 0, length = 0;
     for (size_t i = 0; i < bundle->count; i++)
-        n_radiance += ends_in_rad(bundle->files[i].name);
+        n_radiance += orl_name_has_ending(bundle->files[i].name, ".rad");
     for (size_t i = 0; i < bundle->count && length < capacity; i++) {
         const struct orl_bundle_file *file = &bundle->files[i];
-        if (mains ? file->resource : n_radiance > 0 && !ends_in_rad(file->name))
+        if (mains ? file->resource : n_radiance > 0 && !orl_name_has_ending(file->name, ".rad"))
             continue;
         if (listed++ == MOST) {
             snprintf(ret_text + length, capacity - length, " and others");
@@ -183,7 +171,7 @@ static int refuse_without_mains(struct orl_bundle *bundle, struct orl_error *err
     char names[ORL_ERROR_TEXT_MAX / 2] = "";
     bool radiance = false;
     for (size_t i = 0; i < bundle->count; i++)
-        radiance = radiance || ends_in_rad(bundle->files[i].name);
+        radiance = radiance || orl_name_has_ending(bundle->files[i].name, ".rad");
     orl_bundle_sort(bundle);
     list_names(bundle, false, names, sizeof names);
     if (radiance)
@@ -235,11 +223,12 @@ static int add_zips(struct orl_scene_upload *upload, const struct orl_bundle *zi
 static size_t find_model(const struct orl_bundle *bundle, bool alone)
 {
     for (size_t i = 0; i < bundle->count; i++)
-        if (!bundle->files[i].resource && has_ending(bundle->files[i].name, ".hbjson"))
+        if (!bundle->files[i].resource && orl_name_has_ending(bundle->files[i].name, ".hbjson"))
             return i;
     for (size_t i = 0; alone && i < bundle->count; i++)
         if (!bundle->files[i].resource)
-            return orl_bundle_main_count(bundle) == 1 && has_ending(bundle->files[i].name, ".json")
+            return orl_bundle_main_count(bundle) == 1 &&
+                           orl_name_has_ending(bundle->files[i].name, ".json")
                        ? i
                        : bundle->count;
     return bundle->count;
@@ -249,7 +238,7 @@ static size_t find_model(const struct orl_bundle *bundle, bool alone)
 static int refuse_second_model(const struct orl_bundle *bundle, size_t first, struct orl_error *err)
 {
     for (size_t i = first + 1; i < bundle->count; i++) {
-        if (bundle->files[i].resource || !has_ending(bundle->files[i].name, ".hbjson"))
+        if (bundle->files[i].resource || !orl_name_has_ending(bundle->files[i].name, ".hbjson"))
             continue;
         orl_error_set(err, ORL_ERR_INVALID,
                       "a scene has only one Honeybee model, and '%.100s' came before",
@@ -375,7 +364,7 @@ int orl_scene_upload_store(struct orl_scene_upload *upload, const struct orl_fol
         orl_blob_path(folders, file->sha, blob);
         file->path = strdup(blob);
         if (!file->path)
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
     }
     return rc;
 }

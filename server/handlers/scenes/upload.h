@@ -8,7 +8,7 @@
 #include <jansson.h>
 #include <microhttpd.h>
 
-#include "checks/check_client.h"
+#include "checks/checks.h"
 #include "http/request/request.h"
 #include "store/rows/scenes.h"
 
@@ -35,6 +35,23 @@ json_t *orl_stored_item_to_json(const char *id, const struct orl_stored_item *it
  */
 void orl_reply_stored_item(struct orl_request *request, const struct orl_item_kind *kind,
                            const char *id, unsigned status, const bool *created);
+
+/* An item being uploaded: the first member of a handler's state. */
+struct orl_item_upload {
+    const struct orl_item_kind *kind;
+    const char *id; /* borrowed */
+    struct orl_check check;
+    int rc;
+    struct orl_error err; /* set if rc is not 0 */
+};
+
+/* Returns true if the item is stored. Sets rc if the database fails; does nothing if rc is set. */
+bool orl_item_is_stored(struct orl_request *request);
+/* Replies to the upload of an item that was stored before. If it was removed meanwhile, calls begin
+ * to check it as a new one. */
+void orl_item_reply_known(struct orl_request *request, orl_request_step begin);
+/* Replies with the item whose row is there now, or with the error. */
+void orl_item_reply_created(struct orl_request *request, bool created);
 
 /*
  * A scene being uploaded: unpacked, identified by its content, checked, stored. Untrusted data is

@@ -42,7 +42,7 @@ void orl_handle_health(struct orl_request *request)
 void orl_handle_ready(struct orl_request *request)
 {
     const struct orl_jobs *jobs = request->server->jobs;
-    const bool draining = request->server->draining, full = orl_jobs_full(jobs);
+    const bool draining = request->server->stop.draining, full = orl_jobs_full(jobs);
     const bool busy = orl_loop_watchdog_pool_s(&request->server->watchdog) > ORL_SERVER_POOL_S;
     const bool disk = request->server->disk.full;
     const char *status = draining ? "stopping"

@@ -30,7 +30,7 @@ static int read_pem(const char *path, mode_t refused, char **ret_text, struct or
     } else {
         text = calloc(1, (size_t)st.st_size + 1);
         if (!text)
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
         else if (read(fd, text, (size_t)st.st_size) != st.st_size)
             rc = orl_error_set(err, ORL_ERR_IO, "cannot read all of %s", path);
     }
@@ -127,7 +127,7 @@ int orl_tls_load(struct orl_tls *tls, const char *cert_path, const char *key_pat
     if (cert && key) {
         certificate = calloc(1, sizeof *certificate);
         if (!certificate)
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+            rc = orl_error_no_memory(err);
     }
     const int code = certificate ? import_pem(certificate, cert, key) : 0;
     if (code < 0) {

@@ -48,20 +48,6 @@ bool orl_body_append(struct orl_body *body, const char *data, size_t size)
     return body->used > ORL_SERVER_BODY_BUFFER / 2;
 }
 
-static int write_all(int fd, const char *data, size_t size)
-{
-    while (size > 0) {
-        const ssize_t n = write(fd, data, size);
-        if (n < 0 && errno != EINTR)
-            return -1;
-        if (n > 0) {
-            data += n;
-            size -= (size_t)n;
-        }
-    }
-    return 0;
-}
-
 void orl_body_flush(struct orl_body *body, const struct orl_folders *folders)
 {
     if (body->failed || body->over)
@@ -79,7 +65,7 @@ void orl_body_flush(struct orl_body *body, const struct orl_folders *folders)
         orl_folders_temporary(folders, body->path);
         body->fd = open(body->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     }
-    if (body->fd < 0 || write_all(body->fd, body->buffer, body->used) != 0) {
+    if (body->fd < 0 || !orl_write_all(body->fd, body->buffer, body->used)) {
         body->failed = true;
         orl_error_set(&body->err, orl_err_of_errno(errno), "cannot store a request's body: %s",
                       strerror(errno));

@@ -41,7 +41,7 @@ void orl_reply_header(struct orl_request *request, const char *name, const char 
 /* Ten digits suffice for seconds and percents; results are files, with full precision. */
 char *orl_reply_text_of(json_t *json)
 {
-    char *text = json ? orl_json_text(json, JSON_COMPACT | JSON_REAL_PRECISION(10)) : NULL;
+    char *text = orl_json_text(json, JSON_COMPACT | JSON_REAL_PRECISION(10));
     json_decref(json);
     return text;
 }

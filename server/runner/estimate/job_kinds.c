@@ -15,6 +15,20 @@ static int accept_any_scene(const struct orl_upload_contents *contents, struct o
     return ORL_ERR_INVALID;
 }
 
+/* Refuses scenes with distant sources, for the reason that why gives. */
+static int refuse_sources(const struct orl_upload_contents *contents, const char *why,
+                          const char *hint, struct orl_error *err)
+{
+    const int rc = accept_any_scene(contents, err);
+    if (rc || contents->sources == 0)
+        return rc;
+    orl_error_set(err, ORL_ERR_INVALID, "%s, but the scene has %llu distant sources", why,
+                  (unsigned long long)contents->sources);
+    orl_error_at(err, NULL, 0, "scene");
+    orl_error_hint(err, "%s", hint);
+    return ORL_ERR_INVALID;
+}
+
 /* ---- Render jobs ----------------------------------------------------------------------------- */
 
 /* Bytes of result.json without sensors, of a study's results, and of one sensor. */
@@ -143,16 +157,8 @@ static int check_annual_limits(const struct orl_job_request *job_request, struct
 /* Refuses scenes with distant sources, since an annual job has skies of its own. */
 static int check_annual_contents(const struct orl_upload_contents *contents, struct orl_error *err)
 {
-    const int rc = accept_any_scene(contents, err);
-    if (rc || contents->sources == 0)
-        return rc;
-    orl_error_set(
-        err, ORL_ERR_INVALID,
-        "an annual job has its own skies and suns, but the scene has %llu distant sources",
-        (unsigned long long)contents->sources);
-    orl_error_at(err, NULL, 0, "scene");
-    orl_error_hint(err, "Upload it without sky and sun");
-    return ORL_ERR_INVALID;
+    return refuse_sources(contents, "an annual job has its own skies and suns",
+                          "Upload it without sky and sun", err);
 }
 
 /* Bytes of a map's or carpet's outlines and pixels, of a page, of a sensor in a map, of a sensor in
@@ -297,15 +303,8 @@ static void bsdf_needs(const struct orl_job_request *job_request, struct orl_job
 /* Refuses scenes with distant sources: a panel has no light of its own. */
 static int check_bsdf_contents(const struct orl_upload_contents *contents, struct orl_error *err)
 {
-    const int rc = accept_any_scene(contents, err);
-    if (rc || contents->sources == 0)
-        return rc;
-    orl_error_set(err, ORL_ERR_INVALID,
-                  "a panel cannot contain a sun or sky, but the scene has %llu distant sources",
-                  (unsigned long long)contents->sources);
-    orl_error_at(err, NULL, 0, "scene");
-    orl_error_hint(err, "Upload the panel alone");
-    return ORL_ERR_INVALID;
+    return refuse_sources(contents, "a panel cannot contain a sun or sky", "Upload the panel alone",
+                          err);
 }
 
 /* ---- BSDFs of measurements ------------------------------------------------------------------- */

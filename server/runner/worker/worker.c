@@ -46,7 +46,7 @@ static void worker_free(struct orl_worker *worker)
     orl_thread_pool_free(worker->pool);
     pthread_mutex_destroy(&worker->news_mutex);
     free(worker->members);
-    for (size_t i = 0; i < worker->n_warnings; i++)
+    for (size_t i = 0; i < worker->progress.n_warnings; i++)
         free(worker->warnings[i]);
     free(worker->points);
     free(worker->news);
@@ -70,16 +70,17 @@ int orl_worker_start(uv_loop_t *loop, struct orl_worker_spec *spec, struct orl_w
     struct orl_worker *worker = calloc(1, sizeof *worker);
     if (!worker) {
         orl_bundle_done(&spec->bundle);
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     }
     worker->spec = *spec;
+    worker->progress.warnings = (const char *const *)worker->warnings;
     memset(&spec->bundle, 0, sizeof spec->bundle);
     pthread_mutex_init(&worker->news_mutex, NULL);
     worker->pool = orl_thread_pool_new(spec->threads);
     worker->members = calloc(spec->threads, sizeof *worker->members);
     if (!worker->pool || !worker->members) {
         worker_free(worker);
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     }
     /* The lead is queued first, so that it is never behind threads that wait for it. */
     for (uint32_t i = 0; i < spec->threads; i++) {
@@ -105,30 +106,14 @@ void orl_worker_stop(struct orl_worker *worker)
 
 void orl_worker_progress(struct orl_worker *worker, struct orl_job_progress *ret_progress)
 {
+    pthread_mutex_lock(&worker->news_mutex);
+    *ret_progress = worker->progress;
+    ret_progress->eta_s = orl_eta_s(&worker->eta, orl_time_steady_s());
+    pthread_mutex_unlock(&worker->news_mutex);
     ret_progress->stage = (enum orl_stage)atomic_load(&worker->stage);
     ret_progress->stage_fraction = atomic_load(&worker->stage_ppm) / (double)ORL_WORKER_WHOLE;
     ret_progress->job_fraction = atomic_load(&worker->job_ppm) / (double)ORL_WORKER_WHOLE;
     ret_progress->technique = (enum orl_technique)atomic_load(&worker->technique);
-    pthread_mutex_lock(&worker->news_mutex);
-    ret_progress->eta_s = orl_eta_s(&worker->eta, orl_time_steady_s());
-    ret_progress->n_maps = worker->n_maps;
-    memcpy(ret_progress->maps, worker->maps, sizeof worker->maps);
-    ret_progress->outcome = worker->rounds;
-    ret_progress->n_skies = worker->n_skies;
-    ret_progress->skies_done = worker->skies_done;
-    memcpy(ret_progress->sky, worker->sky, sizeof worker->sky);
-    ret_progress->warnings = (const char *const *)worker->warnings;
-    ret_progress->n_warnings = worker->n_warnings;
-    ret_progress->n_views = worker->n_views;
-    ret_progress->step = worker->step;
-    ret_progress->n_settings = worker->n_settings;
-    ret_progress->points = worker->points;
-    ret_progress->n_points = worker->n_points;
-    ret_progress->year = worker->year;
-    ret_progress->in_parts = worker->in_parts;
-    ret_progress->parts = worker->parts;
-    memcpy(ret_progress->why_here, worker->why_here, sizeof worker->why_here);
-    pthread_mutex_unlock(&worker->news_mutex);
 }
 
 char *orl_worker_results(struct orl_worker *worker, char ret_folder[ORL_PATH_MAX])

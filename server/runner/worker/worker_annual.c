@@ -90,12 +90,9 @@ static bool on_kept(void *ctx, struct orl_annual_chunk *chunk)
 {
     const struct orl_worker *worker = ctx;
     char name[64], path[ORL_PATH_MAX];
-    json_t *files, *about;
     name_chunk(chunk, name);
-    if (!orl_checkpoint_find(worker->output, name, &files, &about))
+    if (!orl_checkpoint_find(worker->output, name, NULL, NULL))
         return false;
-    json_decref(files);
-    json_decref(about);
     orl_job_output_path(worker->output, name, path);
     return read_chunk(path, chunk);
 }
@@ -106,7 +103,7 @@ static void on_round(void *ctx, const struct orl_annual_refinement *so_far)
 {
     struct orl_worker *worker = ctx;
     pthread_mutex_lock(&worker->news_mutex);
-    worker->year = *so_far;
+    worker->progress.year = *so_far;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -141,7 +138,8 @@ int orl_worker_run_annual(struct orl_worker *worker, struct orl_job_request *job
                           const struct orl_files *files, struct orl_error *err)
 {
     const struct orl_run_env run = orl_worker_env(worker, files);
-    const bool here = !worker->in_parts; /* otherwise its parts are stored in the shared folder */
+    const bool here =
+        !worker->progress.in_parts; /* otherwise its parts are stored in the shared folder */
     const struct orl_annual_job_env env = {.run = &run,
                                            .reuse = here,
                                            .reuse_most = KEPT_SENSORS,

@@ -23,12 +23,6 @@ struct progress {
     double began_s;
 };
 
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
 /* Returns the finished fraction of the job. If the number of rounds is unknown, each round counts
  * as half of the rest. */
 static double job_fraction(const struct progress *progress, uint32_t round, double fraction)
@@ -53,8 +47,8 @@ static void on_progress(void *ctx, uint32_t round, double fraction)
 static void show_map(struct orl_worker *worker, const struct orl_map_info *info)
 {
     pthread_mutex_lock(&worker->news_mutex);
-    worker->maps[0] = *info;
-    worker->n_maps = 1;
+    worker->progress.maps[0] = *info;
+    worker->progress.n_maps = 1;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -75,13 +69,13 @@ static int summarise_bsdf(const struct outcome *made, char **ret_summary, struct
     struct orl_bsdf *bsdf = NULL;
     struct orl_bsdf_check *check = calloc(1, sizeof *check);
     int rc = check ? orl_bsdf_load_xml(ORL_BSDF_MADE_FILE, made->xml, made->size, &bsdf, err)
-                   : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+                   : orl_error_no_memory(err);
     if (rc == 0) {
         orl_bsdf_examine(bsdf, check);
         json_t *json = orl_bsdf_check_to_json(check);
-        *ret_summary = json ? orl_json_text(json, JSON_COMPACT) : NULL;
+        *ret_summary = orl_json_text(json, JSON_COMPACT);
         json_decref(json);
-        rc = *ret_summary ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = *ret_summary ? 0 : orl_error_no_memory(err);
     }
     orl_bsdf_unref(bsdf);
     free(check);
@@ -105,7 +99,7 @@ static int write_file(struct orl_worker *worker, const struct outcome *made, str
     struct orl_made_bsdf *bsdf = calloc(1, sizeof *bsdf);
     char path[ORL_PATH_MAX];
     if (!bsdf)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     worker->outcome.bsdf = bsdf;
     orl_sha256_hex(made->xml, made->size, bsdf->id);
     bsdf->bytes = made->size;
@@ -128,7 +122,7 @@ static int write_all(struct orl_worker *worker, const struct outcome *made, doub
     }
     const struct orl_bsdf_output output = {.report = made->report,
                                            .warnings = made->warnings,
-                                           .kept = &worker->maps[0],
+                                           .kept = &worker->progress.maps[0],
                                            .file = ORL_BSDF_MADE_FILE,
                                            .id = worker->outcome.bsdf->id,
                                            .bytes = made->size,
@@ -159,7 +153,7 @@ static struct orl_bsdf_make_env env_of(struct progress *progress, const struct o
 
 static struct orl_bsdf_cache_key keep_of(const struct orl_worker *worker)
 {
-    return (struct orl_bsdf_cache_key){&worker->spec.maps, worker->spec.key, now_s};
+    return (struct orl_bsdf_cache_key){&worker->spec.maps, worker->spec.key, orl_time_steady_for};
 }
 
 int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_job_request *job_request,
@@ -173,7 +167,7 @@ int orl_worker_run_bsdf(struct orl_worker *worker, struct orl_job_request *job_r
     const struct orl_bsdf_distributor shared = orl_bsdf_distribute(&tasks);
     const struct orl_bsdf_cache_key cache_key = keep_of(worker);
     struct orl_bsdf_make_result made = {0};
-    env.shared = worker->in_parts ? &shared : NULL;
+    env.shared = worker->progress.in_parts ? &shared : NULL;
     struct orl_map_info info;
     int rc = orl_bsdf_make_cached(request, &env, &cache_key, &info, &made, err);
     if (rc)

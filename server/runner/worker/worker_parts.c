@@ -8,17 +8,11 @@
 #include "runner/worker/worker_run.h"
 #include "json/encode.h"
 
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
 static void on_parts_progress(void *ctx, const struct orl_parts_count *count)
 {
     struct orl_worker *worker = ctx;
     pthread_mutex_lock(&worker->news_mutex);
-    worker->parts = *count;
+    worker->progress.parts = *count;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -81,7 +75,7 @@ static int set_up_folder(struct orl_worker *worker, const json_t *doc, struct or
     struct orl_shared_file *files = calloc(bundle->count + 1, sizeof *files);
     char folder[ORL_PATH_MAX];
     if (!files)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < bundle->count; i++)
         files[i] = (struct orl_shared_file){bundle->files[i].name, bundle->files[i].path};
     snprintf(folder, sizeof folder, "%.*s/%s", ORL_PATH_MAX - 80, slurm->folder,
@@ -99,7 +93,7 @@ static int set_up_folder(struct orl_worker *worker, const json_t *doc, struct or
                                                   .n_words = slurm->n_words,
                                                   .cancel = &worker->cancel,
                                                   .detach = &worker->stopped,
-                                                  .now_s = now_s,
+                                                  .now_s = orl_time_steady_for,
                                                   .reported = on_parts_progress,
                                                   .part_event = on_part_event,
                                                   .ctx = worker};
@@ -118,8 +112,8 @@ int orl_worker_begin_parts(struct orl_worker *worker, const struct orl_job_reque
     const struct orl_job_work work = orl_job_work(task, &files);
     const bool in_parts = orl_job_is_split(&work, worker->spec.slurm->least_s, why);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->in_parts = in_parts;
-    snprintf(worker->why_here, sizeof worker->why_here, "%s", why);
+    worker->progress.in_parts = in_parts;
+    snprintf(worker->progress.why_here, sizeof worker->progress.why_here, "%s", why);
     pthread_mutex_unlock(&worker->news_mutex);
     if (!in_parts)
         return 0;
@@ -135,8 +129,9 @@ static void add_runner(struct orl_worker *worker)
 {
     struct orl_worker_outcome *outcome = &worker->outcome;
     json_t *summary = outcome->summary ? json_loads(outcome->summary, 0, NULL) : NULL;
-    json_t *runner = orl_runner_to_json(worker->in_parts, worker->why_here,
-                                        worker->in_parts ? &worker->distributed.count : NULL);
+    json_t *runner =
+        orl_runner_to_json(worker->progress.in_parts, worker->progress.why_here,
+                           worker->progress.in_parts ? &worker->distributed.count : NULL);
     char *text = NULL;
     if (summary && json_object_set(summary, "runner", runner) == 0)
         text = orl_json_text(summary, JSON_COMPACT);
@@ -156,6 +151,6 @@ void orl_worker_end_parts(struct orl_worker *worker, int code)
     worker->outcome.tally.parts = worker->distributed.count;
     worker->outcome.tally.parts.waiting = worker->outcome.tally.parts.running = 0;
     const bool anew = code == ORL_ERR_CANCELLED && atomic_load(&worker->stopped);
-    if (worker->in_parts)
+    if (worker->progress.in_parts)
         orl_distributed_job_done(&worker->distributed, !anew);
 }

@@ -12,12 +12,6 @@
 #include "view/view_json.h"
 #include "json/encode.h"
 
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
 static int to_ppm(double fraction)
 {
     return fraction >= 1 ? ORL_WORKER_WHOLE : fraction > 0 ? (int)(fraction * ORL_WORKER_WHOLE) : 0;
@@ -49,13 +43,14 @@ static void on_plan_ready(void *ctx, const struct orl_plan *plan)
 static void on_warned(void *ctx, const char *warning)
 {
     struct orl_worker *worker = ctx;
-    bool known = worker->n_warnings == ORL_WORKER_WARNINGS; /* the result has all warnings */
-    for (size_t i = 0; i < worker->n_warnings; i++)
+    bool known =
+        worker->progress.n_warnings == ORL_WORKER_WARNINGS; /* the result has all warnings */
+    for (size_t i = 0; i < worker->progress.n_warnings; i++)
         known = known || strcmp(worker->warnings[i], warning) == 0;
     char *text = known ? NULL : strdup(warning);
     pthread_mutex_lock(&worker->news_mutex);
     if (text)
-        worker->warnings[worker->n_warnings++] = text;
+        worker->warnings[worker->progress.n_warnings++] = text;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -63,8 +58,8 @@ static void on_map_ready(void *ctx, const struct orl_map_info *info)
 {
     struct orl_worker *worker = ctx;
     pthread_mutex_lock(&worker->news_mutex);
-    if (worker->n_maps < sizeof worker->maps / sizeof *worker->maps)
-        worker->maps[worker->n_maps++] = *info;
+    if (worker->progress.n_maps < sizeof worker->progress.maps / sizeof *worker->progress.maps)
+        worker->progress.maps[worker->progress.n_maps++] = *info;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -84,7 +79,7 @@ static void publish_intermediate(struct orl_worker *worker, char *summary)
 static void publish_files(struct orl_worker *worker)
 {
     json_t *summary = json_pack("{s:O}", "files", worker->files);
-    char *text = summary ? orl_json_text(summary, JSON_COMPACT) : NULL;
+    char *text = orl_json_text(summary, JSON_COMPACT);
     json_decref(summary);
     publish_intermediate(worker, text);
 }
@@ -105,7 +100,7 @@ static void add_view_files(struct orl_worker *worker, json_t *files)
         json_array_extend(worker->files, files);
     publish_files(worker);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->n_views++;
+    worker->progress.n_views++;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -159,13 +154,9 @@ static bool on_sensors_kept(void *ctx, struct orl_result *result)
 {
     struct orl_worker *worker = ctx;
     char part[256];
-    json_t *files, *about;
     name_part(worker, sensors_part, part);
-    if (!orl_checkpoint_find(worker->output, part, &files, &about))
-        return false;
-    json_decref(files);
-    json_decref(about);
-    return orl_checkpoint_sensors_read(worker->output, part, result);
+    return orl_checkpoint_find(worker->output, part, NULL, NULL) &&
+           orl_checkpoint_sensors_read(worker->output, part, result);
 }
 
 /* Publishes the results of a round. Intermediate results are best effort. */
@@ -173,10 +164,10 @@ static void on_round_ready(void *ctx, const struct orl_result *result)
 {
     struct orl_worker *worker = ctx;
     char *summary = NULL;
-    if (worker->n_skies == 0)
+    if (worker->progress.n_skies == 0)
         orl_job_output_write(result, "running", worker->output, &summary, NULL);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->rounds = result->outcome;
+    worker->progress.outcome = result->outcome;
     pthread_mutex_unlock(&worker->news_mutex);
     publish_intermediate(worker, summary);
 }
@@ -194,13 +185,13 @@ struct orl_run_env orl_worker_env(struct orl_worker *worker, const struct orl_fi
     return (struct orl_run_env){
         .pool = worker->pool,
         .files = files,
-        .store = worker->in_parts ? &worker->distributed.store : &worker->spec.maps,
-        .tasks = worker->in_parts ? &worker->distributed.tasks : NULL,
+        .store = worker->progress.in_parts ? &worker->distributed.store : &worker->spec.maps,
+        .tasks = worker->progress.in_parts ? &worker->distributed.tasks : NULL,
         .memory_cache = worker->spec.memory_cache,
         .files_id = worker->spec.scene,
         .output_folder = worker->output,
         .cancel = &worker->cancel,
-        .now_s = now_s,
+        .now_s = orl_time_steady_for,
         .progress = on_progress,
         .plan_ready = on_plan_ready,
         .warned = on_warned,
@@ -266,7 +257,7 @@ static void count_sky(struct orl_worker *worker)
 {
     publish_files(worker);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->skies_done++;
+    worker->progress.skies_done++;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -274,11 +265,10 @@ static bool on_kept(void *ctx, size_t index)
 {
     struct skies_run *p = ctx;
     char part[96], file[96], path[ORL_PATH_MAX];
-    json_t *files, *about;
+    json_t *files;
     name_sky_part(p, index, part);
-    if (!orl_checkpoint_find(p->worker->output, part, &files, &about))
+    if (!orl_checkpoint_find(p->worker->output, part, &files, NULL))
         return false;
-    json_decref(about);
     snprintf(file, sizeof file, "%.80s.json", name_of(p, index));
     orl_job_output_path(p->worker->output, file, path);
     json_t *result = json_load_file(path, 0, NULL);
@@ -300,9 +290,9 @@ static void on_begins(void *ctx, size_t index, const struct orl_job *job, const 
     worker->part =
         (struct orl_worker_part){.job = job, .prefix = file_prefix, .files = json_array()};
     pthread_mutex_lock(&worker->news_mutex);
-    worker->n_maps = 0;
-    memset(&worker->rounds, 0, sizeof worker->rounds);
-    snprintf(worker->sky, sizeof worker->sky, "%s", name_of(p, index));
+    worker->progress.n_maps = 0;
+    memset(&worker->progress.outcome, 0, sizeof worker->progress.outcome);
+    snprintf(worker->progress.sky, sizeof worker->progress.sky, "%s", name_of(p, index));
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -334,7 +324,7 @@ static int on_done(void *ctx, size_t index, const struct orl_result *result, str
     if (rc == 0)
         rc = list_rest(p, result, files, err);
     if (rc == 0 && orl_skies_result_add(p->results, doc))
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     if (rc == 0) {
         json_array_extend(worker->files, files);
         json_array_extend(worker->part.files, files);
@@ -357,11 +347,10 @@ int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job
     const struct orl_skies_env skies = {
         .ctx = &p, .kept = on_kept, .begins = on_begins, .done = on_done};
     pthread_mutex_lock(&worker->news_mutex);
-    worker->n_skies = job->n_skies;
+    worker->progress.n_skies = job->n_skies;
     pthread_mutex_unlock(&worker->news_mutex);
     worker->files = json_array();
-    int rc = p.results ? orl_run_skies(job, &env, &skies, err)
-                       : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+    int rc = p.results ? orl_run_skies(job, &env, &skies, err) : orl_error_no_memory(err);
     if (rc == 0)
         rc = orl_sequence_draw(job, worker->output, env.cancel, p.results, err);
     if (rc == 0)
@@ -369,7 +358,7 @@ int orl_worker_render_skies(struct orl_worker *worker, const struct orl_job *job
     const bool cancelled = rc == ORL_ERR_CANCELLED && !atomic_load(&worker->stopped);
     if (cancelled)
         orl_job_output_set_cancel(NULL); /* finished skies are kept; listing them is quick */
-    if (rc == 0 || (cancelled && worker->skies_done > 0)) {
+    if (rc == 0 || (cancelled && worker->progress.skies_done > 0)) {
         const int written = orl_skies_output_write(p.results, rc == 0 ? "succeeded" : "cancelled",
                                                    job->n_skies, worker->output, worker->files,
                                                    &worker->outcome.summary, rc == 0 ? err : NULL);

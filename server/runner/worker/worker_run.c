@@ -14,19 +14,13 @@
 
 /* ---- Studies --------------------------------------------------------------------------------- */
 
-static double now_s(void *ctx)
-{
-    (void)ctx;
-    return orl_time_steady_s();
-}
-
 static void on_study_progress(void *ctx, const struct orl_study_step *step)
 {
     struct orl_worker *worker = ctx;
     atomic_store(&worker->job_ppm, (int)(ORL_WORKER_WHOLE * step->fraction));
     orl_worker_set_eta(worker, step->left_s);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->step = *step;
+    worker->progress.step = *step;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -34,8 +28,8 @@ static void on_study_point(void *ctx, const struct orl_study_point *point)
 {
     struct orl_worker *worker = ctx;
     pthread_mutex_lock(&worker->news_mutex);
-    if (worker->n_points < worker->n_settings)
-        worker->points[worker->n_points++] = *point;
+    if (worker->progress.n_points < worker->progress.n_settings)
+        worker->points[worker->progress.n_points++] = *point;
     pthread_mutex_unlock(&worker->news_mutex);
 }
 
@@ -50,10 +44,10 @@ static int run_study(struct orl_worker *worker, struct orl_job_request *job_requ
         .pool = worker->pool,
         .files = files,
         .work_folder = worker->output,
-        .tasks = worker->in_parts ? &worker->distributed.tasks : NULL,
-        .store = worker->in_parts ? &worker->distributed.store : NULL,
+        .tasks = worker->progress.in_parts ? &worker->distributed.tasks : NULL,
+        .store = worker->progress.in_parts ? &worker->distributed.store : NULL,
         .cancel = &worker->cancel,
-        .now_s = now_s,
+        .now_s = orl_time_steady_for,
         .progress = on_study_progress,
         .point_ready = on_study_point,
         .spent = orl_worker_add_health,
@@ -62,10 +56,10 @@ static int run_study(struct orl_worker *worker, struct orl_job_request *job_requ
     const size_t n_settings = orl_study_count_settings(request);
     struct orl_study_point *points = calloc(n_settings, sizeof *points);
     if (!points)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     pthread_mutex_lock(&worker->news_mutex);
-    worker->points = points;
-    worker->n_settings = n_settings;
+    worker->progress.points = worker->points = points;
+    worker->progress.n_settings = n_settings;
     pthread_mutex_unlock(&worker->news_mutex);
     int rc = orl_study_run(request, &env, &study, err);
     if (rc == 0) {
@@ -125,18 +119,6 @@ static int run_render(struct orl_worker *worker, struct orl_job_request *job_req
                             : orl_worker_render(worker, job, files, err);
 }
 
-static bool study_keeps(const struct orl_job_request *job_request)
-{
-    (void)job_request;
-    return false;
-}
-
-static bool bsdf_keeps(const struct orl_job_request *job_request)
-{
-    (void)job_request;
-    return false;
-}
-
 static bool annual_keeps(const struct orl_job_request *job_request)
 {
     (void)job_request;
@@ -144,22 +126,24 @@ static bool annual_keeps(const struct orl_job_request *job_request)
 }
 
 static const struct {
-    bool (*keeps_checkpoints)(const struct orl_job_request
-                                  *job_request); /* true if finished parts are kept for a restart */
+    /* Returns true if finished parts are kept for a restart; NULL: they never are. */
+    bool (*keeps_checkpoints)(const struct orl_job_request *job_request);
     int (*run)(struct orl_worker *worker, struct orl_job_request *job_request,
                const struct orl_files *files, struct orl_error *err);
 } kinds[ORL_JOB_KIND_COUNT] = {
     [ORL_JOB_KIND_RENDER] = {render_keeps, run_render},
-    [ORL_JOB_KIND_STUDY] = {study_keeps, run_study},
+    [ORL_JOB_KIND_STUDY] = {NULL, run_study},
     [ORL_JOB_KIND_ANNUAL] = {annual_keeps, orl_worker_run_annual},
-    [ORL_JOB_KIND_BSDF_MAKE] = {bsdf_keeps, orl_worker_run_bsdf},
-    [ORL_JOB_KIND_BSDF_FIT] = {bsdf_keeps, orl_worker_run_fit},
+    [ORL_JOB_KIND_BSDF_MAKE] = {NULL, orl_worker_run_bsdf},
+    [ORL_JOB_KIND_BSDF_FIT] = {NULL, orl_worker_run_fit},
 };
 
 static int make_folder(struct orl_worker *worker, const struct orl_job_request *job_request,
                        struct orl_error *err)
 {
-    worker->keeps_checkpoints = kinds[job_request->kind].keeps_checkpoints(job_request);
+    bool (*const keeps)(const struct orl_job_request *) =
+        kinds[job_request->kind].keeps_checkpoints;
+    worker->keeps_checkpoints = keeps && keeps(job_request);
     const int rc = worker->keeps_checkpoints ? 0 : orl_remove_tree(worker->output, err);
     return rc ? rc : orl_checkpoint_open(worker->output, worker->spec.key, err);
 }

@@ -35,27 +35,16 @@ struct orl_worker {
     atomic_int stage, stage_ppm, job_ppm, technique;
     pthread_mutex_t news_mutex;
     struct orl_eta eta; /* by the monotonic clock */
-    struct orl_map_info maps[ORL_RESULT_MAPS];
-    size_t n_maps;
-    struct orl_outcome rounds; /* state after the last round */
-    char *results;             /* summary of the intermediate results; owned */
-    size_t n_views;            /* finished views */
-    json_t *files;             /* files of the results; used by the lead */
-    size_t n_skies, skies_done;
-    char sky[ORL_WORKER_SKY];            /* current one of several skies */
+    /* News of the job, except its stage, fractions, technique and remaining time: see above. */
+    struct orl_job_progress progress;
+    char *results;                       /* summary of the intermediate results; owned */
+    json_t *files;                       /* files of the results; used by the lead */
     char *warnings[ORL_WORKER_WARNINGS]; /* owned; entries below n_warnings never change */
-    size_t n_warnings;
-    struct orl_worker_part part; /* used by the lead while it renders */
-    char output[ORL_PATH_MAX];   /* folder of the results; set before there are any */
-    struct orl_study_step step;
+    struct orl_worker_part part;         /* used by the lead while it renders */
+    char output[ORL_PATH_MAX];           /* folder of the results; set before there are any */
     struct orl_study_point *points; /* room for n_settings; entries below n_points never change */
-    size_t n_settings, n_points;
-    struct orl_annual_refinement year;      /* state of an annual job after its last round */
     struct orl_distributed_job distributed; /* used by the lead, of a job in parts */
-    bool in_parts;                          /* set before the run */
-    char why_here[ORL_WHY_MAX];
-    struct orl_parts_count parts;
-    struct orl_worker_part_news *news; /* owned: a ring of ORL_WORKER_NEWS; or NULL */
+    struct orl_worker_part_news *news;      /* owned: a ring of ORL_WORKER_NEWS; or NULL */
     size_t n_news, first_news;
 };
 

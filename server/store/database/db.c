@@ -83,18 +83,13 @@ int orl_db_open_existing(struct orl_db *db, const char *path, struct orl_error *
 static int run_check(struct orl_db *db, const char *pragma, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, pragma, "");
-    if (!stmt)
-        return ORL_ERR_IO;
     int rc = 0;
-    if (sqlite3_step(stmt) != SQLITE_ROW) {
-        rc = orl_db_error(db, "cannot be checked", err);
-    } else if (strcmp(orl_db_text(stmt, 0), "ok") != 0) {
+    if (orl_db_next_row(stmt) && strcmp(orl_db_text(stmt, 0), "ok") != 0) {
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the database is damaged: %.200s",
                            orl_db_text(stmt, 0));
         orl_error_hint(err, "Restore the data folder from a backup, or give another one");
     }
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, rc, "cannot be checked", err);
 }
 
 int orl_db_check(struct orl_db *db, struct orl_error *err)
@@ -108,13 +103,9 @@ static int begin_log(struct orl_db *db, struct orl_error *err)
 {
     char again[64];
     sqlite3_stmt *stmt = orl_db_prepare(db, err, "PRAGMA user_version", "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    const int step = sqlite3_step(stmt);
     snprintf(again, sizeof again, "PRAGMA user_version = %d",
-             step == SQLITE_ROW ? sqlite3_column_int(stmt, 0) : 0);
-    const int rc = step == SQLITE_ROW ? 0 : orl_db_error(db, "cannot be read", err);
-    sqlite3_finalize(stmt);
+             orl_db_next_row(stmt) ? sqlite3_column_int(stmt, 0) : 0);
+    const int rc = orl_db_finish(db, stmt, 0, "cannot be read", err);
     return rc ? rc : orl_db_exec(db, again, err);
 }
 
@@ -187,15 +178,26 @@ int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const
     va_start(args, types);
     sqlite3_stmt *stmt = prepare_with(db, err, sql, types, args);
     va_end(args);
-    if (!stmt)
-        return ORL_ERR_IO;
     int rc = 0;
-    if (sqlite3_step(stmt) != SQLITE_DONE)
+    if (orl_db_next_row(stmt))
         rc = orl_db_error(db, "statement failed", err);
-    sqlite3_finalize(stmt);
+    rc = orl_db_finish(db, stmt, rc, "statement failed", err);
     if (rc == 0 && ret_changes)
         *ret_changes = sqlite3_changes(db->handle);
     return rc;
+}
+
+bool orl_db_next_row(sqlite3_stmt *stmt)
+{
+    return stmt && sqlite3_step(stmt) == SQLITE_ROW;
+}
+
+int orl_db_finish(struct orl_db *db, sqlite3_stmt *stmt, int rc, const char *what,
+                  struct orl_error *err)
+{
+    if (!stmt)
+        return ORL_ERR_IO;
+    return sqlite3_finalize(stmt) != SQLITE_OK && rc == 0 ? orl_db_error(db, what, err) : rc;
 }
 
 const char *orl_db_text(sqlite3_stmt *stmt, int column)

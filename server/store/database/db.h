@@ -64,6 +64,14 @@ int orl_db_end(struct orl_db *db, int rc, struct orl_error *err);
 sqlite3_stmt *orl_db_prepare(struct orl_db *db, struct orl_error *err, const char *sql,
                              const char *types, ...);
 
+/* Steps to the next row. Returns false after the last one, after an error, and if stmt is NULL. */
+bool orl_db_next_row(sqlite3_stmt *stmt);
+/* Finalizes a statement after its last step. Returns rc if it is not 0, else 0, or ORL_ERR_IO if
+ * stmt is NULL (err was set by orl_db_prepare) or the step failed: what says what cannot be done.
+ */
+int orl_db_finish(struct orl_db *db, sqlite3_stmt *stmt, int rc, const char *what,
+                  struct orl_error *err);
+
 /* Runs orl_db_prepare, one step that must yield no row, and finalize. *ret_changes may be NULL. */
 int orl_db_run(struct orl_db *db, struct orl_error *err, int *ret_changes, const char *sql,
                const char *types, ...);

@@ -1,7 +1,6 @@
 #include "store/database/db.h"
 
 #include <errno.h>
-#include <sodium.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -23,14 +22,9 @@ static int count_column(struct orl_db *db, const char *table, const char *column
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err, "SELECT count(*) FROM pragma_table_info(?) WHERE ?2 = '' OR name = ?2", "ss",
         table, column);
-    if (!stmt)
-        return ORL_ERR_IO;
-    const int rc =
-        sqlite3_step(stmt) == SQLITE_ROW ? 0 : orl_db_error(db, "its tables cannot be listed", err);
-    if (rc == 0)
+    if (orl_db_next_row(stmt))
         *ret_count = sqlite3_column_int(stmt, 0);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, 0, "its tables cannot be listed", err);
 }
 
 static int refuse_incomplete(const struct orl_db *db, const char *table, const char *column,
@@ -71,27 +65,13 @@ static int compare_schema(struct orl_db *db, struct orl_db *wanted, struct orl_e
                                         "pragma_table_info(t.name) AS c WHERE t.type = 'table' "
                                         "AND t.name NOT LIKE 'sqlite_%'",
                                         "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0, step = SQLITE_DONE;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW)
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt))
         rc = check_column(db, orl_db_text(stmt, 0), orl_db_text(stmt, 1), err);
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(wanted, "its tables cannot be listed", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(wanted, stmt, rc, "its tables cannot be listed", err);
 }
 
 /* ---- The list of migrations ------------------------------------------------------------------ */
-
-enum { DIGEST_HEX = 65 };
-
-static void digest_of(const char *text, char ret_hex[DIGEST_HEX])
-{
-    unsigned char digest[ORL_SHA256_BYTES];
-    orl_sha256(text, strlen(text), digest);
-    sodium_bin2hex(ret_hex, DIGEST_HEX, digest, sizeof digest);
-}
 
 static int check_list(const struct orl_migration *list, size_t count, struct orl_error *err)
 {
@@ -123,13 +103,11 @@ static int check_applied(struct orl_db *db, const struct orl_migration *list, si
 {
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err, "SELECT version, name, digest FROM schema_migrations ORDER BY version", "");
-    if (!stmt)
-        return ORL_ERR_IO;
     size_t applied = 0;
-    int rc = 0, step;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         const sqlite3_int64 version = sqlite3_column_int64(stmt, 0);
-        char digest[DIGEST_HEX];
+        char digest[ORL_SHA_HEX];
         if (version > (sqlite3_int64)count || applied >= count) {
             rc = orl_error_set(err, ORL_ERR_VERSION,
                                "the database was written by a later version of Oriel: it has "
@@ -145,16 +123,14 @@ static int check_applied(struct orl_db *db, const struct orl_migration *list, si
                              applied + 1);
             break;
         }
-        digest_of(list[applied].sql, digest);
+        orl_sha256_hex(list[applied].sql, strlen(list[applied].sql), digest);
         if (version != (sqlite3_int64)applied + 1 || strcmp(digest, orl_db_text(stmt, 2)) != 0)
             rc = orl_error_set(err, ORL_ERR_CORRUPT,
                                "the database's migration %lld (%s) is not the one this program has",
                                (long long)version, orl_db_text(stmt, 1));
         applied++;
     }
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot read the list of migrations", err);
-    sqlite3_finalize(stmt);
+    rc = orl_db_finish(db, stmt, rc, "cannot read the list of migrations", err);
     if (rc == 0)
         *ret_applied = applied;
     return rc;
@@ -169,23 +145,18 @@ static int check_unlisted(struct orl_db *db, struct orl_error *err)
                                         "AND name <> 'schema_migrations' AND name NOT LIKE "
                                         "'sqlite_%'",
                                         "");
-    if (!stmt)
-        return ORL_ERR_IO;
     int rc = 0;
-    if (sqlite3_step(stmt) != SQLITE_ROW)
-        rc = orl_db_error(db, "its tables cannot be listed", err);
-    else if (sqlite3_column_int64(stmt, 0) > 0)
+    if (orl_db_next_row(stmt) && sqlite3_column_int64(stmt, 0) > 0)
         rc = refuse_list(err, "the database has tables, but its list of migrations "
                               "(schema_migrations) is empty");
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, rc, "its tables cannot be listed", err);
 }
 
 static int apply_migration(struct orl_db *db, const struct orl_migration *migration, size_t version,
                            struct orl_error *err)
 {
-    char digest[DIGEST_HEX];
-    digest_of(migration->sql, digest);
+    char digest[ORL_SHA_HEX];
+    orl_sha256_hex(migration->sql, strlen(migration->sql), digest);
     int rc = orl_db_begin(db, err);
     if (rc)
         return rc;

@@ -103,14 +103,9 @@ static int check_tables(const struct orl_folders *folders, struct orl_db *db,
                         enum orl_lost_database_policy opening, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, "SELECT 1 FROM sqlite_schema LIMIT 1", "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    const int step = sqlite3_step(stmt);
-    const int rc = step == SQLITE_ROW || step == SQLITE_DONE
-                       ? 0
-                       : orl_db_error(db, "its tables cannot be listed", err);
-    sqlite3_finalize(stmt);
-    if (rc || step == SQLITE_ROW || !has_stored_files(folders))
+    const bool found = orl_db_next_row(stmt);
+    const int rc = orl_db_finish(db, stmt, 0, "its tables cannot be listed", err);
+    if (rc || found || !has_stored_files(folders))
         return rc;
     return opening == ORL_LOST_DATABASE_REFUSE ? refuse_lost(folders, err)
                                                : set_all_aside(folders, err);
@@ -121,21 +116,16 @@ static int check_tables(const struct orl_folders *folders, struct orl_db *db,
 static int read_id(struct orl_db *db, char ret_id[ID_TEXT], struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, "SELECT id FROM data_folder", "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0;
-    const int step = sqlite3_step(stmt);
-    if (step == SQLITE_ROW) {
+    const bool found = orl_db_next_row(stmt);
+    if (found)
         snprintf(ret_id, ID_TEXT, "%s", orl_db_text(stmt, 0));
-    } else if (step == SQLITE_DONE) {
-        rc = orl_error_set(err, ORL_ERR_CORRUPT,
-                           "the database oriel.db has lost its id: table data_folder is empty");
-        orl_error_hint(err, "Another program has changed it: put it back from a backup");
-    } else {
-        rc = orl_db_error(db, "its id cannot be read", err);
-    }
-    sqlite3_finalize(stmt);
-    return rc;
+    const int rc = orl_db_finish(db, stmt, 0, "its id cannot be read", err);
+    if (rc || found)
+        return rc;
+    orl_error_set(err, ORL_ERR_CORRUPT,
+                  "the database oriel.db has lost its id: table data_folder is empty");
+    orl_error_hint(err, "Another program has changed it: put it back from a backup");
+    return ORL_ERR_CORRUPT;
 }
 
 static bool is_in_file(const char *path, const char *id)

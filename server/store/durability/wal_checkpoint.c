@@ -72,7 +72,7 @@ int orl_wal_checkpointer_open(struct orl_db *db, const char *path,
 {
     struct orl_wal_checkpointer *checkpointer = calloc(1, sizeof *checkpointer);
     if (!checkpointer)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     checkpointer->db = db;
     pthread_mutex_init(&checkpointer->mutex, NULL);
     pthread_cond_init(&checkpointer->called, NULL);

@@ -206,7 +206,7 @@ int orl_wal_sync_open(uv_loop_t *loop, struct orl_db *db, const char *path,
 {
     struct orl_wal_sync *wal_sync = calloc(1, sizeof *wal_sync);
     if (!wal_sync)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     *wal_sync = (struct orl_wal_sync){.db = db, .on_idle = on_idle, .ctx = ctx, .log_fd = -1};
     wal_sync->end = &wal_sync->first;
     pthread_mutex_init(&wal_sync->mutex, NULL);

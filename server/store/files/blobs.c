@@ -117,7 +117,7 @@ int orl_blobs_claim(struct orl_blobs *blobs, const char *sha, struct orl_error *
     }
     struct claim *claim = calloc(1, sizeof *claim);
     if (!claim)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     snprintf(claim->sha, sizeof claim->sha, "%s", sha);
     claim->holders = 1;
     claim->counted = blob_size(blobs, sha) >= 0;
@@ -142,7 +142,7 @@ int orl_blobs_claim_files(struct orl_blobs *blobs, const struct orl_bundle *file
     *claims = (struct orl_blob_claims){
         .blobs = blobs, .shas = calloc(files->count ? files->count : 1, sizeof *claims->shas)};
     if (!claims->shas)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     for (size_t i = 0; i < files->count && rc == 0; i++) {
         memcpy(claims->shas[i], files->files[i].sha, ORL_SHA_HEX);
         rc = orl_blobs_claim(blobs, claims->shas[i], err);
@@ -232,7 +232,7 @@ int orl_blobs_open(uv_loop_t *loop, const struct orl_folders *folders, struct or
 {
     struct orl_blobs *blobs = calloc(1, sizeof *blobs);
     if (!blobs)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     blobs->loop = loop;
     blobs->folders = folders;
     blobs->db = db;

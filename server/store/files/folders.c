@@ -171,24 +171,25 @@ int orl_rename_synced(const char *from, const char *to, struct orl_error *err)
     return orl_sync_path(dirname(folder), err);
 }
 
+bool orl_write_all(int fd, const void *data, size_t size)
+{
+    for (const char *at = data; size > 0;) {
+        const ssize_t n = write(fd, at, size);
+        if (n < 0 && errno != EINTR)
+            return false;
+        at += n > 0 ? n : 0;
+        size -= n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
 /* Writes and syncs a file that is renamed once it is complete. */
 static int write_part(const char *path, const char *at, size_t size, struct orl_error *err)
 {
     const int fd = orl_open_regular(path, O_WRONLY | O_CREAT | O_TRUNC);
     if (fd < 0)
         return io_error(err, "create", path);
-    int rc = 0;
-    while (size > 0 && rc == 0) {
-        const ssize_t n = write(fd, at, size);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0) {
-            rc = io_error(err, "write", path);
-            break;
-        }
-        at += n;
-        size -= (size_t)n;
-    }
+    int rc = orl_write_all(fd, at, size) ? 0 : io_error(err, "write", path);
     if (rc == 0 && fsync(fd) != 0)
         rc = io_error(err, "sync", path);
     if (close(fd) != 0 && rc == 0)
@@ -260,9 +261,10 @@ int orl_blob_store(const struct orl_folders *folders, const char *temporary, con
 
 void orl_sha256_hex(const void *data, size_t size, char ret_hex[ORL_SHA_HEX])
 {
-    unsigned char digest[ORL_SHA256_BYTES];
-    orl_sha256(data, size, digest);
-    sodium_bin2hex(ret_hex, ORL_SHA_HEX, digest, sizeof digest);
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, data, size);
+    orl_sha256_finish_hex(&hash, ret_hex);
 }
 
 bool orl_is_sha256(const char *text)

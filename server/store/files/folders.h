@@ -49,6 +49,8 @@ int orl_remove_tree(const char *path, struct orl_error *err);
 int orl_sync_path(const char *path, struct orl_error *err);
 /* Renames, then syncs the folder that contains `to`. */
 int orl_rename_synced(const char *from, const char *to, struct orl_error *err);
+/* Writes all bytes to an open file. Returns false, with errno set, if that fails. */
+bool orl_write_all(int fd, const void *data, size_t size);
 /* Writes a file and syncs it. Readers, even after a crash, see either the previous file or the
  * whole new one. A running job's results can be read at any moment. */
 int orl_write_file(const char *path, const void *data, size_t size, struct orl_error *err);

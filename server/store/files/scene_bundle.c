@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/limits.h>
 #include <oriel/base/sha256.h>
 
@@ -89,17 +90,6 @@ int orl_bundle_check_name(const char *name, struct orl_error *err)
     return ORL_ERR_INVALID;
 }
 
-static int grow_bundle(struct orl_bundle *bundle, struct orl_error *err)
-{
-    const size_t capacity = bundle->capacity ? 2 * bundle->capacity : 16;
-    struct orl_bundle_file *files = realloc(bundle->files, capacity * sizeof *files);
-    if (!files)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    bundle->files = files;
-    bundle->capacity = capacity;
-    return 0;
-}
-
 int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, const char *path,
                    uint64_t bytes, const char *sha, bool temporary, struct orl_error *err)
 {
@@ -115,15 +105,14 @@ int orl_bundle_add(struct orl_bundle *bundle, const char *name, bool resource, c
             orl_error_at(err, name, 0, NULL);
             return ORL_ERR_INVALID;
         }
-    if (bundle->count == bundle->capacity && grow_bundle(bundle, err))
-        return ORL_ERR_NOMEM;
     struct orl_bundle_file file = {.bytes = bytes, .resource = resource, .temporary = temporary};
     file.name = strdup(name);
     file.path = strdup(path);
-    if (!file.name || !file.path) {
+    if (!file.name || !file.path ||
+        !orl_array_reserve(&bundle->files, &bundle->capacity, bundle->count, sizeof file)) {
         free(file.name);
         free(file.path);
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     }
     if (sha)
         snprintf(file.sha, sizeof file.sha, "%s", sha);
@@ -174,7 +163,6 @@ void orl_bundle_sort(struct orl_bundle *bundle)
 int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], struct orl_error *err)
 {
     struct orl_sha256 hash;
-    unsigned char digest[ORL_SHA256_BYTES];
     char line[NAME_MAX_BYTES + ORL_SHA_HEX + 16];
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, "oriel-scene 1\n", 14);
@@ -186,8 +174,7 @@ int orl_bundle_id(const struct orl_bundle *bundle, char ret_id[ORL_SHA_HEX], str
                                file->resource ? "resource" : "main", file->sha, file->name);
         orl_sha256_add(&hash, line, (size_t)n);
     }
-    orl_sha256_finish(&hash, digest);
-    sodium_bin2hex(ret_id, ORL_SHA_HEX, digest, sizeof digest);
+    orl_sha256_finish_hex(&hash, ret_id);
     return 0;
 }
 
@@ -225,8 +212,7 @@ const struct orl_bundle_file *orl_bundle_find(const struct orl_bundle *bundle, c
 static bool is_whole(const struct orl_bundle_file *file, const struct orl_file *data)
 {
     enum { SMALL = 1 << 20 };
-    const size_t length = strlen(file->name);
-    const bool xml = length > 4 && strcasecmp(file->name + length - 4, ".xml") == 0;
+    const bool xml = orl_name_has_ending(file->name, ".xml");
     char sha[ORL_SHA_HEX];
     if (data->size != file->bytes)
         return false;

@@ -2,12 +2,12 @@
 
 #include <errno.h>
 #include <jansson.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include <oriel/base/array.h>
 #include <oriel/base/json_read.h>
 #include <oriel/base/sha256.h>
 
@@ -23,14 +23,8 @@ struct names {
 
 static int add_name(struct names *names, const char *a, const char *b, struct orl_error *err)
 {
-    if (names->count == names->capacity) {
-        const size_t capacity = names->capacity ? 2 * names->capacity : 256;
-        struct name *grown = realloc(names->names, capacity * sizeof *grown);
-        if (!grown)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        names->names = grown;
-        names->capacity = capacity;
-    }
+    if (!orl_array_reserve(&names->names, &names->capacity, names->count, sizeof *names->names))
+        return orl_error_no_memory(err);
     struct name *name = &names->names[names->count++];
     snprintf(name->a, sizeof name->a, "%s", a);
     snprintf(name->b, sizeof name->b, "%s", b);
@@ -41,15 +35,10 @@ static int gather_names(struct orl_db *db, const char *sql, struct names *names,
                         struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0, step;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW)
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt))
         rc = add_name(names, orl_db_text(stmt, 0), orl_db_text(stmt, 1), err);
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot list the stored files", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, rc, "cannot list the stored files", err);
 }
 
 static int visit_blob(const struct name *name, orl_stored_file_visit visit, void *ctx,
@@ -79,11 +68,11 @@ static int read_outcome(struct orl_db *db, const char *job, json_t **ret_outcome
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err, "SELECT outcome FROM jobs WHERE id = ? AND evicted_ms IS NULL", "s", job);
     int rc = stmt ? 0 : ORL_ERR_INTERNAL;
-    if (stmt && sqlite3_step(stmt) == SQLITE_ROW)
+    if (orl_db_next_row(stmt))
         text = orl_db_text(stmt, 0);
     *ret_outcome = orl_json_read_stored(text);
     if (text && !*ret_outcome)
-        rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        rc = orl_error_no_memory(err);
     sqlite3_finalize(stmt);
     return rc;
 }
@@ -141,14 +130,8 @@ int orl_stored_files_visit(struct orl_db *db, orl_stored_file_visit visit, void 
 
 static int is_there(struct orl_db *db, sqlite3_stmt *stmt, bool *ret_there, struct orl_error *err)
 {
-    if (!stmt)
-        return ORL_ERR_IO;
-    const int step = sqlite3_step(stmt);
-    const int rc =
-        step == SQLITE_ROW || step == SQLITE_DONE ? 0 : orl_db_error(db, "cannot look", err);
-    sqlite3_finalize(stmt);
-    *ret_there = step == SQLITE_ROW;
-    return rc;
+    *ret_there = orl_db_next_row(stmt);
+    return orl_db_finish(db, stmt, 0, "cannot look", err);
 }
 
 int orl_stored_file_is_referenced(struct orl_db *db, const struct orl_stored_file *file,
@@ -193,13 +176,12 @@ void orl_verified_files_add(struct orl_verified_files *verified, const struct st
 static int digest_of(int fd, char ret_sha[ORL_SHA_HEX], struct orl_error *err)
 {
     enum { CHUNK = 1 << 18 };
-    unsigned char digest[ORL_SHA256_BYTES];
     struct orl_sha256 hash;
     unsigned char *chunk = malloc(CHUNK);
     off_t at = 0;
     ssize_t n = 0;
     if (!chunk)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
+        return orl_error_no_memory(err);
     orl_sha256_init(&hash);
     while ((n = pread(fd, chunk, CHUNK, at)) > 0 || (n < 0 && errno == EINTR)) {
         if (n < 0)
@@ -210,8 +192,7 @@ static int digest_of(int fd, char ret_sha[ORL_SHA_HEX], struct orl_error *err)
     free(chunk);
     if (n < 0)
         return orl_error_set(err, ORL_ERR_IO, "a result file cannot be read: %s", strerror(errno));
-    orl_sha256_finish(&hash, digest);
-    sodium_bin2hex(ret_sha, ORL_SHA_HEX, digest, sizeof digest);
+    orl_sha256_finish_hex(&hash, ret_sha);
     return 0;
 }
 

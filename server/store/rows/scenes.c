@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/array.h>
+
 #include "process/times.h"
 
 static int insert_files(struct orl_db *db, const char *id, const struct orl_bundle *bundle,
@@ -44,24 +46,20 @@ static int find_item(struct orl_db *db, const char *sql, const char *id,
                      struct orl_stored_item *ret_item, bool *ret_found, struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "s", id);
-    if (!stmt)
-        return ORL_ERR_IO;
+    const bool found = orl_db_next_row(stmt);
     int rc = 0;
-    const int step = sqlite3_step(stmt);
-    if (step == SQLITE_ROW) {
+    if (found && ret_item) {
         struct orl_stored_item item = {.created_ms = sqlite3_column_int64(stmt, 0),
                                        .bytes = (uint64_t)sqlite3_column_int64(stmt, 1),
                                        .summary = strdup(orl_db_text(stmt, 2))};
         if (item.summary)
             *ret_item = item;
         else
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    } else if (step != SQLITE_DONE) {
-        rc = orl_db_error(db, "cannot read", err);
+            rc = orl_error_no_memory(err);
     }
-    sqlite3_finalize(stmt);
+    rc = orl_db_finish(db, stmt, rc, "cannot read", err);
     if (rc == 0)
-        *ret_found = step == SQLITE_ROW;
+        *ret_found = found;
     return rc;
 }
 
@@ -80,19 +78,15 @@ int orl_scene_files(struct orl_db *db, const struct orl_folders *folders, const 
         db, err,
         "SELECT name, resource, blob, bytes FROM scene_files WHERE scene = ? ORDER BY position",
         "s", id);
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0, step;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         char path[ORL_PATH_MAX];
         const char *sha = orl_db_text(stmt, 2);
         orl_blob_path(folders, sha, path);
         rc = orl_bundle_add(&bundle, orl_db_text(stmt, 0), sqlite3_column_int(stmt, 1) != 0, path,
                             (uint64_t)sqlite3_column_int64(stmt, 3), sha, false, err);
     }
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot read the files of a scene", err);
-    sqlite3_finalize(stmt);
+    rc = orl_db_finish(db, stmt, rc, "cannot read the files of a scene", err);
     if (rc)
         orl_bundle_done(&bundle);
     else
@@ -126,24 +120,17 @@ static int read_blobs(struct orl_db *db, const char *id, char (**ret_blobs)[ORL_
                       size_t *ret_count, struct orl_error *err)
 {
     char(*blobs)[ORL_SHA_HEX] = NULL;
-    size_t count = 0;
-    int rc = 0, step;
+    size_t count = 0, capacity = 0;
+    int rc = 0;
     sqlite3_stmt *stmt =
         orl_db_prepare(db, err, "SELECT blob FROM scene_files WHERE scene = ?", "s", id);
-    if (!stmt)
-        return ORL_ERR_IO;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
-        void *more = realloc(blobs, (count + 1) * sizeof *blobs);
-        if (!more) {
-            rc = orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-            break;
-        }
-        blobs = more;
-        snprintf(blobs[count++], sizeof *blobs, "%s", orl_db_text(stmt, 0));
+    while (rc == 0 && orl_db_next_row(stmt)) {
+        if (orl_array_reserve(&blobs, &capacity, count, sizeof *blobs))
+            snprintf(blobs[count++], sizeof *blobs, "%s", orl_db_text(stmt, 0));
+        else
+            rc = orl_error_no_memory(err);
     }
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot read the files of a scene", err);
-    sqlite3_finalize(stmt);
+    rc = orl_db_finish(db, stmt, rc, "cannot read the files of a scene", err);
     if (rc) {
         free(blobs);
         return rc;
@@ -185,15 +172,9 @@ static int query_bool(struct orl_db *db, const char *sql, const char *sha, bool 
                       struct orl_error *err)
 {
     sqlite3_stmt *stmt = orl_db_prepare(db, err, sql, "s", sha);
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0;
-    if (sqlite3_step(stmt) == SQLITE_ROW)
+    if (orl_db_next_row(stmt))
         *ret_true = sqlite3_column_int(stmt, 0) != 0;
-    else
-        rc = orl_db_error(db, "cannot look for a file", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, 0, "cannot look for a file", err);
 }
 
 int orl_blob_is_referenced(struct orl_db *db, const char *sha, bool *ret_named,
@@ -214,13 +195,7 @@ int orl_blob_in_scene(struct orl_db *db, const char *sha, bool *ret_named, struc
 
 /* ---- Lists ----------------------------------------------------------------------------------- */
 
-/* Prepares the statement of a page. */
-static sqlite3_stmt *prepare_page(struct orl_db *db, const char *sql,
-                                  const struct orl_list_position *after, size_t limit,
-                                  struct orl_error *err)
-{
-    return orl_db_prepare(db, err, sql, "isi", after->created_ms, after->id, (int64_t)limit);
-}
+static const char cannot_list[] = "cannot list what is stored";
 
 static struct orl_list_position read_position(sqlite3_stmt *stmt)
 {
@@ -229,30 +204,19 @@ static struct orl_list_position read_position(sqlite3_stmt *stmt)
     return position;
 }
 
-/* Ends the iteration after the last step. Returns visit's code, or the database's error. */
-static int end_rows(struct orl_db *db, sqlite3_stmt *stmt, int rc, int step, struct orl_error *err)
-{
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot list what is stored", err);
-    sqlite3_finalize(stmt);
-    return rc;
-}
-
 int orl_scene_rows(struct orl_db *db, const struct orl_list_position *after, size_t limit,
                    int (*visit)(void *ctx, const struct orl_listed_scene *scene), void *ctx,
                    struct orl_error *err)
 {
-    sqlite3_stmt *stmt = prepare_page(
-        db,
+    sqlite3_stmt *stmt = orl_db_prepare(
+        db, err,
         "SELECT id, created_ms, bytes, max(created_ms, last_used_ms), "
         "(SELECT count(*) FROM jobs WHERE scene = s.id AND state IN ('queued', 'running')), "
         "(SELECT count(*) FROM jobs WHERE scene = s.id) "
         "FROM scenes s WHERE (created_ms, id) < (?, ?) ORDER BY created_ms DESC, id DESC LIMIT ?",
-        after, limit, err);
-    int rc = 0, step = SQLITE_DONE;
-    if (!stmt)
-        return ORL_ERR_IO;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+        "isi", after->created_ms, after->id, (int64_t)limit);
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         const struct orl_listed_scene scene = {.position = read_position(stmt),
                                                .bytes = (uint64_t)sqlite3_column_int64(stmt, 2),
                                                .last_used_ms = sqlite3_column_int64(stmt, 3),
@@ -261,7 +225,7 @@ int orl_scene_rows(struct orl_db *db, const struct orl_list_position *after, siz
                                                .all_jobs = (uint64_t)sqlite3_column_int64(stmt, 5)};
         rc = visit(ctx, &scene);
     }
-    return end_rows(db, stmt, rc, step, err);
+    return orl_db_finish(db, stmt, rc, cannot_list, err);
 }
 
 /* The table has one row per BSDF with its uses (migrations/0013_bsdf_list.sql), so a page reads no
@@ -281,10 +245,8 @@ int orl_bsdf_rows(struct orl_db *db, const struct orl_list_position *after, cons
         orl_db_prepare(db, err, scene ? BSDF_ROWS IN_SCENE LATEST_FIRST : BSDF_ROWS LATEST_FIRST,
                        scene ? "iisis" : "iisi", (int64_t)ORL_LISTED_SCENES, after->created_ms,
                        after->id, (int64_t)limit, scene);
-    int rc = 0, step = SQLITE_DONE;
-    if (!stmt)
-        return ORL_ERR_IO;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         const struct orl_listed_bsdf bsdf = {.position = read_position(stmt),
                                              .name = orl_db_text(stmt, 2),
                                              .bytes = (uint64_t)sqlite3_column_int64(stmt, 3),
@@ -294,7 +256,7 @@ int orl_bsdf_rows(struct orl_db *db, const struct orl_list_position *after, cons
                                              .scenes = orl_db_text(stmt, 7)};
         rc = visit(ctx, &bsdf);
     }
-    return end_rows(db, stmt, rc, step, err);
+    return orl_db_finish(db, stmt, rc, cannot_list, err);
 }
 
 int orl_scene_bsdf_find(struct orl_db *db, const char *id, struct orl_scene_bsdf *ret_bsdf,
@@ -303,15 +265,12 @@ int orl_scene_bsdf_find(struct orl_db *db, const char *id, struct orl_scene_bsdf
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err, "SELECT created_ms, name, bytes FROM listed_bsdfs WHERE id = ? AND own = 0", "s",
         id);
-    int step;
     *ret_found = false;
-    if (!stmt)
-        return ORL_ERR_IO;
-    while ((step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    while (orl_db_next_row(stmt)) {
         *ret_found = true;
         ret_bsdf->created_ms = sqlite3_column_int64(stmt, 0);
         ret_bsdf->bytes = (uint64_t)sqlite3_column_int64(stmt, 2);
         snprintf(ret_bsdf->name, sizeof ret_bsdf->name, "%s", orl_db_text(stmt, 1));
     }
-    return end_rows(db, stmt, 0, step, err);
+    return orl_db_finish(db, stmt, 0, cannot_list, err);
 }

@@ -1,6 +1,6 @@
 /*
  * Rows of scenes and BSDFs. Loop thread only; the files they name must be in place already. A
- * missing row is no error: *ret_found is then false.
+ * missing row is no error: *ret_found is then false. ret_scene and ret_bsdf may be NULL.
  */
 #ifndef ORL_STORE_ROWS_SCENES_H
 #define ORL_STORE_ROWS_SCENES_H

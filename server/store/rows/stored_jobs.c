@@ -45,18 +45,8 @@ int orl_job_row_by_key(struct orl_db *db, const char *client, const char *owner,
                        "SELECT id FROM jobs WHERE client = ? AND request_key = ? "
                        "AND owner = ? AND created_ms > ? ORDER BY seq DESC LIMIT 1",
                        "sssi", client, request_key, owner, since_ms);
-    if (!stmt)
-        return ORL_ERR_IO;
-    const int step = sqlite3_step(stmt);
-    int rc = 0;
-    if (step == SQLITE_ROW)
-        snprintf(ret_id, ORL_JOB_ID, "%s", orl_db_text(stmt, 0));
-    else if (step == SQLITE_DONE)
-        ret_id[0] = '\0';
-    else
-        rc = orl_db_error(db, "cannot look for a job", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    snprintf(ret_id, ORL_JOB_ID, "%s", orl_db_next_row(stmt) ? orl_db_text(stmt, 0) : "");
+    return orl_db_finish(db, stmt, 0, "cannot look for a job", err);
 }
 
 int orl_job_row_update(struct orl_db *db, const struct orl_job_row *row, struct orl_error *err)
@@ -119,15 +109,10 @@ int orl_job_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_job
         "memory_bytes, strikes, name, tags, owner, coalesce(retained_ms, finished_ms) "
         "FROM jobs ORDER BY seq",
         "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0, step;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         const struct orl_job_row row = read_row(stmt);
         rc = visit(ctx, &row);
     }
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot read the jobs", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, rc, "cannot read the jobs", err);
 }

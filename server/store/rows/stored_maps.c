@@ -48,15 +48,10 @@ int orl_map_rows(struct orl_db *db, int (*row)(void *ctx, const struct orl_store
         "SELECT kind, key, emitted, stored, bytes, seconds, hits, seconds_saved, created_ms, "
         "last_used_ms, family, target FROM maps ORDER BY last_used_ms DESC",
         "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0, step;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         const struct orl_stored_map map = read_row(stmt);
         rc = row(ctx, &map);
     }
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot read the maps", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, rc, "cannot read the maps", err);
 }

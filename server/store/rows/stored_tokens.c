@@ -79,25 +79,23 @@ int orl_token_rows(struct orl_db *db, int (*visit)(void *ctx, const struct orl_t
 {
     sqlite3_stmt *stmt = orl_db_prepare(
         db, err, "SELECT name, id, hash, scope, created_ms FROM tokens ORDER BY name", "");
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0, step = SQLITE_DONE;
-    while (rc == 0 && (step = sqlite3_step(stmt)) == SQLITE_ROW) {
+    int rc = 0;
+    while (rc == 0 && orl_db_next_row(stmt)) {
         const struct orl_token_row row = read_token_row(stmt);
         rc = visit(ctx, &row);
     }
-    if (rc == 0 && step != SQLITE_DONE)
-        rc = orl_db_error(db, "cannot read tokens", err);
-    sqlite3_finalize(stmt);
-    return rc;
+    return orl_db_finish(db, stmt, rc, "cannot read tokens", err);
 }
 
 /* ---- Sessions -------------------------------------------------------------------------------- */
 
-static int insert_row(struct orl_db *db, const char *hash, const char *token_id, int64_t now_ms,
-                      int64_t expires_ms, unsigned most, struct orl_error *err)
+int orl_session_row_insert(struct orl_db *db, const char *hash, const char *token_id,
+                           int64_t now_ms, int64_t expires_ms, unsigned most, struct orl_error *err)
 {
-    int rc = orl_db_run(db, err, NULL, "DELETE FROM sessions WHERE expires_ms <= ?", "i", now_ms);
+    int rc = orl_db_begin(db, err);
+    if (rc)
+        return rc;
+    rc = orl_db_run(db, err, NULL, "DELETE FROM sessions WHERE expires_ms <= ?", "i", now_ms);
     if (rc == 0)
         rc = orl_db_run(db, err, NULL,
                         "INSERT INTO sessions (hash, token, created_ms, expires_ms) "
@@ -108,16 +106,6 @@ static int insert_row(struct orl_db *db, const char *hash, const char *token_id,
                         "DELETE FROM sessions WHERE hash IN (SELECT hash FROM sessions WHERE token "
                         "= ? ORDER BY created_ms DESC, hash LIMIT -1 OFFSET ?)",
                         "si", token_id, (int64_t)most);
-    return rc;
-}
-
-int orl_session_row_insert(struct orl_db *db, const char *hash, const char *token_id,
-                           int64_t now_ms, int64_t expires_ms, unsigned most, struct orl_error *err)
-{
-    int rc = orl_db_begin(db, err);
-    if (rc)
-        return rc;
-    rc = insert_row(db, hash, token_id, now_ms, expires_ms, most, err);
     return orl_db_end(db, rc, err);
 }
 
@@ -129,20 +117,15 @@ int orl_session_row_find(struct orl_db *db, const char *hash, int64_t now_ms,
         "SELECT t.name, t.id, t.hash, t.scope, t.created_ms, s.expires_ms FROM sessions s "
         "JOIN tokens t ON t.id = s.token WHERE s.hash = ? AND s.expires_ms > ?",
         "si", hash, now_ms);
-    if (!stmt)
-        return ORL_ERR_IO;
-    int rc = 0;
-    const int step = sqlite3_step(stmt);
-    if (step == SQLITE_ROW) {
+    const bool found = orl_db_next_row(stmt);
+    if (found) {
         snprintf(ret_row->hash, sizeof ret_row->hash, "%s", hash);
         ret_row->token = read_token_row(stmt);
         ret_row->expires_ms = sqlite3_column_int64(stmt, 5);
-    } else if (step != SQLITE_DONE) {
-        rc = orl_db_error(db, "cannot read sessions", err);
     }
-    sqlite3_finalize(stmt);
+    const int rc = orl_db_finish(db, stmt, 0, "cannot read sessions", err);
     if (rc == 0)
-        *ret_found = step == SQLITE_ROW;
+        *ret_found = found;
     return rc;
 }
 
