@@ -179,11 +179,8 @@ static int use_segment(struct orl_compiler *c, uint32_t slot)
 {
     if (c->segments[slot].is_used)
         return 0;
-    if (!orl_array_reserve(&c->used, &c->used_room, c->n_used, sizeof *c->used))
-        return orl_compiler_no_memory(c);
     c->segments[slot].is_used = true;
-    c->used[c->n_used++] = slot;
-    return 0;
+    return orl_compiler_add_slot(c, &c->used, slot);
 }
 
 static int use_instruction(struct orl_compiler *c, const struct orl_instruction *one)
@@ -215,8 +212,8 @@ static int emit_all(struct orl_compiler *c)
     c->n_segments = c->n_bodies;
     for (uint32_t i = 0; code == 0 && i < c->request->n_expressions; i++)
         code = use_segment(c, i);
-    while (code == 0 && c->n_used > 0) {
-        const uint32_t slot = c->used[--c->n_used];
+    while (code == 0 && c->used.n > 0) {
+        const uint32_t slot = c->used.items[--c->used.n];
         code = orl_emit_body(c, slot);
         if (code == 0)
             code = orl_emit_waiting(c, 0);
@@ -285,8 +282,8 @@ static void free_compiler(struct orl_compiler *c)
     free(c->sites);
     free(c->arguments);
     free(c->tables);
-    free(c->waiting);
-    free(c->used);
+    free(c->waiting.items);
+    free(c->used.items);
     orl_function_scratch_free(c->scratch);
 }
 

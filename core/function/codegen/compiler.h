@@ -9,6 +9,12 @@
 #include "function/interpreter/machine.h"
 #include "function/language/definitions.h"
 
+/* A list of slots; owned. */
+struct orl_slots {
+    uint32_t *items;
+    size_t n, room;
+};
+
 /* State of one compilation. Bodies and segments are indexed by slots; the expressions come
  * first. */
 struct orl_compiler {
@@ -26,10 +32,8 @@ struct orl_compiler {
     size_t n_arguments, arguments_room;
     double *tables;
     size_t n_tables, tables_room;
-    uint32_t *waiting; /* slots that are referenced, but not compiled yet */
-    size_t n_waiting, waiting_room;
-    uint32_t *used; /* slots in the program whose references are not processed yet */
-    size_t n_used, used_room;
+    struct orl_slots waiting; /* those that are referenced, but not compiled yet */
+    struct orl_slots used;    /* those in the program whose references are not processed yet */
     struct orl_function_scratch *scratch;
     size_t n_instructions;
     uint32_t n_variables, folding; /* folding: operations left for constant folding */
@@ -50,6 +54,8 @@ int orl_emit_waiting(struct orl_compiler *c, size_t base);
 bool orl_segment_is_number(const struct orl_segment *segment, double *ret_number);
 
 int orl_compiler_no_memory(struct orl_compiler *c);
+/* Appends a slot to a list of the compiler. Returns 0 or ORL_ERR_NOMEM. */
+int orl_compiler_add_slot(struct orl_compiler *c, struct orl_slots *slots, uint32_t slot);
 
 /*
  * Code emission: emit_code.c appends instructions to a slot's segment and handles trees and

@@ -12,6 +12,14 @@ int orl_compiler_no_memory(struct orl_compiler *c)
     return orl_error_set(c->err, ORL_ERR_NOMEM, "out of memory for a program");
 }
 
+int orl_compiler_add_slot(struct orl_compiler *c, struct orl_slots *slots, uint32_t slot)
+{
+    if (!orl_array_reserve(&slots->items, &slots->room, slots->n, sizeof *slots->items))
+        return orl_compiler_no_memory(c);
+    slots->items[slots->n++] = slot;
+    return 0;
+}
+
 int orl_emit_locate_error(struct orl_compiler *c, int line, int code)
 {
     if (c->file[0]) /* built-in texts have no place */
@@ -80,10 +88,7 @@ int orl_emit_schedule_body(struct orl_compiler *c, uint32_t slot)
 {
     if (c->segments[slot].code)
         return 0;
-    if (!orl_array_reserve(&c->waiting, &c->waiting_room, c->n_waiting, sizeof *c->waiting))
-        return orl_compiler_no_memory(c);
-    c->waiting[c->n_waiting++] = slot;
-    return 0;
+    return orl_compiler_add_slot(c, &c->waiting, slot);
 }
 
 /* ---- Bodies ---------------------------------------------------------------------------------- */
@@ -131,9 +136,9 @@ int orl_emit_waiting(struct orl_compiler *c, size_t base)
 {
     struct orl_error *const err = c->err;
     int code = 0;
-    while (!is_fatal(code) && c->n_waiting > base) {
+    while (!is_fatal(code) && c->waiting.n > base) {
         c->err = NULL;
-        code = orl_emit_body(c, c->waiting[--c->n_waiting]);
+        code = orl_emit_body(c, c->waiting.items[--c->waiting.n]);
         c->err = err;
     }
     if (is_fatal(code))
@@ -166,7 +171,7 @@ static int fold_constant(struct orl_compiler *c, const struct orl_term *node, bo
 {
     struct orl_error *const err = c->err;
     const uint32_t slot = (uint32_t)c->n_segments;
-    const size_t base = c->n_waiting;
+    const size_t base = c->waiting.n;
     *ret_found = false;
     if (c->folding == 0 || c->depth > ORL_FOLDING_DEPTH)
         return 0;
@@ -185,7 +190,7 @@ static int fold_constant(struct orl_compiler *c, const struct orl_term *node, bo
         code = orl_emit_waiting(c, base);
     if (code == 0)
         *ret_found = run_constant(c, slot, ret_value);
-    c->n_waiting = base;
+    c->waiting.n = base;
     c->n_instructions -= orl_emit_length(c, slot);
     free(c->segments[slot].code);
     c->n_segments--;

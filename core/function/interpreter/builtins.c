@@ -188,89 +188,15 @@ static double at_sqrt(const double *a, uint32_t n, bool *undefined)
     return a[0] < 0 ? 0 : sqrt(a[0]);
 }
 
-static double at_exp(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(exp(a[0]), undefined);
-}
-
-static double at_log(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(log(a[0]), undefined);
-}
-
-static double at_log10(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(log10(a[0]), undefined);
-}
-
-static double at_sin(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(sin(a[0]), undefined);
-}
-
-static double at_cos(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(cos(a[0]), undefined);
-}
-
-static double at_tan(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(tan(a[0]), undefined);
-}
-
-static double at_asin(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(asin(a[0]), undefined);
-}
-
-static double at_acos(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(acos(a[0]), undefined);
-}
-
-static double at_atan(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(atan(a[0]), undefined);
-}
-
-static double at_atan2(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(atan2(a[0], a[1]), undefined);
-}
-
-static double at_erf(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(erf(a[0]), undefined);
-}
-
-static double at_erfc(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(erfc(a[0]), undefined);
-}
-
 static double at_floor(const double *a, uint32_t n, bool *undefined)
 {
-    (void)n;
-    (void)undefined;
+    (void)n, (void)undefined;
     return floor(a[0]);
 }
 
 static double at_ceil(const double *a, uint32_t n, bool *undefined)
 {
-    (void)n;
-    (void)undefined;
+    (void)n, (void)undefined;
     return ceil(a[0]);
 }
 
@@ -295,8 +221,7 @@ static double at_max(const double *a, uint32_t n, bool *undefined)
 /* Used when if() was passed as a function, so that all arguments are evaluated. */
 static double at_if(const double *a, uint32_t n, bool *undefined)
 {
-    (void)n;
-    (void)undefined;
+    (void)n, (void)undefined;
     return a[0] > 0 ? a[1] : a[2];
 }
 
@@ -311,65 +236,75 @@ static double at_select(const double *a, uint32_t n, bool *undefined)
     return 0;
 }
 
-static double at_rand(const double *a, uint32_t n, bool *undefined)
+static double of_atan2(const double *a)
 {
-    (void)n;
-    return finite_or_undefined(noise_rand(a[0]), undefined);
+    return atan2(a[0], a[1]);
 }
 
-static double at_noise3(const double *a, uint32_t n, bool *undefined)
+static double of_noise3(const double *a)
 {
-    (void)n;
-    return finite_or_undefined(perlin_noise3(a, NULL), undefined);
+    return perlin_noise3(a, NULL);
 }
 
-static double at_gradient(const double *a, int axis, bool *undefined)
+static double gradient_along(const double *a, int axis)
 {
     double gradient[3] = {NAN, NAN, NAN}; /* where the noise is undefined */
     perlin_noise3(a, gradient);
-    return finite_or_undefined(gradient[axis], undefined);
+    return gradient[axis];
 }
 
-static double at_noise3x(const double *a, uint32_t n, bool *undefined)
+static double of_noise3x(const double *a)
 {
-    (void)n;
-    return at_gradient(a, 0, undefined);
+    return gradient_along(a, 0);
 }
 
-static double at_noise3y(const double *a, uint32_t n, bool *undefined)
+static double of_noise3y(const double *a)
 {
-    (void)n;
-    return at_gradient(a, 1, undefined);
+    return gradient_along(a, 1);
 }
 
-static double at_noise3z(const double *a, uint32_t n, bool *undefined)
+static double of_noise3z(const double *a)
 {
-    (void)n;
-    return at_gradient(a, 2, undefined);
-}
-
-static double at_fnoise3(const double *a, uint32_t n, bool *undefined)
-{
-    (void)n;
-    return finite_or_undefined(fractal_noise3(a), undefined);
+    return gradient_along(a, 2);
 }
 
 const struct orl_builtin orl_builtins[] = {
-    {"sqrt", 1, false, at_sqrt},       {"exp", 1, false, at_exp},
-    {"log", 1, false, at_log},         {"log10", 1, false, at_log10},
-    {"sin", 1, false, at_sin},         {"cos", 1, false, at_cos},
-    {"tan", 1, false, at_tan},         {"asin", 1, false, at_asin},
-    {"acos", 1, false, at_acos},       {"atan", 1, false, at_atan},
-    {"atan2", 2, false, at_atan2},     {"floor", 1, false, at_floor},
-    {"ceil", 1, false, at_ceil},       {"min", 1, true, at_min},
-    {"max", 1, true, at_max},          {"if", 3, false, at_if},
-    {"select", 1, true, at_select},    {"rand", 1, false, at_rand},
-    {"noise3", 3, false, at_noise3},   {"noise3x", 3, false, at_noise3x},
-    {"noise3y", 3, false, at_noise3y}, {"noise3z", 3, false, at_noise3z},
-    {"fnoise3", 3, false, at_fnoise3}, {"erf", 1, false, at_erf},
-    {"erfc", 1, false, at_erfc},
+    {"sqrt", 1, false, .at = at_sqrt},
+    {"exp", 1, false, .of_number = exp},
+    {"log", 1, false, .of_number = log},
+    {"log10", 1, false, .of_number = log10},
+    {"sin", 1, false, .of_number = sin},
+    {"cos", 1, false, .of_number = cos},
+    {"tan", 1, false, .of_number = tan},
+    {"asin", 1, false, .of_number = asin},
+    {"acos", 1, false, .of_number = acos},
+    {"atan", 1, false, .of_number = atan},
+    {"atan2", 2, false, .of_numbers = of_atan2},
+    {"floor", 1, false, .at = at_floor},
+    {"ceil", 1, false, .at = at_ceil},
+    {"min", 1, true, .at = at_min},
+    {"max", 1, true, .at = at_max},
+    {"if", 3, false, .at = at_if},
+    {"select", 1, true, .at = at_select},
+    {"rand", 1, false, .of_number = noise_rand},
+    {"noise3", 3, false, .of_numbers = of_noise3},
+    {"noise3x", 3, false, .of_numbers = of_noise3x},
+    {"noise3y", 3, false, .of_numbers = of_noise3y},
+    {"noise3z", 3, false, .of_numbers = of_noise3z},
+    {"fnoise3", 3, false, .of_numbers = fractal_noise3},
+    {"erf", 1, false, .of_number = erf},
+    {"erfc", 1, false, .of_number = erfc},
 };
 const uint32_t orl_n_builtins = sizeof orl_builtins / sizeof *orl_builtins;
+
+double orl_builtin_apply(uint32_t which, const double *args, uint32_t n, bool *undefined)
+{
+    const struct orl_builtin *const builtin = &orl_builtins[which];
+    if (builtin->at)
+        return builtin->at(args, n, undefined);
+    return finite_or_undefined(
+        builtin->of_number ? builtin->of_number(args[0]) : builtin->of_numbers(args), undefined);
+}
 
 int orl_builtin_named(const char *name)
 {

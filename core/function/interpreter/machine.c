@@ -73,7 +73,7 @@ static unsigned lanes_apply(uint32_t which, double (*args)[ORL_FUNCTION_LANES], 
             continue;
         for (uint32_t i = 0; i < n; i++)
             one[i] = args[i][l];
-        args[0][l] = orl_builtins[which].at(one, n, &without);
+        args[0][l] = orl_builtin_apply(which, one, n, &without);
         undefined |= without ? 1U << l : 0;
     }
     return undefined;
@@ -495,9 +495,7 @@ struct orl_function_outcome orl_machine_run(const struct orl_program *program,
 
 struct orl_function_scratch *orl_function_scratch_new(void)
 {
-    struct orl_function_scratch *const scratch =
-        aligned_alloc(64, (sizeof *scratch + 63) / 64 * 64);
-    return scratch;
+    return aligned_alloc(64, (sizeof(struct orl_function_scratch) + 63) / 64 * 64);
 }
 
 struct orl_function_scratch *orl_function_scratch_of_thread(void)

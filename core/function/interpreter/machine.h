@@ -128,12 +128,18 @@ struct orl_builtin {
     uint32_t
         min_args; /* fewest arguments; further ones are ignored, or all are used if any_number */
     bool is_variadic;
-    /* Sets *undefined and returns 0 where the function is undefined. */
+    /* One of these is set. The first two are undefined where they are not finite. */
+    double (*of_number)(double arg);
+    double (*of_numbers)(const double *args);
     double (*at)(const double *args, uint32_t n, bool *undefined);
 };
 
 extern const struct orl_builtin orl_builtins[];
 extern const uint32_t orl_n_builtins;
+
+/* Returns the value of an entry of the table for n arguments. Sets *undefined and returns 0 where
+ * the function is undefined. */
+double orl_builtin_apply(uint32_t which, const double *args, uint32_t n, bool *undefined);
 
 /* Returns the index of a name in the table, or -1. */
 int orl_builtin_named(const char *name);

@@ -15,8 +15,7 @@ static uint64_t hash_of(int context, const char *name, size_t length)
 static bool is_named(const struct orl_definition *definition, int context, const char *name,
                      size_t length)
 {
-    return definition->context == context && strncmp(definition->name, name, length) == 0 &&
-           definition->name[length] == '\0';
+    return definition->context == context && orl_name_is(definition->name, name, length);
 }
 
 /* Returns the table entry of a name, or the empty entry for it. */
@@ -89,8 +88,7 @@ static int context_named(const struct orl_functions *functions, const char *name
     while (mark > 0 && name[mark - 1] != '`')
         mark--;
     for (size_t i = 1; mark > 1 && i < functions->n_contexts; i++)
-        if (strlen(functions->contexts[i].name) == length - mark &&
-            memcmp(functions->contexts[i].name, name + mark, length - mark) == 0) {
+        if (orl_name_is(functions->contexts[i].name, name + mark, length - mark)) {
             *ret_length = mark - 1;
             return (int)i;
         }
@@ -101,8 +99,7 @@ static bool find_input(const struct orl_functions *functions, const char *name, 
                        uint32_t *ret_input)
 {
     for (size_t i = 0; i < functions->n_inputs; i++)
-        if (strncmp(functions->inputs[i], name, length) == 0 &&
-            functions->inputs[i][length] == '\0') {
+        if (orl_name_is(functions->inputs[i], name, length)) {
             *ret_input = (uint32_t)i;
             return true;
         }

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <oriel/base/error.h>
 
@@ -96,6 +97,12 @@ struct orl_definition {
     int context;
     struct orl_formula variable, function;
 };
+
+/* Returns true if the first `length` bytes of text are that name. */
+static inline bool orl_name_is(const char *name, const char *text, size_t length)
+{
+    return strncmp(name, text, length) == 0 && name[length] == '\0';
+}
 
 struct orl_functions;
 

@@ -50,25 +50,28 @@ void orl_functions_free(struct orl_functions *functions)
     free(functions);
 }
 
+/* Returns the definition of a function in the context or the global one, or NULL. */
+static const struct orl_definition *find_function(const struct orl_functions *functions,
+                                                  int context, const char *name)
+{
+    const struct orl_definition *found =
+        orl_definitions_find(functions, context, name, strlen(name));
+    if (!orl_definitions_has(found, true))
+        found = orl_definitions_find(functions, ORL_FUNCTION_GLOBAL, name, strlen(name));
+    return orl_definitions_has(found, true) ? found : NULL;
+}
+
 bool orl_functions_has(const struct orl_functions *functions, int context, const char *name)
 {
-    const size_t length = strlen(name);
-    return orl_definitions_has(orl_definitions_find(functions, context, name, length), true) ||
-           orl_definitions_has(orl_definitions_find(functions, ORL_FUNCTION_GLOBAL, name, length),
-                               true);
+    return find_function(functions, context, name) != NULL;
 }
 
 uint32_t orl_functions_arity(const struct orl_functions *functions, int context, const char *name)
 {
-    const size_t length = strlen(name);
-    const int contexts[2] = {context, ORL_FUNCTION_GLOBAL};
-    for (int i = 0; i < 2; i++) {
-        const struct orl_definition *const definition =
-            orl_definitions_find(functions, contexts[i], name, length);
-        if (orl_definitions_has(definition, true))
-            return definition->function.n_parameters;
-    }
+    const struct orl_definition *const definition = find_function(functions, context, name);
     const int builtin = orl_builtin_named(name);
+    if (definition)
+        return definition->function.n_parameters;
     return builtin < 0 ? 0 : orl_builtins[builtin].min_args;
 }
 

@@ -103,22 +103,30 @@ static int enter_level(struct parser *p)
     return ORL_ERR_LIMIT;
 }
 
+/* Reads operands that any of two signs joins. The caller frees the list, also after an error. */
+static int read_operands(struct parser *p, const char *signs,
+                         int (*read)(struct parser *, struct orl_term **), struct list *list)
+{
+    char joint = signs[0];
+    for (;;) {
+        struct orl_term *one = NULL;
+        int code = read(p, &one);
+        if (code == 0 && !append_term(list, one, joint))
+            code = no_memory(p);
+        if (code < 0 || !(is_sign(p, signs[0]) || is_sign(p, signs[1])))
+            return code;
+        joint = p->lexer.word[0];
+        code = next_word(p);
+        if (code < 0)
+            return code;
+    }
+}
+
 /* Reads "A, B, C)", including the parenthesis. */
 static int read_list(struct parser *p, struct orl_term *call)
 {
     struct list list = {0};
-    struct orl_term *one = NULL;
-    int code;
-    for (;;) {
-        code = read_sum(p, &one);
-        if (code == 0 && !append_term(&list, one, ','))
-            code = no_memory(p);
-        if (code < 0 || !is_sign(p, ','))
-            break;
-        code = next_word(p);
-        if (code < 0)
-            break;
-    }
+    int code = read_operands(p, ",,", read_sum, &list);
     if (code == 0)
         code = expect_sign(p, ')', "')'");
     if (code == 0)
@@ -132,7 +140,7 @@ static bool find_parameter(const struct parser *p, const char *name, size_t leng
                            uint32_t *ret_index)
 {
     for (uint32_t i = 0; i < p->n_parameters; i++)
-        if (strncmp(p->parameters[i], name, length) == 0 && p->parameters[i][length] == '\0') {
+        if (orl_name_is(p->parameters[i], name, length)) {
             *ret_index = i;
             return true;
         }
@@ -226,22 +234,12 @@ static int read_chain(struct parser *p, const char *operators,
 {
     struct list list = {0};
     struct orl_term *one = NULL;
-    char joint = '+';
-    int code;
-    for (;;) {
-        code = read(p, &one);
-        if (code == 0 && !append_term(&list, one, joint))
-            code = no_memory(p);
-        if (code < 0 || !(is_sign(p, operators[0]) || is_sign(p, operators[1])))
-            break;
-        joint = p->lexer.word[0];
-        code = next_word(p);
-        if (code < 0)
-            break;
-    }
+    int code = read_operands(p, operators, read, &list);
     if (code == 0 && list.n > 1) {
         one = make_term(p, ORL_NODE_CHAIN);
         code = one ? store_list(p, &list, one) : no_memory(p);
+    } else if (code == 0) {
+        one = list.nodes[0];
     }
     free_list(&list);
     *ret_node = one;
