@@ -19,11 +19,10 @@ const char *orl_glare_protection_name(enum orl_glare_protection level)
 
 /* Context of rating a viewpoint; dark hours count as without glare. */
 struct seat_rating {
-    const struct orl_annual_report *report;
     const struct orl_annual_result *result;
     const struct orl_viewpoint_hours *hours;
-    size_t n_used; /* steps in use, including dark ones */
-    float *sorted; /* scratch, one value per column */
+    size_t n_used;  /* steps in use, including dark ones */
+    double *values; /* scratch, one value per column */
 };
 
 static bool is_in_use(const struct seat_rating *t, size_t column)
@@ -41,12 +40,6 @@ static double share_above(const struct seat_rating *t, const float *dgp, double 
     return orl_percent((double)n, (double)t->n_used);
 }
 
-static int descending(const void *a, const void *b)
-{
-    const float p = *(const float *)a, q = *(const float *)b;
-    return (p < q) - (p > q);
-}
-
 /* Returns the DGP that most_percent of the steps in use exceed at most. */
 static double exceeded_dgp(const struct seat_rating *t, const float *dgp)
 {
@@ -54,11 +47,8 @@ static double exceeded_dgp(const struct seat_rating *t, const float *dgp)
     size_t n = 0;
     for (size_t c = 0; c < t->result->n_columns; c++)
         if (is_in_use(t, c))
-            t->sorted[n++] = dgp[c];
-    if (which >= n)
-        return 0;
-    qsort(t->sorted, n, sizeof *t->sorted, descending);
-    return (double)t->sorted[which];
+            t->values[n++] = (double)dgp[c];
+    return which < n ? orl_nth_element(t->values, n, n - 1 - which) : 0;
 }
 
 /* Returns the level from the percentages of time above each bound. */
@@ -118,8 +108,7 @@ static void enter_worst_hour(const struct seat_rating *t, size_t column,
     glare->n_worst += glare->n_worst < ORL_GLARE_WORST;
 }
 
-/* ---- Viewpoints
- * ----------------------------------------------------------------------------------- */
+/* ---- Viewpoints ------------------------------------------------------------------------------ */
 
 static void rate_viewpoint(const struct seat_rating *t, struct orl_viewpoint_glare *ret)
 {
@@ -157,12 +146,12 @@ static struct orl_annual_value autonomy_of(const struct orl_viewpoint_glare *vie
 int orl_report_viewpoints(const struct orl_annual_result *result, struct orl_annual_report *report,
                           struct orl_error *err)
 {
-    struct seat_rating t = {.report = report, .result = result};
+    struct seat_rating t = {.result = result};
     for (uint32_t i = 0; i < report->year.steps.count; i++)
         t.n_used += report->marks[i];
-    t.sorted = malloc((result->n_columns + 1) * sizeof *t.sorted);
+    t.values = malloc((result->n_columns + 1) * sizeof *t.values);
     report->viewpoints = calloc(report->n_viewpoints, sizeof *report->viewpoints);
-    const bool room = t.sorted && report->viewpoints;
+    const bool room = t.values && report->viewpoints;
     for (size_t i = 0; room && i < report->n_viewpoints; i++) {
         t.hours = &report->viewpoint_hours[i];
         rate_viewpoint(&t, &report->viewpoints[i]);
@@ -171,7 +160,7 @@ int orl_report_viewpoints(const struct orl_annual_result *result, struct orl_ann
             report->viewpoints[i].highest = ORL_PROTECTED_HIGH;
         }
     }
-    free(t.sorted);
+    free(t.values);
     if (!room)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     report->glare_autonomy = autonomy_of(report->viewpoints, report->n_viewpoints);

@@ -50,68 +50,53 @@ int orl_annual_series_of(const struct orl_annual_report *report,
 
 /* ---- Titles of metrics on pages, and their names in file names ------------------------------- */
 
-static const char *when_of(enum orl_annual_when when)
+static const struct {
+    const char *file;          /* in file names */
+    const char *title, *after; /* before and after the thresholds */
+    int thresholds;
+} metric_words[ORL_METRIC_KINDS] = {
+    [ORL_METRIC_DA] = {"da", "Daylight autonomy at ", " lx", 1},
+    [ORL_METRIC_CDA] = {"cda", "Continuous daylight autonomy at ", " lx", 1},
+    [ORL_METRIC_UDI] = {"udi", "Useful daylight, ", " lx", 2},
+    [ORL_METRIC_UDI_LOWER] = {"udi_lower", "Below useful daylight, under ", " lx", 1},
+    [ORL_METRIC_UDI_PART] = {"udi_part", "Supplementary daylight, ", " lx", 2},
+    [ORL_METRIC_UDI_UPPER] = {"udi_upper", "Above useful daylight, over ", " lx", 1},
+    [ORL_METRIC_MEAN] = {"mean", "Mean illuminance", "", 0},
+    [ORL_METRIC_CUMULATIVE] = {"cumulative", "Cumulative illuminance", "", 0},
+    [ORL_METRIC_HOURS] = {"hours", "Hours with ", " lx or more", 1},
+    [ORL_METRIC_DIRECT_HOURS] = {"direct_hours", "Direct sunlight above ", " lx", 1},
+    [ORL_METRIC_DF] = {"df", "Daylight factor", "", 0},
+};
+
+/* Writes the given number of thresholds of a metric. */
+static void write_thresholds(const struct orl_annual_metric *metric, int thresholds,
+                             const char *between, char ret_text[64])
 {
-    static const char *const texts[ORL_WHEN_COUNT] = {"", ", daylight hours", ", all hours"};
-    return texts[when];
+    ret_text[0] = '\0';
+    if (thresholds == 1)
+        snprintf(ret_text, 64, "%g", metric->low_lx);
+    else if (thresholds == 2)
+        snprintf(ret_text, 64, "%g%s%g", metric->low_lx, between, metric->high_lx);
 }
 
 void orl_annual_metric_title(const struct orl_annual_metric *metric, char *ret_text, size_t size)
 {
-    const double low = metric->low_lx, high = metric->high_lx;
-    const char *when = when_of(metric->when);
-    switch (metric->kind) {
-    case ORL_METRIC_DA:
-        snprintf(ret_text, size, "Daylight autonomy at %g lx%s", low, when);
-        break;
-    case ORL_METRIC_CDA:
-        snprintf(ret_text, size, "Continuous daylight autonomy at %g lx%s", low, when);
-        break;
-    case ORL_METRIC_UDI:
-        snprintf(ret_text, size, "Useful daylight, %g to %g lx%s", low, high, when);
-        break;
-    case ORL_METRIC_UDI_LOWER:
-        snprintf(ret_text, size, "Below useful daylight, under %g lx%s", low, when);
-        break;
-    case ORL_METRIC_UDI_PART:
-        snprintf(ret_text, size, "Supplementary daylight, %g to %g lx%s", low, high, when);
-        break;
-    case ORL_METRIC_UDI_UPPER:
-        snprintf(ret_text, size, "Above useful daylight, over %g lx%s", low, when);
-        break;
-    case ORL_METRIC_MEAN:
-        snprintf(ret_text, size, "Mean illuminance%s", when);
-        break;
-    case ORL_METRIC_CUMULATIVE:
-        snprintf(ret_text, size, "Cumulative illuminance%s", when);
-        break;
-    case ORL_METRIC_HOURS:
-        snprintf(ret_text, size, "Hours with %g lx or more%s", low, when);
-        break;
-    case ORL_METRIC_DF:
-        snprintf(ret_text, size, "Daylight factor");
-        break;
-    default:
-        snprintf(ret_text, size, "Direct sunlight above %g lx%s", low, when);
-        break;
-    }
+    static const char *const when[ORL_WHEN_COUNT] = {"", ", daylight hours", ", all hours"};
+    char thresholds[64];
+    write_thresholds(metric, metric_words[metric->kind].thresholds, " to ", thresholds);
+    snprintf(ret_text, size, "%s%s%s%s", metric_words[metric->kind].title, thresholds,
+             metric_words[metric->kind].after,
+             metric->kind == ORL_METRIC_DF ? "" : when[metric->when]);
 }
 
 void orl_annual_metric_file(const struct orl_annual_metric *metric, char *ret_text, size_t size)
 {
-    static const char *const names[ORL_METRIC_KINDS] = {
-        "da",   "cda",        "udi",   "udi_lower",    "udi_part", "udi_upper",
-        "mean", "cumulative", "hours", "direct_hours", "df"};
-    const double low = metric->low_lx, high = metric->high_lx;
-    const char *when = metric->when == ORL_WHEN_DAYLIGHT ? "_daylight"
-                       : metric->when == ORL_WHEN_ALWAYS ? "_year"
-                                                         : "";
-    if (metric->kind == ORL_METRIC_UDI || metric->kind == ORL_METRIC_UDI_PART)
-        snprintf(ret_text, size, "%s%g-%g%s", names[metric->kind], low, high, when);
-    else if (metric->kind == ORL_METRIC_MEAN || metric->kind == ORL_METRIC_CUMULATIVE)
-        snprintf(ret_text, size, "%s%s", names[metric->kind], when);
-    else
-        snprintf(ret_text, size, "%s%g%s", names[metric->kind], low, when);
+    static const char *const when[ORL_WHEN_COUNT] = {"", "_daylight", "_year"};
+    const int n = metric->kind == ORL_METRIC_DF ? 1 : metric_words[metric->kind].thresholds;
+    char thresholds[64];
+    write_thresholds(metric, n, "-", thresholds);
+    snprintf(ret_text, size, "%s%s%s", metric_words[metric->kind].file, thresholds,
+             when[metric->when]);
 }
 
 /* ---- Planes of grids ------------------------------------------------------------------------- */

@@ -2,7 +2,6 @@
 #include <oriel/annual/annual_report.h>
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -23,40 +22,41 @@ struct folder_writer {
     struct orl_error *err;
 };
 
-static int path_in(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static int path_in(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format, ...)
+static int path_in(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *name)
 {
-    char name[PATH_SIZE / 2];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(name, sizeof name, format, args);
-    va_end(args);
     if (snprintf(ret_path, PATH_SIZE, "%s/%s", w->folder, name) < PATH_SIZE)
         return 0;
     return orl_error_set(w->err, ORL_ERR_LIMIT, "the path '%s' is too long", w->folder);
 }
 
 /* Builds the path of a file that will be written, and passes its name to `named`. */
-static int name_file(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format,
-                     ...) __attribute__((format(printf, 3, 4)));
-static int name_file(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *format,
-                     ...)
+static int name_file(const struct folder_writer *w, char ret_path[PATH_SIZE], const char *name)
 {
-    char name[PATH_SIZE / 2];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(name, sizeof name, format, args);
-    va_end(args);
     const int code = w->named ? w->named(w->ctx, name, w->err) : 0;
-    return code < 0 ? code : path_in(w, ret_path, "%s", name);
+    return code < 0 ? code : path_in(w, ret_path, name);
+}
+
+static int open_file(const struct folder_writer *w, struct orl_out_file *file, const char *name)
+{
+    char path[PATH_SIZE];
+    const int code = name_file(w, path, name);
+    return code < 0 ? code : orl_out_open(file, path, w->err);
+}
+
+/* Builds the name of a grid's file: a folder, the grid's name and an ending. */
+static void name_grid_file(const struct orl_annual_grid *grid, const char *folder,
+                           const char *ending, char ret_name[PATH_SIZE / 2])
+{
+    char file[NAME_SIZE];
+    orl_annual_file_name(grid->name, file, sizeof file);
+    snprintf(ret_name, PATH_SIZE / 2, "%s/%s.%s", folder, file, ending);
 }
 
 /* Makes a folder; its parents must exist. */
 static int make_folder(const struct folder_writer *w, const char *name)
 {
     char path[PATH_SIZE];
-    const int code = path_in(w, path, "%s", name);
+    const int code = path_in(w, path, name);
     if (code < 0 || mkdir(path, 0777) == 0 || errno == EEXIST)
         return code;
     return orl_error_set(w->err, orl_err_of_errno(errno), "cannot make the folder '%s': %s", path,
@@ -130,10 +130,7 @@ static int write_with(const struct folder_writer *w, const char *name,
                       void (*put)(FILE *stream, const struct folder_writer *w))
 {
     struct orl_out_file file = {.stream = NULL};
-    char path[PATH_SIZE];
-    int code = name_file(w, path, "%s", name);
-    if (code == 0)
-        code = orl_out_open(&file, path, w->err);
+    const int code = open_file(w, &file, name);
     if (code < 0)
         return code;
     put(file.stream, w);
@@ -162,9 +159,9 @@ static int write_series(const struct folder_writer *w)
         code = make_folder(w, folder);
         for (size_t g = 0; g < w->report->n_grids && code == 0; g++) {
             const struct orl_annual_grid *grid = &w->report->grids[g];
-            char path[PATH_SIZE], file[NAME_SIZE];
-            orl_annual_file_name(grid->name, file, sizeof file);
-            code = name_file(w, path, "%s/%s.npy", folder, file);
+            char path[PATH_SIZE], file[PATH_SIZE / 2];
+            name_grid_file(grid, folder, "npy", file);
+            code = name_file(w, path, file);
             if (code == 0)
                 code = orl_npy_write(path, orl_annual_row(result, series[i].values, grid->first),
                                      grid->count, result->n_columns, w->cancel, w->err);
@@ -194,11 +191,10 @@ static int write_metric(const struct folder_writer *w, size_t kind,
                         const struct orl_annual_grid *grid)
 {
     struct orl_out_file file = {.stream = NULL};
-    char path[PATH_SIZE], name[NAME_SIZE];
-    orl_annual_file_name(grid->name, name, sizeof name);
-    int code = name_file(w, path, "metrics/%s/%s.%s", kinds[kind].name, name, kinds[kind].ending);
-    if (code == 0)
-        code = orl_out_open(&file, path, w->err);
+    char folder[64], name[PATH_SIZE / 2];
+    snprintf(folder, sizeof folder, "metrics/%s", kinds[kind].name);
+    name_grid_file(grid, folder, kinds[kind].ending, name);
+    const int code = open_file(w, &file, name);
     if (code < 0)
         return code;
     file.cancel = w->cancel;
@@ -238,11 +234,9 @@ static int write_ase(const struct folder_writer *w)
         code = write_with(w, "metrics/ase/grids_info.json", put_grids_info);
     for (size_t g = 0; g < w->report->n_grids && code == 0; g++) {
         struct orl_out_file file = {.stream = NULL};
-        char path[PATH_SIZE], name[NAME_SIZE];
-        orl_annual_file_name(w->report->grids[g].name, name, sizeof name);
-        code = name_file(w, path, "metrics/ase/%s.ase", name);
-        if (code == 0)
-            code = orl_out_open(&file, path, w->err);
+        char name[PATH_SIZE / 2];
+        name_grid_file(&w->report->grids[g], "metrics/ase", "ase", name);
+        code = open_file(w, &file, name);
         if (code < 0)
             return code;
         fprintf(file.stream, "%.2f", w->report->areas[places + g].value.value);
@@ -272,16 +266,17 @@ int orl_honeybee_write(const char *folder, const struct orl_annual_report *repor
                        int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
                        const atomic_bool *cancel, struct orl_error *err)
 {
+    static const struct {
+        const char *name;
+        void (*put)(FILE *stream, const struct folder_writer *w);
+    } files[] = {{"grids_info.json", put_grids_info},
+                 {"grid_states.json", put_grid_states},
+                 {"sun-up-hours.txt", put_sun_up_hours},
+                 {"study_info.json", put_study_info}};
     const struct folder_writer w = {folder, report, result, named, ctx, cancel, err};
     int code = make_folder(&w, "");
-    if (code == 0)
-        code = write_with(&w, "grids_info.json", put_grids_info);
-    if (code == 0)
-        code = write_with(&w, "grid_states.json", put_grid_states);
-    if (code == 0)
-        code = write_with(&w, "sun-up-hours.txt", put_sun_up_hours);
-    if (code == 0)
-        code = write_with(&w, "study_info.json", put_study_info);
+    for (size_t i = 0; i < sizeof files / sizeof *files && code == 0; i++)
+        code = write_with(&w, files[i].name, files[i].put);
     if (code == 0)
         code = write_series(&w);
     if (code == 0)

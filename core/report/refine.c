@@ -7,6 +7,8 @@
 
 #include <oriel/base/thread_pool.h>
 
+#include "metrics/annual/annual_figures.h"
+
 enum { SAMPLES_FACTOR = 4 }; /* factor from one round's paths to the next */
 
 /* Ratio from round to round of squared errors times paths, above which interpolation dominates. It
@@ -30,8 +32,7 @@ struct refinement_run {
 
 static int no_memory(const struct refinement_run *r)
 {
-    orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
-    return ORL_ERR_NOMEM;
+    return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* ---- Undecided sensors ----------------------------------------------------------------------- */
@@ -51,16 +52,7 @@ static int list_undecided(struct refinement_run *r, const struct orl_annual_repo
         return no_memory(r);
     r->n_undecided = 0;
     for (size_t i = 0; i < rows.n_sensors && code == 0; i++) {
-        const size_t at = i * rows.n_columns;
-        const struct orl_annual_light light = {
-            .total_lx = rows.total_lx + at,
-            .direct_lx = rows.direct_lx + at,
-            .total_error_lx = rows.total_error_lx + at,
-            .direct_error_lx = rows.direct_error_lx + at,
-            .overcast_lx = rows.overcast_lx ? rows.overcast_lx + i : NULL,
-            .overcast_error_lx = rows.overcast_error_lx ? rows.overcast_error_lx + i : NULL,
-            .coherence = rows.coherence ? rows.coherence + i : NULL,
-            .sunny = rows.sunny};
+        const struct orl_annual_light light = orl_annual_light_of(&rows, i);
         if (r->uncertain || figure->aggregate != ORL_AGGREGATE_SHARE ||
             fabs(orl_annual_crossing(&figure->metric, figure->least, period, &light, scratch)) <
                 far_off)

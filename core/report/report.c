@@ -7,6 +7,7 @@
 #include <oriel/base/thread_pool.h>
 
 #include "base/statistics/numeric.h"
+#include "metrics/annual/annual_figures.h"
 
 _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than there are");
 
@@ -14,8 +15,7 @@ _Static_assert(ORL_ANNUAL_DEGREES == ORL_ANNUAL_BATCHES - 1, "a batch less than 
 
 static int no_memory(const struct orl_report_builder *m)
 {
-    orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
-    return ORL_ERR_NOMEM;
+    return orl_error_set(m->err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* Copies the request's grids; without any, makes one of all sensors. */
@@ -163,11 +163,6 @@ static bool is_unlit(const float *total, size_t n)
     return i == n;
 }
 
-static const float *optional_at(const float *values, size_t i)
-{
-    return values ? values + i : NULL;
-}
-
 struct evaluation {
     const struct orl_report_builder *m;
     float *factors; /* scratch for a row, per thread of the pool */
@@ -181,20 +176,13 @@ static void evaluate_sensor(void *arg, size_t i, uint32_t member)
     const struct orl_report_builder *m = e->m;
     struct orl_annual_report *report = m->report;
     const struct orl_annual_result *result = m->result;
-    const float *se = result->se ? orl_annual_row(result, result->se, i) : NULL;
+    const struct orl_annual_rows rows = orl_annual_rows_of(report, result, ORL_ALL_GRIDS);
     float *factors = e->factors + member * result->n_columns;
-    const struct orl_annual_light light = {.total_lx = orl_annual_row(result, result->total, i),
-                                           .direct_lx = orl_annual_row(result, result->direct, i),
-                                           .total_error_lx = se,
-                                           .direct_error_lx = se,
-                                           .overcast_lx = optional_at(result->overcast, i),
-                                           .overcast_error_lx = optional_at(result->overcast_se, i),
-                                           .coherence = optional_at(result->coherence, i),
-                                           .sunny = report->year.sunny,
-                                           .total_factor = se ? factors : NULL};
+    struct orl_annual_light light = orl_annual_light_of(&rows, i);
+    light.total_factor = light.total_error_lx ? factors : NULL;
     if (atomic_load(&e->cancelled))
         return;
-    if (se)
+    if (light.total_factor)
         orl_annual_error_factors(&light, result->n_columns, factors);
     if (is_unlit(light.total_lx, result->n_columns))
         atomic_fetch_add(&e->n_unlit, 1);

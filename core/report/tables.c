@@ -1,6 +1,8 @@
 /* Tables of a year, with one line per sensor or per hour, and Radiance matrix files. */
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <oriel/annual/annual_report.h>
@@ -33,8 +35,10 @@ static void write_ascii(const struct orl_out_file *file, const float *values, si
                     c + 1 < columns ? '\t' : '\n');
 }
 
-int orl_coefficients_write(const char *path, const float *values, size_t rows, size_t columns,
-                           const atomic_bool *cancel, struct orl_error *err)
+/* Writes a Radiance matrix of one or of three equal components. */
+static int write_matrix(const char *path, const float *values, size_t rows, size_t columns,
+                        int components, bool ascii, const atomic_bool *cancel,
+                        struct orl_error *err)
 {
     const bool big = __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__;
     struct orl_out_file file = {.stream = NULL};
@@ -42,31 +46,29 @@ int orl_coefficients_write(const char *path, const float *values, size_t rows, s
     if (code < 0)
         return code;
     file.cancel = cancel;
-    fprintf(file.stream,
-            "#?RADIANCE\nNROWS=%zu\nNCOLS=%zu\nNCOMP=3\nBigEndian=%d\nFORMAT=float\n\n", rows,
-            columns, big);
-    write_grey(&file, values, rows * columns);
-    return orl_out_close(&file, 0, err);
-}
-
-int orl_matrix_write(const char *path, const float *values, size_t rows, size_t columns, bool ascii,
-                     const atomic_bool *cancel, struct orl_error *err)
-{
-    const bool big = __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__;
-    struct orl_out_file file = {.stream = NULL};
-    const int code = orl_out_open(&file, path, err);
-    if (code < 0)
-        return code;
-    file.cancel = cancel;
-    fprintf(file.stream, "#?RADIANCE\nNROWS=%zu\nNCOLS=%zu\nNCOMP=1\n", rows, columns);
+    fprintf(file.stream, "#?RADIANCE\nNROWS=%zu\nNCOLS=%zu\nNCOMP=%d\n", rows, columns, components);
     if (!ascii)
         fprintf(file.stream, "BigEndian=%d\n", big);
     fprintf(file.stream, "FORMAT=%s\n\n", ascii ? "ascii" : "float");
     if (ascii)
         write_ascii(&file, values, rows, columns);
-    else
+    else if (components == 1)
         orl_out_floats(&file, values, rows * columns);
+    else
+        write_grey(&file, values, rows * columns);
     return orl_out_close(&file, 0, err);
+}
+
+int orl_coefficients_write(const char *path, const float *values, size_t rows, size_t columns,
+                           const atomic_bool *cancel, struct orl_error *err)
+{
+    return write_matrix(path, values, rows, columns, 3, false, cancel, err);
+}
+
+int orl_matrix_write(const char *path, const float *values, size_t rows, size_t columns, bool ascii,
+                     const atomic_bool *cancel, struct orl_error *err)
+{
+    return write_matrix(path, values, rows, columns, 1, ascii, cancel, err);
 }
 
 /* ---- Fields of tables ------------------------------------------------------------------------ */
@@ -81,8 +83,8 @@ void orl_annual_file_name(const char *grid, char *ret_name, size_t size)
     ret_name[n] = '\0';
 }
 
-/* Writes a quoted field; quotes inside are doubled. */
-static void put_field(FILE *stream, const char *text)
+/* Writes the first quoted field of a line; quotes inside are doubled. */
+static void put_first(FILE *stream, const char *text)
 {
     fputc('"', stream);
     for (; *text; text++) {
@@ -93,12 +95,18 @@ static void put_field(FILE *stream, const char *text)
     fputc('"', stream);
 }
 
-static void put_number(FILE *stream, double value)
+/* Writes another quoted field, formatted as by printf. */
+__attribute__((format(printf, 2, 3))) static void put_field(FILE *stream, const char *format, ...)
 {
-    if (isfinite(value))
-        fprintf(stream, ",%.6g", value);
-    else
-        fputc(',', stream);
+    char *text = NULL;
+    va_list args;
+    va_start(args, format);
+    const bool made = vasprintf(&text, format, args) >= 0;
+    va_end(args);
+    fputc(',', stream);
+    if (made)
+        put_first(stream, text);
+    free(made ? text : NULL);
 }
 
 /* ---- Sensors --------------------------------------------------------------------------------- */
@@ -108,11 +116,9 @@ static void write_sensor_heads(FILE *stream, const struct orl_annual_report *rep
     fputs("grid,x,y,z,dx,dy,dz", stream);
     for (size_t k = 0; k < report->n_metrics; k++) {
         const struct orl_annual_metric *metric = &report->metrics[k];
-        char name[64], text[96];
+        char name[64];
         orl_annual_metric_name(metric, name, sizeof name);
-        snprintf(text, sizeof text, "%s (%s)", name, orl_annual_unit(metric->kind));
-        fputc(',', stream);
-        put_field(stream, text);
+        put_field(stream, "%s (%s)", name, orl_annual_unit(metric->kind));
         fputs(",low_95,high_95", stream);
     }
     fputc('\n', stream);
@@ -133,13 +139,13 @@ int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *rep
         for (size_t i = grid->first; i < grid->first + grid->count && orl_out_continues(&file);
              i++) {
             const struct orl_vec3 p = sensors[i].position, d = sensors[i].direction;
-            put_field(file.stream, grid->name);
+            put_first(file.stream, grid->name);
             fprintf(file.stream, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p.x, p.y, p.z, d.x, d.y, d.z);
             for (size_t k = 0; k < report->n_metrics; k++) {
                 const struct orl_annual_value *v = &report->values[k * report->n_sensors + i];
-                put_number(file.stream, v->value);
-                put_number(file.stream, v->low);
-                put_number(file.stream, v->high);
+                orl_out_number(file.stream, v->value);
+                orl_out_number(file.stream, v->low);
+                orl_out_number(file.stream, v->high);
             }
             fputc('\n', file.stream);
         }
@@ -149,61 +155,23 @@ int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *rep
 
 /* ---- Hours ----------------------------------------------------------------------------------- */
 
-/* Returns the mean over a grid; dark hours have no column. */
-static double mean_of(const struct orl_annual_report *report,
-                      const struct orl_annual_result *result, size_t g, uint32_t column)
+/* Writes a column's mean over each grid, or the standard error of that mean; errors of sensors are
+ * independent. Dark hours have no column. */
+static void put_means(FILE *stream, const struct orl_annual_report *report,
+                      const struct orl_annual_result *result, const struct orl_annual_step *step,
+                      bool errors)
 {
-    const struct orl_annual_grid *grid = &report->grids[g];
-    struct orl_sum sum = {0};
-    if (column == ORL_ANNUAL_DARK || grid->count == 0)
-        return 0;
-    for (size_t i = grid->first; i < grid->first + grid->count; i++)
-        orl_sum_add(&sum, orl_annual_row(result, result->total, i)[column]);
-    return orl_sum_value(&sum) / (double)grid->count;
-}
-
-/* Returns the standard error of the mean over a grid; errors of sensors are independent. */
-static double error_of(const struct orl_annual_report *report,
-                       const struct orl_annual_result *result, size_t g, uint32_t column)
-{
-    const struct orl_annual_grid *grid = &report->grids[g];
-    struct orl_sum squares = {0};
-    if (column == ORL_ANNUAL_DARK || grid->count == 0)
-        return 0;
-    for (size_t i = grid->first; i < grid->first + grid->count; i++) {
-        const double se = (double)orl_annual_row(result, result->se, i)[column];
-        orl_sum_add(&squares, se * se);
-    }
-    return sqrt(orl_sum_value(&squares)) / (double)grid->count;
-}
-
-static void put_error_heads(FILE *stream, const struct orl_annual_report *report)
-{
-    char text[128];
+    const float *values = errors ? result->se : result->total;
     for (size_t g = 0; g < report->n_grids; g++) {
-        snprintf(text, sizeof text, "standard error of %.100s", report->grids[g].name);
-        fputc(',', stream);
-        put_field(stream, text);
-    }
-}
-
-static void put_groups(FILE *stream, const struct orl_annual_request *request)
-{
-    char text[128];
-    for (size_t g = 0; g < request->n_groups; g++) {
-        snprintf(text, sizeof text, "shades of %.100s", request->groups[g].name);
-        fputc(',', stream);
-        put_field(stream, text);
-    }
-}
-
-static void put_states(FILE *stream, const struct orl_annual_request *request,
-                       const struct orl_annual_result *result, size_t step)
-{
-    for (size_t g = 0; g < request->n_groups && result->states; g++) {
-        fputc(',', stream);
-        put_field(stream,
-                  request->groups[g].states[result->states[g * result->n_steps + step]].name);
+        const struct orl_annual_grid *grid = &report->grids[g];
+        const bool dark = step->column == ORL_ANNUAL_DARK || grid->count == 0;
+        struct orl_sum sum = {0};
+        for (size_t i = grid->first; !dark && i < grid->first + grid->count; i++) {
+            const double lx = orl_annual_row(result, values, i)[step->column];
+            orl_sum_add(&sum, errors ? lx * lx : lx);
+        }
+        const double mean = errors ? sqrt(orl_sum_value(&sum)) : orl_sum_value(&sum);
+        orl_out_number(stream, step->missing ? NAN : dark ? 0 : mean / (double)grid->count);
     }
 }
 
@@ -214,34 +182,32 @@ int orl_annual_hours_csv(const char *path, const struct orl_annual_request *requ
 {
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
-    uint32_t step = 0;
     if (code < 0)
         return code;
     file.cancel = cancel;
     fputs("month,day,hour,occupied,sun_altitude_deg,direct_normal_lx,diffuse_lx,global_lx",
           file.stream);
-    for (size_t g = 0; g < report->n_grids; g++) {
-        fputc(',', file.stream);
-        put_field(file.stream, report->grids[g].name);
-    }
-    if (result->se)
-        put_error_heads(file.stream, report);
-    put_groups(file.stream, request);
+    for (size_t g = 0; g < report->n_grids; g++)
+        put_field(file.stream, "%s", report->grids[g].name);
+    for (size_t g = 0; result->se && g < report->n_grids; g++)
+        put_field(file.stream, "standard error of %.100s", report->grids[g].name);
+    for (size_t g = 0; g < request->n_groups; g++)
+        put_field(file.stream, "shades of %.100s", request->groups[g].name);
     fputc('\n', file.stream);
     for (size_t row = 0; row < result->n_steps && orl_out_continues(&file); row++) {
         const size_t i = orl_annual_step_of_row(result, row);
         const struct orl_annual_step *s = &result->steps[i];
-        step = orl_annual_step_of(&report->year, s);
-        fprintf(file.stream, "%d,%d,%.6g,%d,%.4f", s->month, s->day, s->hour, report->marks[step],
-                s->sun_altitude_deg);
-        put_number(file.stream, s->missing ? NAN : s->direct_normal_lx);
-        put_number(file.stream, s->missing ? NAN : s->diffuse_lx);
-        put_number(file.stream, s->missing ? NAN : s->global_lx);
-        for (size_t g = 0; g < report->n_grids; g++)
-            put_number(file.stream, s->missing ? NAN : mean_of(report, result, g, s->column));
-        for (size_t g = 0; result->se && g < report->n_grids; g++)
-            put_number(file.stream, s->missing ? NAN : error_of(report, result, g, s->column));
-        put_states(file.stream, request, result, i);
+        fprintf(file.stream, "%d,%d,%.6g,%d,%.4f", s->month, s->day, s->hour,
+                report->marks[orl_annual_step_of(&report->year, s)], s->sun_altitude_deg);
+        orl_out_number(file.stream, s->missing ? NAN : s->direct_normal_lx);
+        orl_out_number(file.stream, s->missing ? NAN : s->diffuse_lx);
+        orl_out_number(file.stream, s->missing ? NAN : s->global_lx);
+        put_means(file.stream, report, result, s, false);
+        if (result->se)
+            put_means(file.stream, report, result, s, true);
+        for (size_t g = 0; g < request->n_groups && result->states; g++)
+            put_field(file.stream, "%s",
+                      request->groups[g].states[result->states[g * result->n_steps + i]].name);
         fputc('\n', file.stream);
     }
     return orl_out_close(&file, 0, err);
@@ -269,12 +235,11 @@ int orl_annual_columns_csv(const char *path, const struct orl_annual_report *rep
 static void put_view(FILE *stream, const char *grid, const char *name, struct orl_vec3 at,
                      const struct orl_view_out *view)
 {
-    put_field(stream, grid);
-    fputc(',', stream);
-    put_field(stream, name);
+    put_first(stream, grid);
+    put_field(stream, "%s", name);
     fprintf(stream, ",%.9g,%.9g,%.9g", at.x, at.y, at.z);
-    put_number(stream, view->sight_angle_deg);
-    put_number(stream, view->distance_m);
+    orl_out_number(stream, view->sight_angle_deg);
+    orl_out_number(stream, view->distance_m);
     fprintf(stream, ",%d,%d,%d,%s\n", (view->layers & ORL_VIEW_SKY) != 0,
             (view->layers & ORL_VIEW_LANDSCAPE) != 0, (view->layers & ORL_VIEW_GROUND) != 0,
             orl_view_level_name(view->level));
@@ -309,13 +274,9 @@ int orl_annual_view_out_csv(const char *path, const struct orl_report_request *r
 static void put_viewpoints(FILE *stream, const struct orl_viewpoint_request *requested)
 {
     static const char *const of[] = {"DGP", "low_95", "high_95", "eye (lx)"};
-    char text[96];
     for (size_t i = 0; i < requested->n_viewpoints; i++)
-        for (int k = 0; k < 4; k++) {
-            snprintf(text, sizeof text, "%s: %s", requested->viewpoints[i].name, of[k]);
-            fputc(',', stream);
-            put_field(stream, text);
-        }
+        for (int k = 0; k < 4; k++)
+            put_field(stream, "%s: %s", requested->viewpoints[i].name, of[k]);
     fputc('\n', stream);
 }
 

@@ -2,8 +2,10 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -35,6 +37,14 @@ int orl_out_open(struct orl_out_file *file, const char *path, struct orl_error *
 bool orl_out_continues(const struct orl_out_file *file)
 {
     return !orl_is_cancelled(file->cancel);
+}
+
+void orl_out_number(FILE *stream, double value)
+{
+    if (isfinite(value))
+        fprintf(stream, ",%.6g", value);
+    else
+        fputc(',', stream);
 }
 
 void orl_out_floats(const struct orl_out_file *file, const float *values, size_t n)
@@ -78,6 +88,16 @@ int orl_out_close(struct orl_out_file *file, int code, struct orl_error *err)
     if (code < 0 && replaces)
         unlink(file->part);
     return code;
+}
+
+bool orl_memstream_close(FILE *stream, char **text)
+{
+    const bool fine = !ferror(stream);
+    if (fclose(stream) == 0 && fine)
+        return true;
+    free(*text);
+    *text = NULL;
+    return false;
 }
 
 /* ---- NPY files ------------------------------------------------------------------------------- */

@@ -28,6 +28,9 @@ double orl_calendar_hour_of(const struct orl_annual_steps *steps, uint32_t step)
 /* 97.5 % quantile of Student's t with ORL_ANNUAL_DEGREES degrees of freedom. */
 #define ORL_ANNUAL_Z 2.131449545559323
 
+/* Returns the light of one of the sensors. */
+struct orl_annual_light orl_annual_light_of(const struct orl_annual_rows *rows, size_t sensor);
+
 bool orl_annual_errors_known(const struct orl_annual_metric *metric,
                              const struct orl_annual_light *row);
 

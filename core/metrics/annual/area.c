@@ -18,7 +18,7 @@ static const float *row_at(const float *rows, size_t n_columns, size_t sensor)
     return rows ? rows + sensor * n_columns : NULL;
 }
 
-static struct orl_annual_light row_of(const struct orl_annual_rows *rows, size_t sensor)
+struct orl_annual_light orl_annual_light_of(const struct orl_annual_rows *rows, size_t sensor)
 {
     const size_t n = rows->n_columns;
     return (struct orl_annual_light){.total_lx = row_at(rows->total_lx, n, sensor),
@@ -132,7 +132,7 @@ struct crossings {
 static void find_crossing(void *arg, size_t i, uint32_t member)
 {
     struct crossings *c = arg;
-    const struct orl_annual_light row = row_of(c->rows, i);
+    const struct orl_annual_light row = orl_annual_light_of(c->rows, i);
     if (atomic_load(&c->cancelled))
         return;
     if (!orl_annual_errors_known(&c->figure->metric, &row))
@@ -191,7 +191,7 @@ static int compute_average(const struct orl_annual_metric *metric,
     if (!values)
         return report_failure(ORL_ERR_NOMEM, err);
     for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
-        const struct orl_annual_light row = row_of(rows, i);
+        const struct orl_annual_light row = orl_annual_light_of(rows, i);
         orl_annual_evaluate(metric, period, &row, &values[i]);
         code = poll_cancel(rows);
     }
@@ -211,7 +211,7 @@ static int compute_worst(const struct orl_annual_metric *metric,
     struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
     bool known = true;
     for (size_t i = 0; i < rows->n_sensors; i++) {
-        const struct orl_annual_light row = row_of(rows, i);
+        const struct orl_annual_light row = orl_annual_light_of(rows, i);
         struct orl_annual_value one;
         orl_annual_evaluate(metric, period, &row, &one);
         known = known && orl_annual_errors_known(metric, &row);
