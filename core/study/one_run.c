@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/memory/memory.h"
+
 void orl_one_run_done(struct orl_one_run *run)
 {
     free(run->values);
@@ -54,17 +56,10 @@ static void report_spent(void *ctx, const struct orl_result *result)
 
 static bool reserve_values(struct value_collector *value_collector, size_t count)
 {
-    if (value_collector->count + count <= value_collector->capacity)
-        return true;
-    double *grown =
-        realloc(value_collector->values, (value_collector->count + count) * sizeof *grown);
-    if (!grown) {
-        value_collector->out_of_memory = true;
-        return false;
-    }
-    value_collector->values = grown;
-    value_collector->capacity = value_collector->count + count;
-    return true;
+    const bool fine = orl_array_reserve_more(&value_collector->values, &value_collector->capacity,
+                                             value_collector->count, count, sizeof(double));
+    value_collector->out_of_memory = value_collector->out_of_memory || !fine;
+    return fine;
 }
 
 static void append_view(void *ctx, size_t index, float (*const pixels)[3], const float *errors,
@@ -153,17 +148,16 @@ static int compute_run(struct value_collector *value_collector, const struct orl
 static void move_result(struct value_collector *value_collector, struct orl_result *result,
                         struct orl_one_run *run)
 {
-    *run = (struct orl_one_run){.values = value_collector->values,
-                                .count = value_collector->count,
-                                .errors = result->standard_error_lx,
-                                .total_s = result->total_s,
-                                .threads = result->threads,
-                                .health = result->health,
-                                .warnings = result->warnings,
-                                .n_warnings = result->n_warnings};
-    memcpy(run->stages_s, result->timings_s, sizeof run->stages_s);
+    *run = (struct orl_one_run){
+        .values = value_collector->values,
+        .count = value_collector->count,
+        .errors = result->standard_error_lx,
+        .cost = {.threads = result->threads, .total_s = result->total_s, .health = result->health},
+        .warnings = result->warnings,
+        .n_warnings = result->n_warnings};
+    memcpy(run->cost.stages_s, result->timings_s, sizeof run->cost.stages_s);
     for (size_t k = 0; k < result->n_maps; k++)
-        run->map_bytes += result->maps[k].bytes;
+        run->cost.map_bytes += result->maps[k].bytes;
     value_collector->values = NULL;
     result->standard_error_lx = NULL;
     result->warnings = NULL;

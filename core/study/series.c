@@ -10,8 +10,7 @@ void orl_series_done(struct orl_series *series)
         free(series->values[i]);
     free(series->values);
     free(series->errors);
-    free(series->stages_s);
-    free(series->total_s);
+    free(series->costs);
     memset(series, 0, sizeof *series);
 }
 
@@ -38,15 +37,10 @@ static int store_run(struct orl_series *series, size_t index, struct orl_one_run
     if (index > 0 && run->count != series->count)
         return orl_error_set(err, ORL_ERR_INTERNAL,
                              "runs of one study have different numbers of values");
-    if (index == 0) {
-        series->count = run->count;
-        series->map_bytes = run->map_bytes;
-        series->threads = run->threads;
-    }
+    series->count = run->count;
+    series->costs[index] = run->cost;
     series->values[index] = run->values;
     run->values = NULL;
-    memcpy(series->stages_s[index], run->stages_s, sizeof run->stages_s);
-    series->total_s[index] = run->total_s;
     free(series->errors);
     series->errors = run->errors;
     run->errors = NULL;
@@ -59,10 +53,9 @@ int orl_series_run(struct orl_runs_env *env, const struct orl_study_setting *set
 {
     struct orl_series series = {.n_runs = n_runs,
                                 .values = calloc(n_runs, sizeof *series.values),
-                                .stages_s = calloc(n_runs, sizeof *series.stages_s),
-                                .total_s = calloc(n_runs, sizeof *series.total_s)};
+                                .costs = calloc(n_runs, sizeof *series.costs)};
     int code = 0;
-    if (!series.values || !series.stages_s || !series.total_s) {
+    if (!series.values || !series.costs) {
         orl_series_done(&series);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }

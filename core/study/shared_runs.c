@@ -27,9 +27,8 @@ bool orl_study_is_shared(const struct orl_study_env *env)
 /* Header of a stored run. Then follow its values, their errors if known, and its warnings, each
  * with a terminating zero. */
 struct run_header {
-    uint64_t count, has_errors, warning_bytes, map_bytes, threads;
-    double stages_s[ORL_STAGE_COUNT], total_s;
-    struct orl_health health;
+    uint64_t count, has_errors, warning_bytes;
+    struct orl_run_cost cost;
 };
 
 static size_t bytes_of(const struct run_header *run_header)
@@ -41,14 +40,7 @@ static size_t bytes_of(const struct run_header *run_header)
 
 static void fill_header(const struct orl_one_run *run, struct run_header *ret_head)
 {
-    memset(ret_head, 0, sizeof *ret_head);
-    ret_head->count = run->count;
-    ret_head->has_errors = run->errors != NULL;
-    ret_head->map_bytes = run->map_bytes;
-    ret_head->threads = run->threads;
-    memcpy(ret_head->stages_s, run->stages_s, sizeof run->stages_s);
-    ret_head->total_s = run->total_s;
-    ret_head->health = run->health;
+    *ret_head = (struct run_header){run->count, run->errors != NULL, 0, run->cost};
     for (size_t i = 0; i < run->n_warnings; i++)
         ret_head->warning_bytes += strlen(run->warnings[i]) + 1;
 }
@@ -101,12 +93,7 @@ static bool unpack_warnings(const char *from, size_t bytes, struct orl_one_run *
 static int unpack_run(const struct run_header *run_header, const char *from,
                       struct orl_one_run *run, struct orl_error *err)
 {
-    *run = (struct orl_one_run){.count = run_header->count,
-                                .total_s = run_header->total_s,
-                                .map_bytes = run_header->map_bytes,
-                                .threads = (uint32_t)run_header->threads,
-                                .health = run_header->health};
-    memcpy(run->stages_s, run_header->stages_s, sizeof run->stages_s);
+    *run = (struct orl_one_run){.count = run_header->count, .cost = run_header->cost};
     from += sizeof *run_header;
     run->values = copy_doubles(from, run->count);
     from += run->count * sizeof *run->values;
@@ -171,12 +158,11 @@ static int make_task(void *ctx, size_t index, void **ret_data, size_t *ret_size,
 }
 
 /* Reports the cost of a run that another process made. */
-static void report_spent(const struct orl_study_env *env, const struct run_header *run_header)
+static void report_spent(const struct orl_study_env *env, const struct orl_run_cost *cost)
 {
-    struct orl_result spent = {.threads = (uint32_t)run_header->threads,
-                               .total_s = run_header->total_s,
-                               .health = run_header->health};
-    memcpy(spent.timings_s, run_header->stages_s, sizeof spent.timings_s);
+    struct orl_result spent = {
+        .threads = (uint32_t)cost->threads, .total_s = cost->total_s, .health = cost->health};
+    memcpy(spent.timings_s, cost->stages_s, sizeof spent.timings_s);
     if (env->spent)
         env->spent(env->ctx, &spent);
 }
@@ -202,7 +188,7 @@ static int load_task(void *ctx, size_t index, const void *data, size_t size, boo
     if (code < 0)
         orl_one_run_done(run_tasks->into);
     else
-        report_spent(run_tasks->env->env, &run_header);
+        report_spent(run_tasks->env->env, &run_header.cost);
     return code;
 }
 

@@ -6,6 +6,7 @@
 #include <oriel/base/thread_pool.h>
 
 #include "base/sampling/sampling.h"
+#include "base/statistics/numeric.h"
 #include "scene/geometry/intersect.h"
 #include "scene/material/scatter.h"
 #include "scene/parse/parse.h"
@@ -57,12 +58,6 @@ static size_t make_rays(const struct orl_geometry *g, struct ray *rays, size_t m
     return n;
 }
 
-static int compare_rates(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs,
                     const atomic_bool *cancel, double (*now_s)(void *ctx), void *ctx)
 {
@@ -80,8 +75,7 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
         rates[run] = (double)n / (now_s(ctx) - started);
     }
     free(rays);
-    qsort(rates, (size_t)runs, sizeof *rates, compare_rates);
-    return hits > 0 ? rates[runs / 2] : NAN;
+    return hits > 0 ? orl_nth_element(rates, (size_t)runs, (size_t)runs / 2) : NAN;
 }
 
 /* Loads a BSDF; the context is the cancel flag. */

@@ -48,11 +48,11 @@ struct study_run {
     struct orl_reference reference; /* owned */
 };
 
-static double sum_of(const double *values, size_t count)
+static double total_s_of(const struct orl_series *series)
 {
     double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += values[i];
+    for (size_t i = 0; i < series->n_runs; i++)
+        sum += series->costs[i].total_s;
     return sum;
 }
 
@@ -73,8 +73,8 @@ static int run_reference(struct study_run *study_run, struct orl_error *err)
     if (code == 0) {
         about->samples = setting.samples * runs;
         about->runs = runs;
-        about->seconds = sum_of(series.total_s, runs);
-        study_run->study->threads = series.threads;
+        about->seconds = total_s_of(&series);
+        study_run->study->threads = (uint32_t)series.costs[0].threads;
         orl_reference_describe(&study_run->reference, about);
     }
     orl_series_done(&series);
@@ -85,15 +85,15 @@ static void average_times(struct orl_study_point *point, const struct orl_series
 {
     const double n = (double)series->n_runs;
     double squares = 0;
-    point->total_s = sum_of(series->total_s, series->n_runs) / n;
+    point->total_s = total_s_of(series) / n;
     for (size_t i = 0; i < series->n_runs; i++) {
-        const double d = series->total_s[i] - point->total_s;
+        const double d = series->costs[i].total_s - point->total_s;
         squares += d * d;
         for (int stage = 0; stage < ORL_STAGE_COUNT; stage++)
-            point->stages_s[stage] += series->stages_s[i][stage] / n;
+            point->stages_s[stage] += series->costs[i].stages_s[stage] / n;
     }
     point->total_error_s = series->n_runs > 1 ? sqrt(squares / (n * (n - 1))) : NAN;
-    point->map_bytes = series->map_bytes;
+    point->map_bytes = series->costs[0].map_bytes;
 }
 
 static int run_setting(struct study_run *study_run, const struct orl_study_setting *setting,
@@ -266,15 +266,6 @@ static void write_names(FILE *stream)
           stream);
 }
 
-/* Writes nothing between the commas if the number is unknown. */
-static void write_number(FILE *stream, double value)
-{
-    if (isfinite(value))
-        fprintf(stream, ",%.6g", value);
-    else
-        fputc(',', stream);
-}
-
 static void write_point(FILE *stream, const struct orl_study_point *p)
 {
     const double measures[] = {p->total_s,    p->total_error_s, p->rms, p->rms_error, p->bias,
@@ -282,9 +273,9 @@ static void write_point(FILE *stream, const struct orl_study_point *p)
     fprintf(stream, "%s,%llu,%u,%u", orl_technique_name(p->setting.technique),
             (unsigned long long)p->setting.photons, p->setting.samples, p->seeds);
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
-        write_number(stream, p->stages_s[i]);
+        orl_out_number(stream, p->stages_s[i]);
     for (size_t i = 0; i < sizeof measures / sizeof *measures; i++)
-        write_number(stream, measures[i]);
+        orl_out_number(stream, measures[i]);
     fprintf(stream, ",%llu,%d,%d\n", (unsigned long long)p->map_bytes, p->reference_shows,
             p->on_front);
 }

@@ -109,8 +109,8 @@ void orl_reference_describe(const struct orl_reference *reference, struct orl_st
 struct errors {
     const struct orl_reference *reference;
     size_t used, n_runs;
-    double *e;      /* owned */
-    double *sorted; /* owned; same size */
+    double *e;       /* owned */
+    double *scratch; /* owned; same size */
 };
 
 static int errors_init(struct errors *errors, const struct orl_reference *reference,
@@ -119,7 +119,7 @@ static int errors_init(struct errors *errors, const struct orl_reference *refere
     const size_t used = reference->used;
     *errors = (struct errors){reference, used, n_runs, calloc(used * n_runs, sizeof(double)),
                               calloc(used * n_runs, sizeof(double))};
-    if (!errors->e || !errors->sorted)
+    if (!errors->e || !errors->scratch)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for errors");
     for (size_t i = 0; i < n_runs; i++)
         for (size_t k = 0, at = 0; k < reference->count; k++)
@@ -129,20 +129,13 @@ static int errors_init(struct errors *errors, const struct orl_reference *refere
     return 0;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Returns the value below which that share of |e| lies. */
 static double percentile(struct errors *errors, double share)
 {
     const size_t count = errors->used * errors->n_runs;
     for (size_t i = 0; i < count; i++)
-        errors->sorted[i] = fabs(errors->e[i]);
-    qsort(errors->sorted, count, sizeof(double), compare_doubles);
-    return errors->sorted[(size_t)ceil(share * (double)count) - 1];
+        errors->scratch[i] = fabs(errors->e[i]);
+    return orl_nth_element(errors->scratch, count, (size_t)ceil(share * (double)count) - 1);
 }
 
 /* Returns the mean over seeds of the largest |e| in the brightest percent of the reference. */
@@ -154,9 +147,8 @@ static double peak_error(struct errors *errors)
     size_t at = 0;
     for (size_t k = 0; k < reference->count; k++)
         if (reference->scale[k] > 0)
-            errors->sorted[at++] = reference->value[k];
-    qsort(errors->sorted, n, sizeof(double), compare_doubles);
-    const double bright = errors->sorted[n - (n + 99) / 100];
+            errors->scratch[at++] = reference->value[k];
+    const double bright = orl_nth_element(errors->scratch, n, n - (n + 99) / 100);
     for (size_t i = 0; i < errors->n_runs; i++) {
         double most = 0;
         at = 0;
@@ -251,7 +243,7 @@ int orl_study_compute_errors(const struct orl_reference *reference, double *cons
         fill_point(&errors, biases, biases + n_runs, of_views, point);
     }
     free(errors.e);
-    free(errors.sorted);
+    free(errors.scratch);
     free(biases);
     return code;
 }

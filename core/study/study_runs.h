@@ -30,15 +30,19 @@ double orl_study_run_core_s(const struct orl_job *job, const struct orl_study_se
  * soon as the run releases it, so no run finds maps of another.
  */
 
+/* Cost of a run; also part of a stored run (shared_runs.c). */
+struct orl_run_cost {
+    uint64_t map_bytes, threads;
+    double stages_s[ORL_STAGE_COUNT], total_s;
+    struct orl_health health;
+};
+
 /* Result of a run. All arrays are owned. */
 struct orl_one_run {
     double *values; /* by sensor or pixel, lux or cd/m2 */
     size_t count;
     double *errors; /* standard errors of the values; NULL: unknown */
-    double stages_s[ORL_STAGE_COUNT], total_s;
-    uint64_t map_bytes;
-    uint32_t threads;
-    struct orl_health health;
+    struct orl_run_cost cost;
     char **warnings;
     size_t n_warnings;
 };
@@ -69,12 +73,10 @@ int orl_one_run_make(struct orl_runs_env *env, const struct orl_study_setting *s
 /* Runs of one setting with seeds first_seed, first_seed + 1, ...: values of every sensor or pixel,
  * and the cost. In a distributed study other processes have made them. */
 struct orl_series {
-    size_t n_runs, count; /* count: values per run */
-    double **values;      /* owned: n_runs arrays of count values, lux or cd/m2 */
-    double *errors;       /* owned: standard errors of the last run; NULL: unknown */
-    double (*stages_s)[ORL_STAGE_COUNT], *total_s; /* owned, by run */
-    uint64_t map_bytes;                            /* from the first run */
-    uint32_t threads;                              /* from the first run */
+    size_t n_runs, count;       /* count: values per run */
+    double **values;            /* owned: n_runs arrays of count values, lux or cd/m2 */
+    double *errors;             /* owned: standard errors of the last run; NULL: unknown */
+    struct orl_run_cost *costs; /* owned, by run */
 };
 void orl_series_done(struct orl_series *series);
 
