@@ -22,12 +22,8 @@ static double map_time_s(const struct orl_plan_survey *survey)
  * one may focus it to a point. */
 static double mirror_bound(const struct orl_plan_survey *survey, const struct orl_lit_specular *lit)
 {
-    const struct orl_lit_scene *lit_scene = survey->lit_scene;
-    double focused = survey->lamp_lx;
-    for (size_t i = 0; i < lit_scene->n_suns; i++)
-        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(lit_scene->suns[i].radiance);
     if (lit->classes[ORL_LIT_CURVED].facets > 0)
-        return focused;
+        return orl_add_focused_suns(survey->lit_scene, survey->lamp_lx);
     return lit->classes[ORL_LIT_FLAT].share * (survey->sun_lx + survey->lamp_lx);
 }
 
@@ -40,6 +36,24 @@ static bool may_light_outside(const struct orl_plan_survey *survey)
            survey->n_clear < lit_scene->n_ports && !lit_scene->omit.exterior;
 }
 
+/* Gives the reason if the scene has no such caustics; else returns false. lights, surfaces: what
+ * would happen to the light, and what the surfaces do. */
+static bool explain_absence(const struct orl_lit_specular *lit, size_t facets, const char *lights,
+                            const char *surfaces, const struct orl_finding *finding,
+                            struct orl_decision *decision)
+{
+    if (lit->lights == 0)
+        orl_decision_fill(decision, finding, "the scene has %zu suns and lamps %s", lit->lights,
+                          lights);
+    else if (facets == 0)
+        orl_decision_fill(decision, finding, "%zu surfaces %s", facets, surfaces);
+    else if (!finding->needed)
+        orl_decision_fill(decision, finding,
+                          "no sun or lamp lights any of the %zu surface%s that %s indoors", facets,
+                          orl_plural(facets), surfaces);
+    return lit->lights == 0 || facets == 0 || !finding->needed;
+}
+
 /*
  * Decides on mirrors. Surfaces that are lit only by way of other lit ones count too: if there are
  * both mirrors and lobes and one of them is lit, the other may be.
@@ -49,25 +63,16 @@ static bool decide_mirrors(const struct orl_plan_survey *survey, const struct or
 {
     const struct orl_lit_specular_class *flat = &lit->classes[ORL_LIT_FLAT];
     const struct orl_lit_specular_class *curved = &lit->classes[ORL_LIT_CURVED];
-    const bool outside = may_light_outside(survey);
-    const bool needed = flat->facets + curved->facets > 0 && (any_lit(lit) || outside);
-    const struct orl_finding finding = {
-        .needed = needed,
-        .unit = ORL_BOUND_LX,
-        .bound = needed ? mirror_bound(survey, lit) : 0,
-        .saved_s = lit->lights > 0 && flat->facets + curved->facets > 0 ? map_time_s(survey) : 0};
-    if (lit->lights == 0)
-        return orl_decision_fill(decision, &finding,
-                                 "the scene has %zu suns and lamps that could be mirrored",
-                                 lit->lights);
-    if (flat->facets + curved->facets == 0)
-        return orl_decision_fill(decision, &finding, "%zu surfaces mirror or refract",
-                                 flat->facets + curved->facets);
-    if (!needed)
-        return orl_decision_fill(
-            decision, &finding,
-            "no sun or lamp lights any of the %zu surface%s that mirror or refract indoors",
-            flat->facets + curved->facets, orl_plural(flat->facets + curved->facets));
+    const size_t facets = flat->facets + curved->facets;
+    const bool needed = facets > 0 && (any_lit(lit) || may_light_outside(survey));
+    const struct orl_finding finding = {.needed = needed,
+                                        .unit = ORL_BOUND_LX,
+                                        .bound = needed ? mirror_bound(survey, lit) : 0,
+                                        .saved_s =
+                                            lit->lights > 0 && facets > 0 ? map_time_s(survey) : 0};
+    if (explain_absence(lit, facets, "that could be mirrored", "mirror or refract", &finding,
+                        decision))
+        return decision->simulated;
     return orl_decision_fill(decision, &finding,
                              "some of %zu flat and %zu curved surfaces that mirror or refract are "
                              "lit%s; they pass on up to %.3g %% of the light",
@@ -86,18 +91,9 @@ static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_
         .unit = ORL_BOUND_LX,
         .bound = needed ? lobes->share * (survey->sun_lx + survey->lamp_lx) : 0,
         .saved_s = lit->lights > 0 && lobes->facets > 0 ? map_time_s(survey) : 0};
-    if (lit->lights == 0)
-        return orl_decision_fill(decision, &finding,
-                                 "the scene has %zu suns and lamps whose light could be scattered",
-                                 lit->lights);
-    if (lobes->facets == 0)
-        return orl_decision_fill(decision, &finding, "%zu surfaces scatter into lobes",
-                                 lobes->facets);
-    if (!needed)
-        return orl_decision_fill(
-            decision, &finding,
-            "no sun or lamp lights any of the %zu surface%s that scatter into lobes indoors",
-            lobes->facets, orl_plural(lobes->facets));
+    if (explain_absence(lit, lobes->facets, "whose light could be scattered", "scatter into lobes",
+                        &finding, decision))
+        return decision->simulated;
     return orl_decision_fill(decision, &finding,
                              "some of %zu surface%s that scatter into lobes are lit; they pass on "
                              "up to %.3g %% of the light",

@@ -165,9 +165,7 @@ static void decide_refraction(struct orl_plan_survey *survey, struct orl_plan *p
 {
     struct orl_lit_scene *lit_scene = survey->lit_scene;
     const size_t count = orl_plan_survey_count(survey, is_dielectric);
-    double focused = survey->sky_lx + survey->lamp_lx;
-    for (size_t i = 0; i < lit_scene->n_suns; i++)
-        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(lit_scene->suns[i].radiance);
+    const double focused = orl_add_focused_suns(lit_scene, survey->sky_lx + survey->lamp_lx);
     const struct orl_finding finding = {
         .needed = count > 0, .unit = ORL_BOUND_LX, .bound = count > 0 ? focused : 0};
     if (orl_decision_fill(&plan->effects[ORL_EFFECT_REFRACTION], &finding,
@@ -218,9 +216,7 @@ static void decide_sun(struct orl_plan_survey *survey, struct orl_plan *plan)
 {
     struct orl_lit_scene *lit_scene = survey->lit_scene;
     char lux[32];
-    double focused = 0;
-    for (size_t i = 0; i < lit_scene->n_suns; i++)
-        focused += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(lit_scene->suns[i].radiance);
+    const double focused = orl_add_focused_suns(lit_scene, 0);
     const struct orl_finding finding = {
         .needed = focused > survey->tolerance_lx,
         .unit = ORL_BOUND_LX,

@@ -45,6 +45,14 @@ void orl_plan_survey_measure(struct orl_plan_survey *survey);
  * illuminance. */
 double orl_plan_survey_reflected_lx(const struct orl_plan_survey *survey, double direct_lx);
 
+/* Returns a sum, from a first term on, of the suns' illuminances under any focusing. */
+static inline double orl_add_focused_suns(const struct orl_lit_scene *lit_scene, double sum_lx)
+{
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        sum_lx += ORL_EFFICACY_LM_PER_W * ORL_PI * orl_luma(lit_scene->suns[i].radiance);
+    return sum_lx;
+}
+
 /* Returns the number of surfaces whose material passes the test. */
 size_t orl_plan_survey_count(const struct orl_plan_survey *survey,
                              bool (*is)(const struct orl_material *material));
@@ -75,15 +83,13 @@ enum orl_lit_specular_kind {
 };
 
 struct orl_lit_specular_class {
-    size_t facets;  /* number of facets of that kind */
-    bool lit;       /* true: at least one is lit, inside, by a sun or lamp */
-    uint32_t facet; /* first facet found lit */
-    double share;   /* share of light that the strongest of them sends on */
+    size_t facets; /* number of facets of that kind */
+    bool lit;      /* true: at least one is lit, inside, by a sun or lamp */
+    double share;  /* share of light that the strongest of them sends on */
 };
 
 struct orl_lit_specular {
     struct orl_lit_specular_class classes[ORL_LIT_KINDS];
-    size_t rays; /* upper bound on the rays cast */
     size_t lights;
 };
 

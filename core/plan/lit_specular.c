@@ -91,11 +91,8 @@ static void test_facet(struct lit_search *lit_search, uint32_t facet,
         &lit_search->lit_scene
              ->materials[orl_facet_material(lit_search->lit_scene->geometry, facet)];
     for (int side = 0; side < 2 && !class->lit; side++)
-        if (redirected_share(m, side == 0, kind) > 0 &&
-            is_lit(lit_search, facet, side == 0, kind)) {
+        if (redirected_share(m, side == 0, kind) > 0 && is_lit(lit_search, facet, side == 0, kind))
             class->lit = true;
-            class->facet = facet;
-        }
 }
 
 /* Checks all placements of a facet. */
@@ -177,13 +174,9 @@ static void mark_lit(struct lit_search *lit_search, uint32_t facet)
     const struct orl_geometry *const g = lit_search->lit_scene->geometry;
     const enum orl_surface_kind shape = orl_facet_kind(g, facet);
     const struct orl_material *m = &lit_search->lit_scene->materials[orl_facet_material(g, facet)];
-    for (int kind = 0; kind < ORL_LIT_KINDS; kind++) {
-        struct orl_lit_specular_class *class = &lit_search->lit->classes[kind];
-        if (!class->lit && is_kind(shape, m, (enum orl_lit_specular_kind)kind)) {
-            class->lit = true;
-            class->facet = facet;
-        }
-    }
+    for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
+        if (is_kind(shape, m, (enum orl_lit_specular_kind)kind))
+            lit_search->lit->classes[kind].lit = true;
 }
 
 /* Traces a sun's ray in by a window, straight on to the first surface that is no pane. */
@@ -246,10 +239,7 @@ static void test_images(struct lit_search *lit_search, const struct orl_port *po
         return;
     for (size_t k = 0; k < images->n_nodes; k++)
         for (uint32_t i = 0; images->nodes[k].shown && i < IMAGE_SAMPLES && !class->lit; i++)
-            if (image_reaches(lit_search, port, &images->nodes[k], i)) {
-                class->lit = true;
-                class->facet = port->facet;
-            }
+            class->lit = image_reaches(lit_search, port, &images->nodes[k], i);
 }
 
 static void test_windows(struct lit_search *lit_search)
@@ -266,13 +256,6 @@ static void test_windows(struct lit_search *lit_search)
                 trace_sun_in(lit_search, &lit_scene->ports[p], &lit_scene->suns[s], i);
         test_images(lit_search, &lit_scene->ports[p]);
     }
-}
-
-/* Marks all existing classes as lit, if there are too many facets to check. */
-static void mark_all_lit(struct orl_lit_specular *lit)
-{
-    for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
-        lit->classes[kind].lit = lit->classes[kind].facets > 0;
 }
 
 void orl_lit_specular_find(const struct orl_plan_survey *survey, struct orl_lit_specular *ret_lit)
@@ -292,13 +275,13 @@ void orl_lit_specular_find(const struct orl_plan_survey *survey, struct orl_lit_
         facets += ret_lit->classes[kind].facets;
     const size_t share = MOST_RAYS / (2 * facets * ret_lit->lights);
     if ((double)facets * (double)ret_lit->lights > most_pairs) {
-        mark_all_lit(ret_lit);
+        for (int kind = 0; kind < ORL_LIT_KINDS; kind++) /* too many to check */
+            ret_lit->classes[kind].lit = ret_lit->classes[kind].facets > 0;
         return;
     }
     lit_search.samples = (uint32_t)(share > MOST_SAMPLES    ? MOST_SAMPLES
                                     : share < LEAST_SAMPLES ? LEAST_SAMPLES
                                                             : share);
-    ret_lit->rays = 2 * facets * ret_lit->lights * lit_search.samples;
     test_windows(&lit_search);
     for (int kind = 0; kind < ORL_LIT_KINDS; kind++)
         test_facets(&lit_search, (enum orl_lit_specular_kind)kind);
