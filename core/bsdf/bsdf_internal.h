@@ -11,6 +11,7 @@
 #include <stdatomic.h>
 
 #include <oriel/bsdf/bsdf.h>
+#include <oriel/bsdf/bsdf_convert.h>
 
 #include "base/io/checked_file.h"
 #include "bsdf/document.h"
@@ -60,6 +61,38 @@ void orl_bsdf_filed_totals(const struct orl_bsdf *bsdf, struct orl_vec3 in, doub
 /* Returns the coloured total as filed, summed over the given sides. */
 struct orl_rgb orl_bsdf_filed_color(const struct orl_bsdf *bsdf, struct orl_vec3 in,
                                     enum orl_bsdf_side sides);
+
+/* ---- Directions by angles, for check/ -------------------------------------------------------- */
+
+/* Returns the direction at these angles on one side of the surface. */
+static inline struct orl_vec3 orl_bsdf_direction_at(double theta_deg, double phi_deg, bool front)
+{
+    const double theta = theta_deg * ORL_DEG_TO_RAD, phi = phi_deg * ORL_DEG_TO_RAD;
+    const double sine = sin(theta), cosine = cos(theta);
+    return orl_v3(sine * cos(phi), sine * sin(phi), front ? cosine : -cosine);
+}
+
+/* Returns the angles of a direction: theta from its side's normal, phi from 0 to 360. */
+static inline struct orl_bsdf_angles orl_bsdf_angles_of(struct orl_vec3 d)
+{
+    const double phi = atan2(d.y, d.x) / ORL_DEG_TO_RAD;
+    return (struct orl_bsdf_angles){acos(fmin(1, fabs(d.z))) / ORL_DEG_TO_RAD,
+                                    phi < 0 ? phi + 360 : phi};
+}
+
+/*
+ * Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
+ * where rounding would choose the cell of a single direction.
+ */
+enum { ORL_BSDF_BEAM = 4 };
+static inline void orl_bsdf_spread_beam(struct orl_vec3 in, struct orl_vec3 ret_beam[ORL_BSDF_BEAM])
+{
+    const struct orl_frame frame = orl_frame_about(in);
+    const double half = 0.05 * ORL_DEG_TO_RAD;
+    for (int k = 0; k < ORL_BSDF_BEAM; k++)
+        ret_beam[k] = orl_normalize(
+            orl_to_world(&frame, orl_v3(k & 1 ? half : -half, k & 2 ? half : -half, 1)));
+}
 
 /*
  * Returns point i of an additive recurrence in up to four dimensions. The steps are the inverse

@@ -15,28 +15,16 @@ enum {
     PEAK_SIDE = 49, /* points across the neighbourhood of the straight direction */
 };
 
-static struct orl_vec3 light_from(double theta_deg, double phi_deg, bool front)
-{
-    const double sine = sin(theta_deg * ORL_DEG_TO_RAD), cosine = cos(theta_deg * ORL_DEG_TO_RAD);
-    const double phi = phi_deg * ORL_DEG_TO_RAD;
-    return orl_v3(sine * cos(phi), sine * sin(phi), front ? cosine : -cosine);
-}
-
 /* ---- Hemispherical values -------------------------------------------------------------------- */
 
-/*
- * Adds the totals of a beam 0.1 degrees wide, sampled at its four corners. Round angles lie on
- * borders of cells, where rounding would choose the cell of a single direction.
- */
+/* Adds the totals of a beam. */
 static void scatter_beam(const struct orl_bsdf *bsdf, bool front, struct orl_bsdf_hemispherical *h)
 {
-    const struct orl_frame frame = orl_frame_about(light_from(h->theta_deg, h->phi_deg, front));
-    const double half = 0.05 * ORL_DEG_TO_RAD;
-    for (int k = 0; k < 4; k++) {
-        const struct orl_vec3 in = orl_normalize(
-            orl_to_world(&frame, orl_v3(k & 1 ? half : -half, k & 2 ? half : -half, 1)));
+    struct orl_vec3 beam[ORL_BSDF_BEAM];
+    orl_bsdf_spread_beam(orl_bsdf_direction_at(h->theta_deg, h->phi_deg, front), beam);
+    for (int k = 0; k < ORL_BSDF_BEAM; k++) {
         double total[2];
-        orl_bsdf_filed_totals(bsdf, in, total);
+        orl_bsdf_filed_totals(bsdf, beam[k], total);
         h->reflected += 0.25 * total[0];
         h->transmitted += 0.25 * total[1];
     }
@@ -60,10 +48,9 @@ static void widen_extremes(struct orl_bsdf_extremes *x, double value, struct orl
     if (!(value > x->most))
         return;
     x->most = value;
-    x->most_theta_deg = acos(fmin(1, fabs(in.z))) / ORL_DEG_TO_RAD;
-    x->most_phi_deg = atan2(in.y, in.x) / ORL_DEG_TO_RAD;
-    if (x->most_phi_deg < 0)
-        x->most_phi_deg += 360;
+    const struct orl_bsdf_angles angles = orl_bsdf_angles_of(in);
+    x->most_theta_deg = angles.theta_deg;
+    x->most_phi_deg = angles.phi_deg;
 }
 
 /* Updates R + T as filed, and T with the other side's reflection. */
@@ -218,7 +205,7 @@ static struct orl_bsdf_peak peak_at(const struct orl_bsdf *bsdf,
 {
     const double radius = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
     const double sun_sr = ORL_PI * radius * radius;
-    const struct orl_vec3 in = light_from(h->theta_deg, h->phi_deg, false);
+    const struct orl_vec3 in = orl_bsdf_direction_at(h->theta_deg, h->phi_deg, false);
     const double omega_sr = orl_view_omega(bsdf, &bsdf->views[0][1], in, orl_neg(in));
     struct orl_bsdf_peak p = {h->theta_deg, h->phi_deg, 0, 1, 0, 0, 0};
     struct surroundings around;

@@ -7,6 +7,7 @@
 #include <oriel/base/thread_pool.h>
 #include <oriel/base/vec.h>
 
+#include "bsdf/bsdf_internal.h"
 #include "bsdf/tree/shirley.h"
 
 /* SIDE: cells a side of the square of directions out. REACH: cells that a cone's radius may span.
@@ -53,19 +54,6 @@ static struct orl_bsdf_angles place_of(int i)
         return (struct orl_bsdf_angles){1.2, 33};
     const int ring = (i - 1) / 8, at = (i - 1) % 8;
     return (struct orl_bsdf_angles){10.7 + 15 * ring, 7.3 + 45 * at};
-}
-
-static struct orl_vec3 direction_of(struct orl_bsdf_angles p, bool front)
-{
-    const double theta = p.theta_deg * ORL_DEG_TO_RAD, phi = p.phi_deg * ORL_DEG_TO_RAD;
-    return orl_v3(sin(theta) * cos(phi), sin(theta) * sin(phi), front ? cos(theta) : -cos(theta));
-}
-
-static struct orl_bsdf_angles place_from(struct orl_vec3 d)
-{
-    const double phi = atan2(d.y, d.x) / ORL_DEG_TO_RAD;
-    return (struct orl_bsdf_angles){acos(fmin(1, fabs(d.z))) / ORL_DEG_TO_RAD,
-                                    phi < 0 ? phi + 360 : phi};
 }
 
 static struct orl_vec3 cell_direction(int x, int y)
@@ -124,7 +112,7 @@ static void find_worst_cone(const float *off, const struct cells *cells, bool fr
             told->moved += 0.5 * fabs((double)off[k]);
         if (fabs(cone) > fabs(told->cone[channel])) {
             told->cone[channel] = cone;
-            told->cone_to[channel] = place_from(cell_towards(cells, k, front));
+            told->cone_to[channel] = orl_bsdf_angles_of(cell_towards(cells, k, front));
         }
     }
 }
@@ -157,7 +145,7 @@ static void compare_from(void *arg, size_t index, uint32_t member)
     const bool front = index >= ORL_BSDF_COMPARED;
     const size_t i = index % ORL_BSDF_COMPARED;
     const struct orl_bsdf_angles from = place_of((int)i);
-    const struct orl_vec3 in = direction_of(from, front);
+    const struct orl_vec3 in = orl_bsdf_direction_at(from.theta_deg, from.phi_deg, front);
     float *off = malloc((size_t)w->channels * CELLS * sizeof *off);
     (void)member;
     if (!off)

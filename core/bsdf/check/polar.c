@@ -4,10 +4,9 @@
 #include <oriel/base/vec.h>
 #include <oriel/bsdf/bsdf_polar.h>
 
-enum {
-    SIDE = 4, /* sample points along either side of a cell */
-    BEAM = 4,
-};
+#include "bsdf/bsdf_internal.h"
+
+enum { SIDE = 4, BEAM = ORL_BSDF_BEAM }; /* SIDE: sample points along either side of a cell */
 
 static struct orl_vec3 direction_by_sine(double sine_squared, double phi, bool front)
 {
@@ -18,19 +17,6 @@ static struct orl_vec3 direction_by_sine(double sine_squared, double phi, bool f
 static double square(double value)
 {
     return value * value;
-}
-
-/*
- * Computes the corners of a beam 0.1 degrees wide. Round angles lie on borders of the data's cells,
- * where rounding would choose the cell of a single direction.
- */
-static void spread_beam(struct orl_vec3 in, struct orl_vec3 ret_beam[BEAM])
-{
-    const struct orl_frame frame = orl_frame_about(in);
-    const double half = 0.05 * ORL_DEG_TO_RAD;
-    for (int k = 0; k < BEAM; k++)
-        ret_beam[k] = orl_normalize(
-            orl_to_world(&frame, orl_v3(k & 1 ? half : -half, k & 2 ? half : -half, 1)));
 }
 
 /* Returns the mean over a cell of the map. Points are uniform in the squared sine of theta, that is
@@ -56,7 +42,7 @@ void orl_bsdf_polar(const struct orl_bsdf *bsdf, bool front, double theta_deg, d
                     struct orl_bsdf_polar *ret_polar)
 {
     struct orl_vec3 beam[BEAM];
-    spread_beam(
+    orl_bsdf_spread_beam(
         direction_by_sine(square(sin(theta_deg * ORL_DEG_TO_RAD)), phi_deg * ORL_DEG_TO_RAD, front),
         beam);
     *ret_polar = (struct orl_bsdf_polar){.reflected = 0};
@@ -78,12 +64,6 @@ void orl_bsdf_polar(const struct orl_bsdf *bsdf, bool front, double theta_deg, d
 enum { GRID = 121, STEPS = 3 };
 static const double reach_deg = 2.5, apart_deg = 5, plateau_deg = 15;
 static const double least_of_first = 0.01, above_even = 4;
-
-static struct orl_vec3 direction(double theta_deg, double phi_deg, bool front)
-{
-    const double t = theta_deg * ORL_DEG_TO_RAD, p = phi_deg * ORL_DEG_TO_RAD;
-    return orl_v3(sin(t) * cos(p), sin(t) * sin(p), front ? cos(t) : -cos(t));
-}
 
 /* Light around a direction: its centre, its share of the incident light, its largest value
  * (1/sr). */
@@ -133,11 +113,13 @@ static struct orl_vec3 start_of(const double values[ORL_POLAR_THETAS][ORL_POLAR_
 {
     const double dtheta = 90.0 / ORL_POLAR_THETAS, dphi = 360.0 / ORL_POLAR_PHIS;
     const double level = values[theta][phi] * (1 - 1e-3);
-    const struct orl_vec3 at = direction((theta + 0.5) * dtheta, (phi + 0.5) * dphi, front);
+    const struct orl_vec3 at =
+        orl_bsdf_direction_at((theta + 0.5) * dtheta, (phi + 0.5) * dphi, front);
     struct orl_vec3 sum = orl_v3(0, 0, 0);
     for (int t = 0; t < ORL_POLAR_THETAS; t++)
         for (int p = 0; p < ORL_POLAR_PHIS; p++) {
-            const struct orl_vec3 d = direction((t + 0.5) * dtheta, (p + 0.5) * dphi, front);
+            const struct orl_vec3 d =
+                orl_bsdf_direction_at((t + 0.5) * dtheta, (p + 0.5) * dphi, front);
             if (values[t][p] >= level && orl_dot(d, at) > cos(plateau_deg * ORL_DEG_TO_RAD))
                 sum = orl_madd(sum, d, fabs(d.z) * sin((t + 0.5) * dtheta * ORL_DEG_TO_RAD));
         }
@@ -192,7 +174,7 @@ size_t orl_bsdf_find_peaks(const struct orl_bsdf *bsdf, bool front, double theta
                            struct orl_bsdf_lobe ret_peaks[ORL_BSDF_PEAKS])
 {
     const double even = (transmitted ? polar->transmitted : polar->reflected) / ORL_PI;
-    const struct orl_vec3 in = direction(theta_deg, phi_deg, front);
+    const struct orl_vec3 in = orl_bsdf_direction_at(theta_deg, phi_deg, front);
     struct orl_vec3 places[ORL_BSDF_PEAKS];
     size_t n = 0;
     for (int t = 0; t < ORL_POLAR_THETAS; t++)
@@ -205,9 +187,8 @@ size_t orl_bsdf_find_peaks(const struct orl_bsdf *bsdf, bool front, double theta
             struct about about = integrate_about(bsdf, in, at);
             for (int k = 1; k < STEPS; k++)
                 about = integrate_about(bsdf, in, about.middle);
-            const double phi = atan2(about.middle.y, about.middle.x) / ORL_DEG_TO_RAD;
-            const struct orl_bsdf_lobe lobe = {acos(fmin(1, fabs(about.middle.z))) / ORL_DEG_TO_RAD,
-                                               phi < 0 ? phi + 360 : phi, about.most, about.share};
+            const struct orl_bsdf_angles to = orl_bsdf_angles_of(about.middle);
+            const struct orl_bsdf_lobe lobe = {to.theta_deg, to.phi_deg, about.most, about.share};
             n = insert_peak(&lobe, about.middle, places, ret_peaks, n);
         }
     return thin_peaks(places, ret_peaks, n);
