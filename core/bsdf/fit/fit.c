@@ -15,21 +15,6 @@ static void report_progress(const struct orl_bsdf_make_env *env, double fraction
         env->progress(env->ctx, 1, fraction);
 }
 
-static int read_file(const struct orl_bsdf_fit_request *request, uint32_t index,
-                     const struct orl_bsdf_make_env *env, struct orl_fit_data *data,
-                     struct orl_error *err)
-{
-    const struct orl_fit_read_options options = {request->reversed, request->grazing_deg,
-                                                 env->cancel};
-    struct orl_file file;
-    int code = env->files->open(env->files->ctx, request->files[index], &file, err);
-    if (code < 0)
-        return code;
-    code = orl_fit_read(request->files[index], index, file.data, file.size, &options, data, err);
-    env->files->close(env->files->ctx, &file);
-    return code;
-}
-
 /* ---- Shapes ---------------------------------------------------------------------------------- */
 
 struct shape_fitting {
@@ -271,9 +256,11 @@ static int run_fit(const struct orl_bsdf_fit_request *request, const struct orl_
                    struct orl_error *err)
 {
     struct shape_fitting shape_fitting = {.request = request, .env = env, .data = data};
+    const struct orl_fit_read_options options = {request->reversed, request->grazing_deg,
+                                                 env->cancel};
     int code = 0;
     for (uint32_t i = 0; i < request->n_files && code == 0; i++)
-        code = read_file(request, i, env, data, err);
+        code = orl_fit_read_file(env->files, request->files[i], i, &options, data, err);
     report_progress(env, 0.1);
     if (code < 0)
         return code;

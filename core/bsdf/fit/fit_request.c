@@ -6,6 +6,7 @@
 #include <oriel/base/version.h>
 #include <oriel/bsdf/bsdf_fit.h>
 
+#include "base/io/out_file.h"
 #include "bsdf/fit/fit.h"
 #include "bsdf/make/make_bsdf.h"
 #include "bsdf/xml/bsdf_xml.h"
@@ -91,11 +92,7 @@ static char *say_all(const struct orl_bsdf_fit_request *request,
     if (orl_bsdf_basis_is_tree(f->basis))
         fprintf(out, "Cells merged where within %g of their mean\n", request->cull);
     say_scans(f, out);
-    const bool failed = ferror(out);
-    if (fclose(out) == 0 && !failed)
-        return text;
-    free(text);
-    return NULL;
+    return orl_memstream_close(out, &text) ? text : NULL;
 }
 
 int orl_fit_write_xml(struct orl_document *document, const struct orl_bsdf_labels *data,
@@ -104,19 +101,15 @@ int orl_fit_write_xml(struct orl_document *document, const struct orl_bsdf_label
 {
     struct orl_bsdf_labels labels = *data;
     char *comment = say_all(request, result);
-    FILE *out = comment ? open_memstream(&result->xml, &result->xml_size) : NULL;
-    bool fine = out != NULL;
     labels.manufacturer = "measured";
     labels.comment = comment;
     snprintf(document->name, sizeof document->name, "%s",
              request->name       ? request->name
              : result->sample[0] ? result->sample
                                  : request->files[0]);
-    if (out) {
-        orl_document_write(document, &labels, out);
-        fine = !ferror(out);
-        fine = fclose(out) == 0 && fine;
-    }
+    const int code =
+        comment ? orl_document_write_text(document, &labels, &result->xml, &result->xml_size)
+                : ORL_ERR_NOMEM;
     free(comment);
-    return fine ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF's text");
+    return code == 0 ? 0 : orl_error_set(err, code, "out of memory for the BSDF's text");
 }

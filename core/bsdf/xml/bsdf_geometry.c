@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/memory/memory.h"
 #include "base/text/words.h"
 #include "bsdf/xml/xml.h"
 
@@ -63,15 +64,10 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
 static void add_geometry(struct reading *r, const char *text, size_t length)
 {
     struct orl_bsdf_geometry *file_geometry = r->file_geometry;
-    if (file_geometry->geometry_size + length + 1 > r->geometry_room) {
-        const size_t room = 2 * (file_geometry->geometry_size + length + 1);
-        char *grown = realloc(file_geometry->geometry, room);
-        if (!grown) {
-            fail_at_line(r, orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory"));
-            return;
-        }
-        file_geometry->geometry = grown;
-        r->geometry_room = room;
+    if (!orl_array_reserve_more(&file_geometry->geometry, &r->geometry_room,
+                                file_geometry->geometry_size, length + 1, 1)) {
+        fail_at_line(r, orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory"));
+        return;
     }
     memcpy(file_geometry->geometry + file_geometry->geometry_size, text, length);
     file_geometry->geometry_size += length;
@@ -138,10 +134,7 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
                        const XML_Char *public, int internal)
 {
     struct reading *r = ctx;
-    (void)name;
-    (void)system;
-    (void)public;
-    (void)internal;
+    (void)name, (void)system, (void)public, (void)internal;
     fail_at_line(r, orl_error_set(r->err, ORL_ERR_UNSUPPORTED,
                                   "a document type declaration; entities are not accepted"));
 }

@@ -68,6 +68,11 @@ struct orl_bsdf_labels {
 void orl_document_write(const struct orl_document *document, const struct orl_bsdf_labels *labels,
                         FILE *out);
 
+/* Writes the document to a text that the caller frees. Returns 0 or ORL_ERR_NOMEM. */
+int orl_document_write_text(const struct orl_document *document,
+                            const struct orl_bsdf_labels *labels, char **ret_text,
+                            size_t *ret_size);
+
 /* Writes the shortest number that is read back as that value, at most 15 bytes. */
 void orl_write_value(FILE *out, float value);
 

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory/memory.h"
+
 /* ---- Trees ----------------------------------------------------------------------------------- */
 
 /*
@@ -12,24 +14,13 @@
  * ORL_LIMIT_TREE_DEPTH limits the depth, ORL_LIMIT_BSDF_VALUES the values.
  */
 
-void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree)
+void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree, struct orl_iso *iso)
 {
-    memset(text, 0, sizeof *text);
-    orl_scan_init(&text->scan);
-    text->rank = 4;
-    text->tree = tree;
-    text->values = &tree->values;
-    text->clamped = &tree->clamped;
-}
-
-void orl_tree_text_init_iso(struct orl_tree_text *text, struct orl_iso *iso)
-{
-    memset(text, 0, sizeof *text);
-    orl_scan_init(&text->scan);
-    text->rank = 3;
-    text->iso = iso;
-    text->values = &iso->leaves;
-    text->clamped = &iso->clamped;
+    *text = (struct orl_tree_text){.rank = tree ? 4 : 3,
+                                   .tree = tree,
+                                   .iso = iso,
+                                   .values = tree ? &tree->values : &iso->leaves,
+                                   .clamped = tree ? &tree->clamped : &iso->clamped};
 }
 
 static unsigned fanout(const struct orl_tree_text *text)
@@ -59,17 +50,6 @@ static int on_open(struct orl_tree_text *text, struct orl_error *err)
     return 0;
 }
 
-static int grow_grid(struct orl_tree_text *text, struct orl_error *err)
-{
-    const size_t capacity = text->grid_capacity ? 2 * text->grid_capacity : 256;
-    float *grid = realloc(text->grid, capacity * sizeof *grid);
-    if (!grid)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
-    text->grid = grid;
-    text->grid_capacity = capacity;
-    return 0;
-}
-
 static int on_number(struct orl_tree_text *text, double number, struct orl_error *err)
 {
     struct orl_tree *tree = text->tree;
@@ -81,8 +61,8 @@ static int on_number(struct orl_tree_text *text, double number, struct orl_error
     if (*text->values == ORL_LIMIT_BSDF_VALUES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the tensor tree has more than %lu values",
                              ORL_LIMIT_BSDF_VALUES);
-    if (text->n_grid == text->grid_capacity && grow_grid(text, err) < 0)
-        return ORL_ERR_NOMEM;
+    if (!orl_array_reserve(&text->grid, &text->grid_capacity, text->n_grid, sizeof *text->grid))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the tensor tree");
     if (tree && (*text->values == 0 || value < tree->minimum))
         tree->minimum = value;
     ++*text->values;
@@ -210,10 +190,7 @@ int orl_tree_text_finish(struct orl_tree_text *text, struct orl_error *err)
 
 void orl_matrix_text_init(struct orl_matrix_text *text, struct orl_matrix *matrix, bool by_rows)
 {
-    memset(text, 0, sizeof *text);
-    orl_scan_init(&text->scan);
-    text->matrix = matrix;
-    text->by_rows = by_rows;
+    *text = (struct orl_matrix_text){.matrix = matrix, .by_rows = by_rows};
 }
 
 static size_t count_values(const struct orl_matrix *m)

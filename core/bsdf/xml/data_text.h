@@ -79,7 +79,7 @@ struct orl_brace {
 
 struct orl_tree_text {
     struct orl_scan scan;
-    unsigned rank; /* 4: fills tree, 3: fills iso; both borrowed */
+    unsigned rank; /* 4: fills tree, 3: fills iso; borrowed */
     struct orl_tree *tree;
     struct orl_iso *iso;
     size_t *values, *clamped; /* counters of the tree or iso that is filled */
@@ -90,8 +90,8 @@ struct orl_tree_text {
     bool complete; /* true once the outermost brace has closed */
 };
 
-void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree);
-void orl_tree_text_init_iso(struct orl_tree_text *text, struct orl_iso *iso);
+/* Prepares to fill a tree of rank 4 or of rank 3; the other is NULL. */
+void orl_tree_text_init(struct orl_tree_text *text, struct orl_tree *tree, struct orl_iso *iso);
 int orl_tree_text_feed(struct orl_tree_text *text, const char *piece, size_t size,
                        struct orl_error *err);
 /* Ends the block. Returns ORL_ERR_SYNTAX if the tree is incomplete. */

@@ -7,6 +7,8 @@
 
 #include <oriel/base/scanner.h>
 
+#include "base/text/words.h"
+
 void orl_scan_init(struct orl_scan *scan)
 {
     memset(scan, 0, sizeof *scan);
@@ -42,105 +44,26 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/*
- * Returns digits * 10^exponent. Exact if both fit a double exactly, as numbers printed by programs
- * do. Otherwise accurate to a few units in the last place, far better than the stored float.
- */
-static inline double scale_by_ten(uint64_t digits, int exponent)
-{
-    static const double exact[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                   1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                   1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    double value = (double)digits;
-    if (digits == 0)
-        return 0;
-    for (; exponent > 22; exponent -= 22)
-        value *= 1e22;
-    for (; exponent < -22; exponent += 22)
-        value /= 1e22;
-    return exponent >= 0 ? value * exact[exponent] : value / exact[-exponent];
-}
-
-/* Digits of a number, and the power of ten from the decimal point and surplus digits. */
-struct digits {
-    uint64_t value;
-    int exponent;
-    bool any;
-};
-
-static const char *read_digits(const char *p, const char *end, struct digits *d)
-{
-    bool point = false;
-    for (; p < end && (is_digit(*p) || (*p == '.' && !point)); p++) {
-        if (*p == '.') {
-            point = true;
-            continue;
-        }
-        d->any = true;
-        if (d->value < UINT64_C(100000000000000000)) {
-            d->value = d->value * 10 + (uint64_t)(*p - '0');
-            d->exponent -= point;
-        } else {
-            d->exponent += !point; /* beyond 18 digits only the magnitude counts */
-        }
-    }
-    return p;
-}
-
-/* Reads an optional exponent and clamps it to +-9999, whatever its number of digits. Returns NULL
- * if it is malformed. */
-static const char *read_exponent(const char *p, const char *end, int *exponent)
-{
-    bool negative = false;
-    int value = 0;
-    if (p == end || (*p != 'e' && *p != 'E'))
-        return p;
-    if (++p < end && (*p == '+' || *p == '-'))
-        negative = *p++ == '-';
-    if (p == end || !is_digit(*p))
-        return NULL;
-    for (; p < end && is_digit(*p); p++)
-        if (value < 9999)
-            value = value * 10 + (*p - '0');
-    if (value > 9999)
-        value = 9999;
-    *exponent += negative ? -value : value;
-    return p;
-}
-
-/* Sets the error for text that is not a plain number, and returns its code. */
-static int refuse_number(const char *text, size_t length, struct orl_error *err)
+int orl_number_parse(const char *text, size_t length, double *ret_value, struct orl_error *err)
 {
     const size_t skip = length > 0 && (*text == '-' || *text == '+');
     const int shown = (int)(length < 40 ? length : 40);
+    double value = 0;
+    const enum orl_number_fault fault = orl_number_read(text, length, &value);
+    if (fault == ORL_NUMBER_OK && fabs(value) <= ORL_BSDF_VALUE_MAX) {
+        *ret_value = value;
+        return 0;
+    }
     if (length - skip >= 3 &&
         (!strncasecmp(text + skip, "nan", 3) || !strncasecmp(text + skip, "inf", 3)))
         return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is not a finite number", shown, text);
+    if (fault != ORL_NUMBER_INVALID)
+        return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is too large: at most %g is accepted",
+                             shown, text, ORL_BSDF_VALUE_MAX);
     if (orl_slice_is_decimal_comma((struct orl_slice){text, length}))
         return orl_error_set(err, ORL_ERR_SYNTAX, "%.*s: a decimal comma; write it with a point",
                              shown, text);
     return orl_error_set(err, ORL_ERR_SYNTAX, "'%.*s' is not a number", shown, text);
-}
-
-int orl_number_parse(const char *text, size_t length, double *ret_value, struct orl_error *err)
-{
-    const char *p = text, *const end = text + length;
-    struct digits d = {0, 0, false};
-    bool negative = false;
-    double value;
-    if (p < end && (*p == '+' || *p == '-'))
-        negative = *p++ == '-';
-    p = read_digits(p, end, &d);
-    if (d.any)
-        p = read_exponent(p, end, &d.exponent);
-    if (!d.any || p != end)
-        return refuse_number(text, length, err);
-    value = scale_by_ten(d.value, d.exponent);
-    if (!(value <= ORL_BSDF_VALUE_MAX))
-        return orl_error_set(err, ORL_ERR_RANGE, "'%.*s' is too large: at most %g is accepted",
-                             (int)(length < 40 ? length : 40), text, ORL_BSDF_VALUE_MAX);
-    *ret_value = negative ? -value : value;
-    return 0;
 }
 
 /* ---- Fast path ------------------------------------------------------------------------------ */
@@ -173,12 +96,16 @@ static inline unsigned read_word(const char *p, uint64_t *ret_value)
 /*
  * Reads a number in a common printed form: up to eight digits, a point, up to eight more, an
  * exponent of up to two digits. Returns its end and the same value as orl_number_parse. Returns
- * NULL for other forms, and for a number that may continue after end.
+ * NULL for other forms, for numbers that one operation on exact doubles does not give, and for a
+ * number that may continue after end.
  */
 static inline const char *read_quickly(const char *p, const char *end, double *ret_value)
 {
     enum { LONGEST = 2 * WORD_DIGITS + 8 };
     static const uint32_t tens[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
+    static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                    1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     uint64_t value, fraction;
     unsigned count, more = 0;
     int exponent = 0;
@@ -204,7 +131,10 @@ static inline const char *read_quickly(const char *p, const char *end, double *r
             return NULL;
         exponent += negative ? -(int)power : (int)power;
     }
-    const double number = scale_by_ten(value, exponent);
+    if (value > UINT64_C(1) << 53 || exponent < -22 || exponent > 22)
+        return NULL;
+    const double number =
+        exponent < 0 ? (double)value / powers[-exponent] : (double)value * powers[exponent];
     if (!ends_number(*p) || !(number <= ORL_BSDF_VALUE_MAX))
         return NULL;
     *ret_value = number;

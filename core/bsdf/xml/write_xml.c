@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/io/out_file.h"
+
 void orl_write_value(FILE *out, float value)
 {
     char text[32];
@@ -228,4 +230,14 @@ void orl_document_write(const struct orl_document *document, const struct orl_bs
                             (enum orl_bsdf_channel)channel);
         }
     fputs("</Layer>\n</Optical>\n</WindowElement>\n", out);
+}
+
+int orl_document_write_text(const struct orl_document *document,
+                            const struct orl_bsdf_labels *labels, char **ret_text, size_t *ret_size)
+{
+    FILE *out = open_memstream(ret_text, ret_size);
+    if (!out)
+        return ORL_ERR_NOMEM;
+    orl_document_write(document, labels, out);
+    return orl_memstream_close(out, ret_text) ? 0 : ORL_ERR_NOMEM;
 }

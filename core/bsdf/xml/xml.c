@@ -95,10 +95,7 @@ static void on_doctype(void *ctx, const XML_Char *name, const XML_Char *system,
                        const XML_Char *public, int internal)
 {
     struct orl_xml_reader *r = ctx;
-    (void)name;
-    (void)system;
-    (void)public;
-    (void)internal;
+    (void)name, (void)system, (void)public, (void)internal;
     FAIL(r, ORL_ERR_UNSUPPORTED, "a document type declaration; entities are not accepted");
 }
 

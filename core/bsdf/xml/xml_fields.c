@@ -227,9 +227,13 @@ static void read_thickness(struct orl_xml_reader *r)
     r->document->thickness_m = value * r->thickness_unit;
 }
 
-static void read_number(struct orl_xml_reader *r, double *ret_value)
+static void read_ring_number(struct orl_xml_reader *r)
 {
-    const int code = orl_number_parse(r->text, r->text_length, ret_value, r->err);
+    const enum orl_xml_element here = r->path[r->depth - 1];
+    double *into = here == EL_RING_CELLS   ? &r->ring_cells
+                   : here == EL_RING_LOWER ? &r->ring_lower
+                                           : &r->ring_upper;
+    const int code = orl_number_parse(r->text, r->text_length, into, r->err);
     if (code < 0)
         orl_xml_fail(r, code);
 }
@@ -263,8 +267,12 @@ static void read_part(struct orl_xml_reader *r)
         is_given(r);
 }
 
-static void read_basis_name(struct orl_xml_reader *r, enum orl_tree_axis axis)
+static void read_basis_name(struct orl_xml_reader *r)
 {
+    const enum orl_tree_axis axis =
+        r->path[r->depth - 1] == EL_COLUMN_BASIS ? ORL_AXIS_A : ORL_AXIS_B;
+    if (r->channel < 0)
+        return;
     for (unsigned i = 0; i < r->n_bases; i++) {
         if (!strcasecmp(r->bases[i].name, r->text) && r->bases[i].n_rings > 0) {
             r->basis[axis] = r->bases[i];
@@ -298,11 +306,11 @@ static int begin_tree(struct orl_xml_reader *r, struct orl_component *component)
     if (!r->tree_basis)
         return orl_error_set(r->err, ORL_ERR_SYNTAX, "a tensor tree without an AngleBasis");
     if (r->document->structure == ORL_STRUCTURE_TREE4) {
-        orl_tree_text_init(&r->tree_text, tree);
+        orl_tree_text_init(&r->tree_text, tree, NULL);
         tree->eval_only = k >= 0;
         return 0;
     }
-    orl_tree_text_init_iso(&r->tree_text, iso);
+    orl_tree_text_init(&r->tree_text, NULL, iso);
     code = orl_iso_init(iso, r->err);
     iso->eval_only = k >= 0;
     return code;
@@ -451,21 +459,6 @@ static void read_basis_title(struct orl_xml_reader *r)
              r->text);
 }
 
-static void read_ring_cells(struct orl_xml_reader *r)
-{
-    read_number(r, &r->ring_cells);
-}
-
-static void read_ring_lower(struct orl_xml_reader *r)
-{
-    read_number(r, &r->ring_lower);
-}
-
-static void read_ring_upper(struct orl_xml_reader *r)
-{
-    read_number(r, &r->ring_upper);
-}
-
 static void read_wavelength(struct orl_xml_reader *r)
 {
     const bool matrix = r->document->structure == ORL_STRUCTURE_MATRIX;
@@ -477,18 +470,6 @@ static void read_wavelength(struct orl_xml_reader *r)
         r->channel = 2;
     else
         r->channel = -1;
-}
-
-static void read_column_basis(struct orl_xml_reader *r)
-{
-    if (r->channel >= 0)
-        read_basis_name(r, ORL_AXIS_A);
-}
-
-static void read_row_basis(struct orl_xml_reader *r)
-{
-    if (r->channel >= 0)
-        read_basis_name(r, ORL_AXIS_B);
 }
 
 static void read_tree_basis(struct orl_xml_reader *r)
@@ -507,14 +488,14 @@ void orl_xml_end(struct orl_xml_reader *r, enum orl_xml_element element)
         [EL_THICKNESS] = read_thickness,
         [EL_STRUCTURE] = read_structure,
         [EL_BASIS_NAME] = read_basis_title,
-        [EL_RING_CELLS] = read_ring_cells,
-        [EL_RING_LOWER] = read_ring_lower,
-        [EL_RING_UPPER] = read_ring_upper,
+        [EL_RING_CELLS] = read_ring_number,
+        [EL_RING_LOWER] = read_ring_number,
+        [EL_RING_UPPER] = read_ring_number,
         [EL_RING] = add_ring,
         [EL_WAVELENGTH] = read_wavelength,
         [EL_DIRECTION] = read_part,
-        [EL_COLUMN_BASIS] = read_column_basis,
-        [EL_ROW_BASIS] = read_row_basis,
+        [EL_COLUMN_BASIS] = read_basis_name,
+        [EL_ROW_BASIS] = read_basis_name,
         [EL_TREE_BASIS] = read_tree_basis,
         [EL_DATA] = end_data,
     };

@@ -93,14 +93,8 @@ int orl_bsdf_measurements_check(const char *const *files, size_t count,
     const struct orl_fit_read_options options = {.reversed = false};
     struct orl_fit_data data = {0};
     int code = 0;
-    for (uint32_t i = 0; i < count && code == 0; i++) {
-        struct orl_file file;
-        code = provider->open(provider->ctx, files[i], &file, err);
-        if (code < 0)
-            break;
-        code = orl_fit_read(files[i], i, file.data, file.size, &options, &data, err);
-        provider->close(provider->ctx, &file);
-    }
+    for (uint32_t i = 0; i < count && code == 0; i++)
+        code = orl_fit_read_file(provider, files[i], i, &options, &data, err);
     *ret = (struct orl_bsdf_measurements){.rows = data.n_rows, .directions = data.n_scans};
     snprintf(ret->sample, sizeof ret->sample, "%s", data.name);
     orl_fit_data_done(&data);

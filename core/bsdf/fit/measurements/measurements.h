@@ -59,6 +59,10 @@ struct orl_fit_read_options {
 int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
                  const struct orl_fit_read_options *options, struct orl_fit_data *data,
                  struct orl_error *err);
+/* Same as orl_fit_read, for a file of the provider. */
+int orl_fit_read_file(const struct orl_files *files, const char *name, uint32_t index,
+                      const struct orl_fit_read_options *options, struct orl_fit_data *data,
+                      struct orl_error *err);
 void orl_fit_data_done(struct orl_fit_data *data); /* a zeroed struct is allowed */
 
 /*

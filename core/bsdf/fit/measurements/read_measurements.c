@@ -1,6 +1,5 @@
 /* Reads measurements: lines and scans, then pab-opto's text and CSV, then the choice between
  * them. */
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,21 +23,6 @@ struct text_lines {
     const struct orl_fit_read_options *options;
 };
 
-static int fail_at_line(const struct text_lines *lines, int code, struct orl_error *err,
-                        const char *format, ...) __attribute__((format(printf, 4, 5)));
-
-/* Sets an error at the line that was read last; returns code. */
-static int fail_at_line(const struct text_lines *lines, int code, struct orl_error *err,
-                        const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    orl_error_vset(err, code, format, arguments);
-    va_end(arguments);
-    orl_error_at(err, lines->scanner.name, lines->scanner.line, NULL);
-    return code;
-}
-
 /* Returns the next line; *ret_more is false after the last. Returns 0 or ORL_ERR_CANCELLED. */
 static int next_line(struct text_lines *lines, struct orl_slice *ret_line, bool *ret_more,
                      struct orl_error *err)
@@ -58,7 +42,7 @@ static int parse_number(const struct text_lines *lines, struct orl_slice word, c
     if (code < 0)
         return code;
     if (!(fabs(value) <= ORL_BSDF_VALUE_MAX))
-        return fail_at_line(lines, ORL_ERR_RANGE, err, "%s is too large", what);
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_RANGE, err, "%s is too large", what);
     *ret_value = value;
     return 0;
 }
@@ -102,11 +86,12 @@ static int add_scan(const struct text_lines *lines, struct orl_fit_data *data, b
                     bool transmitted, double theta, double phi, struct orl_error *err)
 {
     if (data->n_scans >= ORL_LIMIT_MEASURED_SCANS)
-        return fail_at_line(lines, ORL_ERR_LIMIT, err,
-                            "more than %u pairs of incident direction and exit side",
-                            ORL_LIMIT_MEASURED_SCANS);
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_LIMIT, err,
+                                "more than %u pairs of incident direction and exit side",
+                                ORL_LIMIT_MEASURED_SCANS);
     if (!orl_array_reserve(&data->scans, &data->capacity, data->n_scans, sizeof *data->scans))
-        return fail_at_line(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_NOMEM, err,
+                                "out of memory for measurements");
     data->last = data->n_scans;
     data->scans[data->n_scans++] = (struct orl_fit_scan){.front = front,
                                                          .transmitted = transmitted,
@@ -143,17 +128,17 @@ static int check_angles(const struct text_lines *lines, const struct filed_angle
                         struct orl_error *err)
 {
     if (!(a->theta_in >= 0 && a->theta_in <= 180 && fabs(a->theta_in - 90) > 1e-6))
-        return fail_at_line(
-            lines, ORL_ERR_RANGE, err,
+        return orl_scanner_fail(
+            &lines->scanner, ORL_ERR_RANGE, err,
             "theta of the incident direction is %g: it must be from 0 to 180 degrees, but not 90",
             a->theta_in);
     if (!(a->theta_out >= 0 && a->theta_out <= 180))
-        return fail_at_line(lines, ORL_ERR_RANGE, err,
-                            "theta of the exit direction is %g: it must be from 0 to 180 degrees",
-                            a->theta_out);
+        return orl_scanner_fail(
+            &lines->scanner, ORL_ERR_RANGE, err,
+            "theta of the exit direction is %g: it must be from 0 to 180 degrees", a->theta_out);
     if (!(fabs(a->phi_in) <= 720 && fabs(a->phi_out) <= 720 && fabs(a->up_deg) <= 720))
-        return fail_at_line(lines, ORL_ERR_RANGE, err,
-                            "an azimuth must be from -720 to 720 degrees");
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_RANGE, err,
+                                "an azimuth must be from -720 to 720 degrees");
     return 0;
 }
 
@@ -174,8 +159,8 @@ static int add_row(const struct text_lines *lines, struct orl_fit_data *data,
     in_front ^= lines->options->reversed;
     out_front ^= lines->options->reversed;
     if (data->n_rows >= ORL_LIMIT_MEASURED_ROWS)
-        return fail_at_line(lines, ORL_ERR_LIMIT, err, "more than %lu rows of measurements",
-                            ORL_LIMIT_MEASURED_ROWS);
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_LIMIT, err,
+                                "more than %lu rows of measurements", ORL_LIMIT_MEASURED_ROWS);
     data->n_rows++;
     /* Along the surface a DSF is 0 whatever the BSDF. */
     if (90 - out < lines->options->grazing_deg || (is_dsf && d.z < 1e-3))
@@ -185,7 +170,8 @@ static int add_row(const struct text_lines *lines, struct orl_fit_data *data,
         return code;
     struct orl_fit_scan *scan = &data->scans[data->last];
     if (!orl_array_reserve(&scan->rows, &scan->capacity, scan->n_rows, sizeof *scan->rows))
-        return fail_at_line(lines, ORL_ERR_NOMEM, err, "out of memory for measurements");
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_NOMEM, err,
+                                "out of memory for measurements");
     scan->rows[scan->n_rows++] =
         (struct orl_fit_row){(float)d.x,  (float)d.y,
                              (float)d.z,  (float)(is_dsf ? value / d.z : value),
@@ -233,10 +219,11 @@ static int read_format(const struct text_lines *lines, struct orl_slice line, st
     for (size_t i = 0; i < sizeof bsdf / sizeof *bsdf; i++)
         known = known || orl_slice_is_nocase(kind, bsdf[i]);
     header->has_format = true;
-    return angles && known ? 0
-                           : fail_at_line(lines, ORL_ERR_UNSUPPORTED, err,
-                                          "the format is not supported: write \"theta phi DSF\", "
-                                          "or BSDF, BRDF, BTDF in place of DSF");
+    return angles && known
+               ? 0
+               : orl_scanner_fail(&lines->scanner, ORL_ERR_UNSUPPORTED, err,
+                                  "the format is not supported: write \"theta phi DSF\", "
+                                  "or BSDF, BRDF, BTDF in place of DSF");
 }
 
 static int read_colorimetry(const struct text_lines *lines, struct orl_slice word,
@@ -248,8 +235,8 @@ static int read_colorimetry(const struct text_lines *lines, struct orl_slice wor
     } else if (orl_slice_is_nocase(word, "CIE-Y")) {
         header->values = 1;
     } else {
-        return fail_at_line(lines, ORL_ERR_UNSUPPORTED, err,
-                            "the colorimetry is neither CIE-Y nor CIE-XYZ");
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_UNSUPPORTED, err,
+                                "the colorimetry is neither CIE-Y nor CIE-XYZ");
     }
     return 0;
 }
@@ -301,13 +288,14 @@ static int check_header(const struct text_lines *lines, const struct header *h,
                         struct orl_error *err)
 {
     if (!h->has_format)
-        return fail_at_line(
-            lines, ORL_ERR_SYNTAX, err,
+        return orl_scanner_fail(
+            &lines->scanner, ORL_ERR_SYNTAX, err,
             "there is no \"#format: theta phi DSF\" (or BSDF, BRDF, BTDF) before the first row");
     if (!h->has_theta || !h->has_phi)
-        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                            "there is no \"#incident_angle theta phi\", nor #intheta and #inphi, "
-                            "before the first row");
+        return orl_scanner_fail(
+            &lines->scanner, ORL_ERR_SYNTAX, err,
+            "there is no \"#incident_angle theta phi\", nor #intheta and #inphi, "
+            "before the first row");
     return 0;
 }
 
@@ -321,8 +309,9 @@ static int read_pab_row(const struct text_lines *lines, struct orl_slice line, s
     for (int i = 0; i < h->values && code == 0; i++)
         code = parse_number(lines, orl_slice_take_word(&line), "the value", &values[i], err);
     if (code == 0 && orl_slice_take_word(&line).length > 0)
-        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "a row must be theta, phi and %s",
-                            h->values == 3 ? "three values" : "one value");
+        code = orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err,
+                                "a row must be theta, phi and %s",
+                                h->values == 3 ? "three values" : "one value");
     if (code == 0)
         code = add_row(lines, data, &h->angles, values[h->values / 2], h->is_dsf, err);
     return code;
@@ -351,7 +340,8 @@ static int read_pab(struct text_lines *lines, struct orl_fit_data *data, struct 
             return code;
     }
     if (code == 0 && !in_rows)
-        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+        code = orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err,
+                                "there is no row of measurements");
     return code;
 }
 
@@ -385,16 +375,17 @@ static int read_column_name(const struct text_lines *lines, struct orl_slice fie
         if (!orl_slice_is_nocase(field, names[kind]))
             continue;
         if (table->has[kind])
-            return fail_at_line(lines, ORL_ERR_SYNTAX, err, "the column %s is given twice",
-                                names[kind]);
+            return orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err,
+                                    "the column %s is given twice", names[kind]);
         table->has[kind] = true;
         table->kinds[table->n_columns++] = kind;
         return 0;
     }
-    return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                        "\"%.*s\" is not a known column: use theta_in, phi_in, theta_out, phi_out, "
-                        "bsdf or dsf, and up",
-                        (int)(field.length < 40 ? field.length : 40), field.text);
+    return orl_scanner_fail(
+        &lines->scanner, ORL_ERR_SYNTAX, err,
+        "\"%.*s\" is not a known column: use theta_in, phi_in, theta_out, phi_out, "
+        "bsdf or dsf, and up",
+        (int)(field.length < 40 ? field.length : 40), field.text);
 }
 
 static int read_column_names(const struct text_lines *lines, struct orl_slice line,
@@ -409,10 +400,11 @@ static int read_column_names(const struct text_lines *lines, struct orl_slice li
     }
     for (int kind = 0; kind <= PHI_OUT; kind++)
         if (!table->has[kind])
-            return fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no column %s", names[kind]);
+            return orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err, "there is no column %s",
+                                    names[kind]);
     if (table->has[BSDF] == table->has[DSF])
-        return fail_at_line(lines, ORL_ERR_SYNTAX, err,
-                            "exactly one column of bsdf or dsf is needed");
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err,
+                                "exactly one column of bsdf or dsf is needed");
     return 0;
 }
 
@@ -431,8 +423,8 @@ static int read_csv_row(const struct text_lines *lines, struct orl_slice line,
             return code;
     }
     if (column != table->n_columns)
-        return fail_at_line(lines, ORL_ERR_SYNTAX, err, "each row must have %zu columns",
-                            table->n_columns);
+        return orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err,
+                                "each row must have %zu columns", table->n_columns);
     const struct filed_angles angles = {values[THETA_IN], values[PHI_IN], values[THETA_OUT],
                                         values[PHI_OUT], values[UP]};
     return add_row(lines, data, &angles, values[table->has[DSF] ? DSF : BSDF], table->has[DSF],
@@ -460,7 +452,8 @@ static int read_csv(struct text_lines *lines, struct orl_fit_data *data, struct 
             return code;
     }
     if (code == 0 && !any)
-        code = fail_at_line(lines, ORL_ERR_SYNTAX, err, "there is no row of measurements");
+        code = orl_scanner_fail(&lines->scanner, ORL_ERR_SYNTAX, err,
+                                "there is no row of measurements");
     return code;
 }
 
@@ -501,4 +494,17 @@ int orl_fit_read(const char *name, uint32_t file, const char *text, size_t size,
         return code;
     const bool csv = is_csv(&lines.scanner);
     return csv ? read_csv(&lines, data, err) : read_pab(&lines, data, err);
+}
+
+int orl_fit_read_file(const struct orl_files *files, const char *name, uint32_t index,
+                      const struct orl_fit_read_options *options, struct orl_fit_data *data,
+                      struct orl_error *err)
+{
+    struct orl_file file;
+    int code = files->open(files->ctx, name, &file, err);
+    if (code < 0)
+        return code;
+    code = orl_fit_read(name, index, file.data, file.size, options, data, err);
+    files->close(files->ctx, &file);
+    return code;
 }
