@@ -30,16 +30,9 @@ struct matrix_fit {
 
 static struct orl_vec3 part_of(size_t cell, int part)
 {
-    const double side = UINT32_C(1) << LEVELS;
-    uint32_t x = 0, y = 0;
-    for (unsigned i = 0; i < LEVELS; i++) {
-        x |= (uint32_t)(cell >> 2 * i & 1) << i;
-        y |= (uint32_t)(cell >> (2 * i + 1) & 1) << i;
-    }
     const int row = part / PARTS;
-    const double u = (x + (part % PARTS + 0.5) / PARTS) / side;
-    const double v = (y + (row + 0.5) / PARTS) / side;
-    return orl_square_to_hemisphere((struct orl_square){2 * u - 1, 2 * v - 1});
+    return orl_morton_direction((uint32_t)cell, LEVELS, (part % PARTS + 0.5) / PARTS,
+                                (row + 0.5) / PARTS);
 }
 
 /* Returns the shares; weights of a basis's cell add up to 1. NULL if out of memory. */
@@ -207,13 +200,6 @@ static int fill_matrix(struct matrix_fit *f, double *ret_diffuse, struct orl_err
     return 0;
 }
 
-static const char *name_of(enum orl_bsdf_basis basis)
-{
-    return basis == ORL_BSDF_KLEMS_FULL   ? "LBNL/Klems Full"
-           : basis == ORL_BSDF_KLEMS_HALF ? "LBNL/Klems Half"
-                                          : "LBNL/Klems Quarter";
-}
-
 int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
                         const struct orl_bsdf_make_env *env, struct orl_fit_models *models,
                         struct orl_bsdf_fit_result *result, struct orl_error *err)
@@ -225,7 +211,7 @@ int orl_fit_write_klems(const struct orl_bsdf_fit_request *request,
     int code = orl_fit_raster_make(LEVELS, &raster, err);
     if (code < 0)
         return code;
-    orl_basis_standard(name_of(result->basis), &basis);
+    orl_basis_standard(orl_gonio_klems_name(result->basis), &basis);
     size_t n_shares;
     struct share *shares = assign_shares(&basis, raster.n_cells, &n_shares);
     if (!shares)

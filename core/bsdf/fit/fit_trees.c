@@ -29,8 +29,7 @@ struct tree_fit {
     const struct orl_bsdf_make_env *env;
     struct orl_fit_model *model;
     const struct orl_fit_raster *raster;
-    unsigned rank, levels, split; /* split: level of the blocks */
-    size_t n_blocks;
+    struct orl_gonio_split of; /* its subtrees are the blocks */
     struct orl_gonio_cull cull;
     double progress_from, share; /* shares of all work: the start of this component, and its part */
     size_t first;                /* first of the blocks in work */
@@ -42,18 +41,10 @@ struct tree_fit {
 
 /* ---- Incident cells -------------------------------------------------------------------------- */
 
-static uint32_t even_bits(uint32_t v)
-{
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < 16; i++)
-        bits |= (v >> 2 * i & 1) << i;
-    return bits;
-}
-
 /* Sets the ring of a cell in rank 3: inner and outer radius on the disk of sines. */
 static void set_ring(const struct tree_fit *g, uint32_t a, double ret_sines[2])
 {
-    const double side = UINT32_C(1) << g->levels;
+    const double side = UINT32_C(1) << g->of.levels;
     ret_sines[0] = 1 - 2 * (a + 1) / side;
     ret_sines[1] = 1 - 2 * a / side;
 }
@@ -65,7 +56,7 @@ static unsigned samples_in(const struct tree_fit *g, uint32_t a)
 {
     const double widest_rad = 1.5 * ORL_DEG_TO_RAD;
     double sines[2];
-    if (g->rank == 4)
+    if (g->of.rank == 4)
         return 1;
     set_ring(g, a, sines);
     const unsigned n = (unsigned)ceil((asin(sines[1]) - asin(sines[0])) / widest_rad);
@@ -76,26 +67,15 @@ static unsigned samples_in(const struct tree_fit *g, uint32_t a)
  * travel. */
 static struct orl_vec3 incidence(const struct tree_fit *g, uint32_t a, unsigned location)
 {
-    if (g->rank == 3) {
+    if (g->of.rank == 3) {
         double sines[2];
         set_ring(g, a, sines);
         const double u = (location + 0.5) / samples_in(g, a);
         const double r2 = sines[0] * sines[0] * (1 - u) + sines[1] * sines[1] * u;
         return orl_v3(-sqrt(r2), 0, sqrt(1 - r2));
     }
-    const double side = UINT32_C(1) << g->levels;
-    const double x = (even_bits(a) + 0.5) / side, y = (even_bits(a >> 1) + 0.5) / side;
-    const struct orl_vec3 travel =
-        orl_square_to_hemisphere((struct orl_square){2 * x - 1, 2 * y - 1});
+    const struct orl_vec3 travel = orl_morton_direction(a, g->of.levels, 0.5, 0.5);
     return orl_v3(-travel.x, -travel.y, travel.z);
-}
-
-/* Returns the mirror image of a cell at some level. */
-static uint32_t mirrored(uint32_t cell, unsigned level, unsigned mirror)
-{
-    for (unsigned l = 0; l < level; l++)
-        cell ^= mirror << 2 * l;
-    return cell;
 }
 
 /* Returns the first of the blocks that are mirror images of this one; the others are copied from
@@ -103,11 +83,11 @@ static uint32_t mirrored(uint32_t cell, unsigned level, unsigned mirror)
 static uint32_t original_of(const struct tree_fit *g, uint32_t block, unsigned *ret_mirror)
 {
     unsigned mirrors[3];
-    const size_t n = g->rank == 3 ? 0 : orl_fit_mirrors(g->model->symmetry, mirrors);
+    const size_t n = g->of.rank == 3 ? 0 : orl_fit_mirrors(g->model->symmetry, mirrors);
     uint32_t first = block;
     *ret_mirror = 0;
     for (size_t i = 0; i < n; i++) {
-        const uint32_t other = mirrored(block, g->split, mirrors[i]);
+        const uint32_t other = orl_gonio_mirrored_cell(block, g->of.split, mirrors[i]);
         if (other < first) {
             first = other;
             *ret_mirror = mirrors[i];
@@ -123,14 +103,27 @@ static uint32_t original_of(const struct tree_fit *g, uint32_t block, unsigned *
 static double value_of(const struct tree_fit *g, const double *sums, uint32_t cell)
 {
     const double value = sums[cell];
-    return g->rank == 3 ? 0.5 * (value + sums[mirrored(cell, g->levels, 2)]) : value;
+    return g->of.rank == 3 ? 0.5 * (value + sums[orl_gonio_mirrored_cell(cell, g->of.levels, 2)])
+                           : value;
 }
 
-static bool evaluate_cell(const struct tree_fit *g, struct scratch *scratch, struct block *block,
-                          uint32_t a, struct orl_gonio_cells ret_cells)
+/* Context of one block. */
+struct block_work {
+    const struct tree_fit *g;
+    struct scratch *scratch;
+    struct block *block;
+};
+
+static bool evaluate_cell(void *ctx, uint32_t a, struct orl_gonio_cells ret_cells)
 {
+    const struct block_work *work = ctx;
+    const struct tree_fit *g = work->g;
+    struct scratch *scratch = work->scratch;
+    struct block *block = work->block;
     const size_t cells = g->raster->n_cells;
     const unsigned samples = samples_in(g, a);
+    if (orl_is_cancelled(g->env->cancel))
+        return false;
     memset(scratch->sums, 0, cells * sizeof *scratch->sums);
     for (unsigned i = 0; i < samples; i++) {
         struct orl_fit_location location;
@@ -151,29 +144,6 @@ static bool evaluate_cell(const struct tree_fit *g, struct scratch *scratch, str
 
 /* ---- Merging --------------------------------------------------------------------------------- */
 
-static size_t nodes_at(unsigned level)
-{
-    return (size_t)1 << 2 * level;
-}
-
-/* Computes the nodes of incident cell a at a level, from the finest cells up. */
-static bool build_nodes(const struct tree_fit *g, struct scratch *scratch, struct block *block,
-                        unsigned level, uint32_t a, struct orl_gonio_cells ret_cells)
-{
-    const unsigned in = orl_gonio_children_in(g->rank);
-    if (level == g->levels)
-        return !orl_is_cancelled(g->env->cancel) && evaluate_cell(g, scratch, block, a, ret_cells);
-    struct orl_gonio_cells parts;
-    bool fine = orl_gonio_cells_make(&parts, in * nodes_at(level + 1), false);
-    for (unsigned k = 0; k < in && fine; k++)
-        fine = build_nodes(g, scratch, block, level + 1, in * a + k,
-                           orl_gonio_cells_at(parts, k * nodes_at(level + 1)));
-    fine = fine &&
-           orl_gonio_builder_merge_level(&block->builder, parts, nodes_at(level), level, ret_cells);
-    orl_gonio_cells_done(&parts);
-    return fine;
-}
-
 static void build_block(void *arg, size_t index, uint32_t member)
 {
     const struct tree_fit *g = arg;
@@ -182,72 +152,49 @@ static void build_block(void *arg, size_t index, uint32_t member)
     unsigned mirror;
     if (original_of(g, a, &mirror) != a)
         return;
-    block->builder = (struct orl_gonio_builder){.rank = g->rank, .cull = g->cull};
-    if (!orl_gonio_cells_make(&block->top_nodes, nodes_at(g->split), false) ||
-        !build_nodes(g, &g->scratches[member], block, g->split, a, block->top_nodes))
+    struct block_work work = {g, &g->scratches[member], block};
+    const struct orl_gonio_merger merger = {&block->builder, g->of.levels, 1, evaluate_cell, &work};
+    block->builder = (struct orl_gonio_builder){.rank = g->of.rank, .cull = g->cull};
+    if (!orl_gonio_cells_make(&block->top_nodes, (size_t)1 << 2 * g->of.split, false) ||
+        !orl_gonio_merge_nodes(&merger, g->of.split, a, block->top_nodes))
         block->code = orl_is_cancelled(g->env->cancel) ? ORL_ERR_CANCELLED : ORL_ERR_NOMEM;
 }
 
 /* Adds the nodes of a block, original or mirrored, to the whole tree. */
-static bool add_block_nodes(struct tree_fit *g, uint32_t a, struct orl_gonio_cells ret_cells)
+static bool add_block_nodes(void *ctx, uint32_t a, struct orl_gonio_cells ret_cells)
 {
+    struct tree_fit *g = ctx;
     unsigned mirror;
     const struct block *block = &g->blocks[original_of(g, a, &mirror)];
     uint32_t shift;
     if (!orl_gonio_builder_append(&g->builder, &block->builder, mirror * 5U, &shift))
         return false;
-    for (uint32_t i = 0; i < nodes_at(g->split); i++)
+    for (uint32_t i = 0; i < 1U << 2 * g->of.split; i++)
         ret_cells.nodes[i] = orl_gonio_node_shifted(
-            block->top_nodes.nodes[g->rank == 3 ? i : mirrored(i, g->split, mirror)], shift);
+            block->top_nodes
+                .nodes[g->of.rank == 3 ? i : orl_gonio_mirrored_cell(i, g->of.split, mirror)],
+            shift);
     return true;
-}
-
-/* Computes the nodes of incident cell a at a level above the blocks. In rank 3 the upper half of A
- * has no directions; it is a copy of the lower one. */
-static bool merge_nodes(struct tree_fit *g, unsigned level, uint32_t a,
-                        struct orl_gonio_cells ret_cells)
-{
-    const unsigned in = orl_gonio_children_in(g->rank);
-    if (level == g->split)
-        return add_block_nodes(g, a, ret_cells);
-    const size_t count = nodes_at(level + 1);
-    struct orl_gonio_cells parts;
-    bool fine = orl_gonio_cells_make(&parts, in * count, false);
-    for (unsigned k = 0; k < in && fine; k++) {
-        if (g->rank == 3 && level == 0 && k == 1)
-            orl_gonio_cells_copy(orl_gonio_cells_at(parts, count), parts, count);
-        else
-            fine = merge_nodes(g, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
-    }
-    fine = fine &&
-           orl_gonio_builder_merge_level(&g->builder, parts, nodes_at(level), level, ret_cells);
-    orl_gonio_cells_done(&parts);
-    return fine;
 }
 
 /* ---- One component --------------------------------------------------------------------------- */
 
-/* Returns the total for diffuse light from a side. Cells of A have equal weights in rank 4; rings
- * have weights by their size in rank 3. */
+/* Returns the total for diffuse light from a side. */
 static double diffuse_of(const struct tree_fit *g)
 {
     double sum = 0;
     unsigned mirror;
-    for (uint32_t a = 0; a < g->n_blocks; a++) {
-        const double n = (double)g->n_blocks;
-        const double weight =
-            g->rank == 4 ? ldexp(1, -2 * (int)g->levels) : (2 * (n - (double)a) - 1) / (n * n);
-        sum += weight * g->blocks[original_of(g, a, &mirror)].total;
-    }
+    for (uint32_t a = 0; a < g->of.n_subtrees; a++)
+        sum += orl_gonio_diffuse_weight(&g->of, a) * g->blocks[original_of(g, a, &mirror)].total;
     return sum;
 }
 
 static int request_plans(struct tree_fit *g, struct orl_error *err)
 {
-    const size_t cells = g->rank == 3 ? g->n_blocks : (size_t)1 << 2 * g->levels;
+    const size_t cells = g->of.rank == 3 ? g->of.n_subtrees : (size_t)1 << 2 * g->of.levels;
     unsigned mirror;
     for (uint32_t a = 0; a < cells; a++) {
-        const uint32_t block = a >> 2 * (g->levels - g->split);
+        const uint32_t block = a >> 2 * (g->of.levels - g->of.split);
         if (original_of(g, block, &mirror) != block)
             continue;
         for (unsigned i = 0; i < samples_in(g, a); i++) {
@@ -280,7 +227,7 @@ static void free_work(struct tree_fit *g)
         orl_fit_light_done(&g->scratches[i].light);
     }
     free(g->scratches);
-    for (size_t i = 0; g->blocks && i < g->n_blocks; i++) {
+    for (size_t i = 0; g->blocks && i < g->of.n_subtrees; i++) {
         orl_gonio_builder_done(&g->blocks[i].builder);
         orl_gonio_cells_done(&g->blocks[i].top_nodes);
     }
@@ -292,15 +239,15 @@ static void free_work(struct tree_fit *g)
 static int build_blocks(struct tree_fit *g)
 {
     int code = 0;
-    for (g->first = 0; g->first < g->n_blocks && code == 0; g->first += CHUNK) {
-        const size_t left = g->n_blocks - g->first, count = left < CHUNK ? left : CHUNK;
+    for (g->first = 0; g->first < g->of.n_subtrees && code == 0; g->first += CHUNK) {
+        const size_t left = g->of.n_subtrees - g->first, count = left < CHUNK ? left : CHUNK;
         code = orl_parallel_try(g->env->pool, count, build_block, g);
         for (size_t i = g->first; i < g->first + count && code == 0; i++)
             code = g->blocks[i].code;
         if (g->env->progress && code == 0)
             g->env->progress(g->env->ctx, 1,
                              g->progress_from +
-                                 g->share * (double)(g->first + count) / (double)g->n_blocks);
+                                 g->share * (double)(g->first + count) / (double)g->of.n_subtrees);
     }
     return code;
 }
@@ -310,28 +257,17 @@ static int build_all(struct tree_fit *g, struct orl_error *err)
     int code = request_plans(g, err);
     if (code < 0)
         return code;
-    g->blocks = calloc(g->n_blocks, sizeof *g->blocks);
+    g->blocks = calloc(g->of.n_subtrees, sizeof *g->blocks);
     g->scratches = calloc(orl_thread_pool_size(g->env->pool), sizeof *g->scratches);
     code = make_scratches(g) ? build_blocks(g) : ORL_ERR_NOMEM;
-    if (code == 0 && !merge_nodes(g, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
+    const struct orl_gonio_merger merger = {&g->builder, g->of.split, 1, add_block_nodes, g};
+    if (code == 0 &&
+        !orl_gonio_merge_nodes(&merger, 0, 0, (struct orl_gonio_cells){&g->root, NULL}))
         code = ORL_ERR_NOMEM;
     return code == 0 ? 0
                      : orl_error_set(err, code,
                                      code == ORL_ERR_CANCELLED ? "cancelled"
                                                                : "out of memory for tensor trees");
-}
-
-static struct tree_fit tree_fit_of(const struct orl_bsdf_fit_request *request,
-                                   const struct orl_bsdf_make_env *env, enum orl_bsdf_basis basis,
-                                   const struct orl_fit_raster *raster)
-{
-    struct tree_fit g = {.env = env, .raster = raster, .levels = raster->levels};
-    g.cull = (struct orl_gonio_cull){request->cull, ORL_BSDF_CULL_FRACTION};
-    g.rank = basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3;
-    /* Rank 3: every ring is a block, and half of A has none. */
-    g.split = g.rank == 3 ? g.levels : g.levels < SPLIT_LEVEL ? g.levels : SPLIT_LEVEL;
-    g.n_blocks = g.rank == 3 ? (size_t)1 << (g.levels - 1) : (size_t)1 << 2 * g.split;
-    return g;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */
@@ -344,12 +280,12 @@ static void write_part(void *ctx, enum orl_component_kind part, enum orl_bsdf_ch
                        FILE *out)
 {
     const struct parts *parts = ctx;
+    size_t i = 0;
     (void)channel;
-    for (int front = 0; front < 2; front++)
-        for (int t = 0; t < 2; t++)
-            if (orl_gonio_component_of[front][t] == part)
-                orl_gonio_builder_write(&parts->of[front][t].builder, parts->of[front][t].root,
-                                        false, parts->of[front][t].env->cancel, out);
+    while (orl_gonio_component_of[i / 2][i % 2] != part)
+        i++;
+    const struct tree_fit *g = &parts->of[i / 2][i % 2];
+    orl_gonio_builder_write(&g->builder, g->root, false, g->env->cancel, out);
 }
 
 int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
@@ -361,13 +297,12 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
                                                      ? ORL_STRUCTURE_TREE4
                                                      : ORL_STRUCTURE_TREE3};
     struct parts parts = {0};
-    unsigned levels = 2;
+    const struct orl_gonio_split split =
+        orl_gonio_split_of(result->basis, request->resolution, SPLIT_LEVEL);
     int n_models = 0, done = 0;
     for (int i = 0; i < 4; i++)
         n_models += models->of[i / 2][i % 2] != NULL;
-    while (1U << levels < request->resolution)
-        levels++;
-    int code = orl_fit_raster_make(levels, &raster, err);
+    int code = orl_fit_raster_make(split.levels, &raster, err);
     if (code < 0)
         return code;
     for (int i = 0; i < 4 && code == 0; i++) {
@@ -375,10 +310,13 @@ int orl_fit_write_trees(const struct orl_bsdf_fit_request *request,
         struct tree_fit *g = &parts.of[i / 2][i % 2];
         if (!model)
             continue;
-        *g = tree_fit_of(request, env, result->basis, &raster);
-        g->builder = (struct orl_gonio_builder){.rank = g->rank, .cull = g->cull};
-        g->model = model;
-        g->share = (1 - orl_fit_prepared_share) / n_models;
+        *g = (struct tree_fit){.env = env,
+                               .model = model,
+                               .raster = &raster,
+                               .of = split,
+                               .cull = {request->cull, ORL_BSDF_CULL_FRACTION},
+                               .share = (1 - orl_fit_prepared_share) / n_models};
+        g->builder = (struct orl_gonio_builder){.rank = split.rank, .cull = g->cull};
         g->progress_from = orl_fit_prepared_share + done++ * g->share;
         code = build_all(g, err);
         if (code == 0)

@@ -11,22 +11,11 @@ enum { TILE_POINTS = ORL_FIT_TILE_CELLS * ORL_FIT_CELL_POINTS, TILES_GROUPED = 1
 
 /* ---- Making it ------------------------------------------------------------------------------- */
 
-static uint32_t even_bits(uint64_t v)
-{
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < 16; i++)
-        bits |= (uint32_t)(v >> 2 * i & 1) << i;
-    return bits;
-}
-
 /* Sets sample points in Morton order on the square of projected solid angles. */
 static void set_points(struct orl_fit_raster *s, size_t n)
 {
-    const double side = UINT32_C(4) << s->levels;
     for (size_t i = 0; i < n; i++) {
-        const double u = even_bits(i) + 0.5, v = even_bits(i >> 1) + 0.5;
-        const struct orl_vec3 d =
-            orl_square_to_hemisphere((struct orl_square){2 * u / side - 1, 2 * v / side - 1});
+        const struct orl_vec3 d = orl_morton_direction((uint32_t)i, s->levels + 2, 0.5, 0.5);
         s->x[i] = (float)d.x;
         s->y[i] = (float)d.y;
         s->z[i] = (float)d.z;
@@ -162,9 +151,9 @@ static bool reaches(const struct orl_fit_sphere *sphere, const float gaussian[4]
 static size_t cell_of(const struct orl_fit_raster *s, struct orl_vec3 d)
 {
     const struct orl_square q = orl_disk_to_square(d.x, d.y);
-    const unsigned coarser = ORL_FIT_SQUARE_LEVELS - s->levels;
-    return (size_t)(orl_fit_morton_spread(orl_fit_square_index(q.x) >> coarser) |
-                    orl_fit_morton_spread(orl_fit_square_index(q.y) >> coarser) << 1);
+    const uint32_t side = 1U << s->levels;
+    return orl_morton_spread(orl_square_index(q.x, side)) |
+           orl_morton_spread(orl_square_index(q.y, side)) << 1;
 }
 
 /* Adds a Gaussian that is too narrow for the sample points, by points of its own that are closer

@@ -21,7 +21,6 @@ int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
 {
     struct orl_bsdf_info info;
     struct orl_bsdf_make_request request = *to;
-    struct orl_bsdf_make_result result = {0};
     int code = check_request(to, err);
     if (code < 0)
         return code;
@@ -30,18 +29,9 @@ int orl_bsdf_convert(const struct orl_bsdf *bsdf, const char *source,
         request.name = info.name;
     const struct orl_gonio_sample sample = {
         .file = bsdf, .source = source, .depth = {0, info.thickness_m}};
-    result.depth[1] = info.thickness_m;
-    request.symmetry = orl_gonio_mirrors_of(to, &sample);
-    orl_thread_pool_set_cancel(env->pool, env->cancel);
-    code = orl_bsdf_basis_is_tree(to->basis)
-               ? orl_gonio_make_trees(&request, env, &sample, NULL, &result, err)
-               : orl_gonio_make_klems(&request, env, &sample, NULL, &result, err);
-    orl_thread_pool_set_cancel(env->pool, NULL);
-    result.paths = 0;
+    code = orl_gonio_measure(&request, env, &sample, ret_result, err);
     if (code == 0)
-        *ret_result = result;
-    else
-        orl_bsdf_make_result_done(&result);
+        ret_result->paths = 0;
     return code;
 }
 

@@ -6,26 +6,30 @@
 #include "bsdf/make/make_bsdf.h"
 #include "bsdf/make/panel/panel.h"
 
-static int make_from_sample(const struct orl_bsdf_make_request *request,
-                            const struct orl_bsdf_make_env *env,
-                            const struct orl_gonio_sample *sample,
-                            struct orl_bsdf_make_result *result, struct orl_error *err)
+int orl_gonio_measure(const struct orl_bsdf_make_request *request,
+                      const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
+                      struct orl_bsdf_make_result *ret_result, struct orl_error *err)
 {
+    struct orl_bsdf_make_result result = {0};
+    struct orl_bsdf_make_request settled = *request;
     struct orl_sobol *sobol = malloc(sizeof *sobol);
-    int code;
+    const struct orl_gonio_measurement measurement = {&settled, env, sample, sobol};
     if (!sobol)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_sobol_init(sobol);
-    memcpy(result->cell, sample->sides, sizeof result->cell);
-    memcpy(result->depth, sample->depth, sizeof result->depth);
+    memcpy(result.cell, sample->sides, sizeof result.cell);
+    memcpy(result.depth, sample->depth, sizeof result.depth);
     orl_thread_pool_set_cancel(env->pool, env->cancel);
-    struct orl_bsdf_make_request settled = *request;
     settled.symmetry = orl_gonio_mirrors_of(request, sample);
-    code = orl_bsdf_basis_is_tree(request->basis)
-               ? orl_gonio_make_trees(&settled, env, sample, sobol, result, err)
-               : orl_gonio_make_klems(&settled, env, sample, sobol, result, err);
+    const int code = orl_bsdf_basis_is_tree(request->basis)
+                         ? orl_gonio_make_trees(&measurement, &result, err)
+                         : orl_gonio_make_klems(&measurement, &result, err);
     orl_thread_pool_set_cancel(env->pool, NULL);
     free(sobol);
+    if (code == 0)
+        *ret_result = result;
+    else
+        orl_bsdf_make_result_done(&result);
     return code;
 }
 
@@ -33,7 +37,6 @@ int orl_bsdf_make(const struct orl_bsdf_make_request *request, const struct orl_
                   struct orl_bsdf_make_result *ret_result, struct orl_error *err)
 {
     struct orl_gonio_sample sample;
-    struct orl_bsdf_make_result result = {0};
     int code = orl_bsdf_make_validate(request, err);
     if (code == 0 && request->n_files == 0)
         code = orl_error_set(err, ORL_ERR_INVALID, "no panel file is given");
@@ -41,12 +44,8 @@ int orl_bsdf_make(const struct orl_bsdf_make_request *request, const struct orl_
         code = orl_gonio_sample_load(request, env, &sample, err);
     if (code < 0)
         return code;
-    code = make_from_sample(request, env, &sample, &result, err);
+    code = orl_gonio_measure(request, env, &sample, ret_result, err);
     orl_gonio_sample_done(&sample);
-    if (code == 0)
-        *ret_result = result;
-    else
-        orl_bsdf_make_result_done(&result);
     return code;
 }
 

@@ -25,6 +25,9 @@ int orl_gonio_refuse(struct orl_error *err, int code, const char *member, const 
 /* Checks the parameters of tensor trees. Returns 0 or ORL_ERR_RANGE. */
 int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err);
 
+/* Returns the name of a Klems basis in a file. */
+const char *orl_gonio_klems_name(enum orl_bsdf_basis basis);
+
 /* Frees the files' names with their list, and the name. */
 void orl_gonio_free_names(char **files, size_t n_files, char *name);
 
@@ -33,19 +36,29 @@ void orl_gonio_free_names(char **files, size_t n_files, char *name);
 
 /* ---- Makers ---------------------------------------------------------------------------------- */
 
+/* Measures a sample in the requested basis, and resolves a symmetry that is auto. Errors are as for
+ * orl_bsdf_make. */
+int orl_gonio_measure(const struct orl_bsdf_make_request *request,
+                      const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
+                      struct orl_bsdf_make_result *ret_result, struct orl_error *err);
+
 /* Measures matrices of a panel in a Klems basis: rounds of paths until the accuracy is reached.
- * Errors are as for orl_bsdf_make. Fills all of *result, or only a part of it after an error. */
-int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
-                         const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
-                         const struct orl_sobol *sobol, struct orl_bsdf_make_result *result,
-                         struct orl_error *err);
+ * Fills all of *result, or only a part of it after an error. */
+int orl_gonio_make_klems(const struct orl_gonio_measurement *measurement,
+                         struct orl_bsdf_make_result *result, struct orl_error *err);
 
 /* Makes tensor trees of a panel: measures subtrees, merges cells from the finest up, and writes the
- * file. Errors and *result are as for orl_gonio_make_klems. */
-int orl_gonio_make_trees(const struct orl_bsdf_make_request *request,
-                         const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
-                         const struct orl_sobol *sobol, struct orl_bsdf_make_result *result,
-                         struct orl_error *err);
+ * file. *result is as for orl_gonio_make_klems. */
+int orl_gonio_make_trees(const struct orl_gonio_measurement *measurement,
+                         struct orl_bsdf_make_result *result, struct orl_error *err);
+
+/* A task of a distributed BSDF has this many items or subtrees (oriel/bsdf/bsdf_store.h). */
+enum { ORL_GONIO_TASK_ITEMS = 4 };
+static inline size_t orl_gonio_task_size(size_t n_items, size_t task)
+{
+    const size_t left = n_items - task * ORL_GONIO_TASK_ITEMS;
+    return left < ORL_GONIO_TASK_ITEMS ? left : ORL_GONIO_TASK_ITEMS;
+}
 
 /* ---- A BSDF's file read in place of a panel (resample_bsdf.c) -------------------------------- */
 
@@ -65,16 +78,10 @@ int orl_gonio_resample_item(struct orl_gonio_histogram *histogram, const struct 
  * file. */
 extern const enum orl_component_kind orl_gonio_component_of[2][2];
 
-/* Sets result->xml; its other fields must be set. write_part: writes trees (bsdf/xml/bsdf_xml.h).
- * Returns 0 or ORL_ERR_NOMEM. */
+/* Sets result->xml, or result->errors_xml from a document of errors; the result's other fields must
+ * be set. write_part: writes trees (bsdf/xml/bsdf_xml.h). Returns 0 or ORL_ERR_NOMEM. */
 int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
-                    const struct orl_gonio_sample *sample,
-                    const struct orl_bsdf_make_request *request,
+                    const struct orl_gonio_measurement *measurement, bool errors,
                     struct orl_bsdf_make_result *result);
-/* Sets result->errors_xml in the same way, from a document of errors. */
-int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
-                           void *ctx, const struct orl_gonio_sample *sample,
-                           const struct orl_bsdf_make_request *request,
-                           struct orl_bsdf_make_result *result);
 
 #endif

@@ -14,6 +14,13 @@ const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis)
     return (size_t)basis < ORL_BSDF_BASES ? names[basis] : NULL;
 }
 
+const char *orl_gonio_klems_name(enum orl_bsdf_basis basis)
+{
+    return basis == ORL_BSDF_KLEMS_FULL   ? "LBNL/Klems Full"
+           : basis == ORL_BSDF_KLEMS_HALF ? "LBNL/Klems Half"
+                                          : "LBNL/Klems Quarter";
+}
+
 void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request)
 {
     memset(request, 0, sizeof *request);

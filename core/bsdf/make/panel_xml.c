@@ -6,6 +6,8 @@
 
 #include <oriel/base/version.h>
 
+#include "base/io/out_file.h"
+
 const enum orl_component_kind orl_gonio_component_of[2][2] = {
     {ORL_COMPONENT_REFLECTION_FRONT, ORL_COMPONENT_TRANSMISSION_FRONT},
     {ORL_COMPONENT_REFLECTION_BACK, ORL_COMPONENT_TRANSMISSION_BACK}};
@@ -71,10 +73,11 @@ static void write_conversion(const struct orl_gonio_sample *sample,
                 r->cull_fraction);
 }
 
-static char *write_provenance(const struct orl_gonio_sample *sample,
-                              const struct orl_bsdf_make_request *request,
+static char *write_provenance(const struct orl_gonio_measurement *measurement,
                               const struct orl_bsdf_make_result *result, bool errors)
 {
+    const struct orl_gonio_sample *sample = measurement->sample;
+    const struct orl_bsdf_make_request *request = measurement->request;
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -90,72 +93,32 @@ static char *write_provenance(const struct orl_gonio_sample *sample,
         write_settings(request, result, out);
         write_error_figures(result, out);
     }
-    const bool failed = ferror(out);
-    if (fclose(out) == 0 && !failed)
-        return text;
-    free(text);
-    return NULL;
+    return orl_memstream_close(out, &text) ? text : NULL;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-static int write_out(const struct orl_document *document, const struct orl_bsdf_labels *labels,
-                     char **ret_xml, size_t *ret_size)
+int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
+                    const struct orl_gonio_measurement *measurement, bool errors,
+                    struct orl_bsdf_make_result *result)
 {
-    FILE *out = open_memstream(ret_xml, ret_size);
-    if (!out)
-        return ORL_ERR_NOMEM;
-    orl_document_write(document, labels, out);
-    const bool failed = ferror(out);
-    return fclose(out) == 0 && !failed ? 0 : ORL_ERR_NOMEM;
-}
-
-/* Contents and destination of a file. */
-struct xml_file {
-    bool errors;
-    char **xml;
-    size_t *size;
-    orl_bsdf_write_part *write_part;
-    void *ctx;
-};
-
-static int write_xml_file(struct orl_document *document, const struct xml_file *xml_file,
-                          const struct orl_gonio_sample *sample,
-                          const struct orl_bsdf_make_request *request,
-                          const struct orl_bsdf_make_result *result)
-{
-    char *comment = write_provenance(sample, request, result, xml_file->errors);
-    const struct orl_bsdf_labels labels = {.manufacturer = sample->file ? "converted" : "simulated",
+    const struct orl_bsdf_make_request *request = measurement->request;
+    char *comment = write_provenance(measurement, result, errors);
+    const struct orl_bsdf_labels labels = {.manufacturer = measurement->sample->file ? "converted"
+                                                                                     : "simulated",
                                            .width_m = result->cell[1] - result->cell[0],
                                            .height_m = result->cell[3] - result->cell[2],
                                            .comment = comment,
-                                           .write_part = xml_file->write_part,
-                                           .ctx = xml_file->ctx};
+                                           .write_part = write_part,
+                                           .ctx = ctx};
     int code = comment ? 0 : ORL_ERR_NOMEM;
     document->thickness_m = result->depth[1] - result->depth[0];
     snprintf(document->name, sizeof document->name, "%s%s",
-             request->name ? request->name : request->files[0], xml_file->errors ? ", errors" : "");
+             request->name ? request->name : request->files[0], errors ? ", errors" : "");
     if (code == 0)
-        code = write_out(document, &labels, xml_file->xml, xml_file->size);
+        code =
+            orl_document_write_text(document, &labels, errors ? &result->errors_xml : &result->xml,
+                                    errors ? &result->errors_xml_size : &result->xml_size);
     free(comment);
     return code;
-}
-
-int orl_gonio_write(struct orl_document *document, orl_bsdf_write_part *write_part, void *ctx,
-                    const struct orl_gonio_sample *sample,
-                    const struct orl_bsdf_make_request *request,
-                    struct orl_bsdf_make_result *result)
-{
-    const struct xml_file xml_file = {false, &result->xml, &result->xml_size, write_part, ctx};
-    return write_xml_file(document, &xml_file, sample, request, result);
-}
-
-int orl_gonio_write_errors(struct orl_document *document, orl_bsdf_write_part *write_part,
-                           void *ctx, const struct orl_gonio_sample *sample,
-                           const struct orl_bsdf_make_request *request,
-                           struct orl_bsdf_make_result *result)
-{
-    const struct xml_file xml_file = {true, &result->errors_xml, &result->errors_xml_size,
-                                      write_part, ctx};
-    return write_xml_file(document, &xml_file, sample, request, result);
 }

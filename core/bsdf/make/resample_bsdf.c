@@ -44,23 +44,6 @@ static double scale_for(double albedo, double found)
 
 /* ---- Trees ----------------------------------------------------------------------------------- */
 
-static uint32_t even_bits(uint32_t v)
-{
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < 16; i++)
-        bits |= (v >> 2 * i & 1) << i;
-    return bits;
-}
-
-/* Returns a direction out in a cell, z > 0. */
-static struct orl_vec3 direction_out(const struct orl_gonio_probe *probe, uint32_t cell, double u,
-                                     double v)
-{
-    const double side = 1U << probe->levels;
-    return orl_square_to_hemisphere((struct orl_square){2 * (even_bits(cell) + u) / side - 1,
-                                                        2 * (even_bits(cell >> 1) + v) / side - 1});
-}
-
 /* Returns d turned about the axis by the azimuth of towards. */
 static struct orl_vec3 rotate_azimuth(struct orl_vec3 d, struct orl_vec3 towards)
 {
@@ -84,7 +67,8 @@ static void add_beam(const struct orl_gonio_probe *probe, const struct orl_bsdf 
         struct orl_rgb sum = orl_gray(0);
         for (uint32_t k = 0; k < points * points; k++) {
             const struct stratum at = stratum_middle(k, points, points);
-            struct orl_vec3 out = direction_out(probe, (uint32_t)(i % cells), at.u, at.v);
+            struct orl_vec3 out =
+                orl_morton_direction((uint32_t)(i % cells), probe->levels, at.u, at.v);
             if (probe->rank == 3)
                 out = rotate_azimuth(out, towards);
             if (!front)

@@ -31,21 +31,13 @@ struct cell {
     unsigned x, y;
 };
 
-static unsigned coordinate(double s, unsigned side)
-{
-    const double c = (0.5 + 0.5 * s) * side;
-    if (!(c > 0)) /* also for NaN */
-        return 0;
-    return c < side ? (unsigned)c : side - 1;
-}
-
 /* Returns the cell of a place. A is mapped as the light travels, half a turn from where its
  * direction points. */
 static struct cell cell_of(struct orl_square place, enum orl_tree_axis axis, unsigned depth)
 {
     const double sign = axis == ORL_AXIS_A ? -1 : 1;
-    return (struct cell){coordinate(sign * place.x, 1U << depth),
-                         coordinate(sign * place.y, 1U << depth)};
+    return (struct cell){orl_square_index(sign * place.x, 1U << depth),
+                         orl_square_index(sign * place.y, 1U << depth)};
 }
 
 static float float_of(uint32_t bits)

@@ -45,21 +45,13 @@ struct tree {
     float low[BASE_CELLS], base[BASE_CELLS]; /* by cells in the order of codes; 1/sr */
 };
 
-static uint32_t even_bits(uint32_t v)
-{
-    v &= 0x55555555U;
-    v = (v | v >> 1) & 0x33333333U;
-    v = (v | v >> 2) & 0x0f0f0f0fU;
-    v = (v | v >> 4) & 0x00ff00ffU;
-    return (v | v >> 8) & 0x0000ffffU;
-}
-
 /* Returns a place in a cell; u and v from 0 to 1. */
 static struct orl_vec3 place_within(uint32_t code, unsigned level, double u, double v)
 {
     const uint32_t cell = code >> 2 * (ORL_FIT_SQUARE_LEVELS - level);
     const double side = UINT32_C(1) << level;
-    return orl_fit_from_square((even_bits(cell) + u) / side, (even_bits(cell >> 1) + v) / side);
+    return orl_fit_from_square((orl_morton_even(cell) + u) / side,
+                               (orl_morton_even(cell >> 1) + v) / side);
 }
 
 /* Returns the first center whose code is at least `code`. */

@@ -36,28 +36,14 @@ static inline struct orl_vec3 orl_fit_from_square(double x, double y)
     return orl_v3(d.x * stretch, d.y * stretch, orl_larger(0, 1 - r2));
 }
 
-static inline uint32_t orl_fit_morton_spread(uint32_t v)
-{
-    v = (v | v << 8) & 0x00ff00ffU;
-    v = (v | v << 4) & 0x0f0f0f0fU;
-    v = (v | v << 2) & 0x33333333U;
-    return (v | v << 1) & 0x55555555U;
-}
-
-static inline uint32_t orl_fit_square_index(double s)
-{
-    const double side = UINT32_C(1) << ORL_FIT_SQUARE_LEVELS, c = (0.5 + 0.5 * s) * side;
-    return c > 0 ? (c < side ? (uint32_t)c : (uint32_t)side - 1) : 0;
-}
-
 /* Returns the number of a direction's cell at the finest level. Numbers in a coarser cell begin
  * with the same bits. */
 static inline uint32_t orl_fit_morton_code(struct orl_vec3 d)
 {
     const double shrink = 1 / sqrt(1 + orl_larger(d.z, 0));
     const struct orl_square s = orl_disk_to_square(d.x * shrink, d.y * shrink);
-    return orl_fit_morton_spread(orl_fit_square_index(s.x)) |
-           orl_fit_morton_spread(orl_fit_square_index(s.y)) << 1;
+    return orl_morton_spread(orl_square_index(s.x, 1U << ORL_FIT_SQUARE_LEVELS)) |
+           orl_morton_spread(orl_square_index(s.y, 1U << ORL_FIT_SQUARE_LEVELS)) << 1;
 }
 
 /*

@@ -97,7 +97,7 @@ void orl_gonio_histogram_end_pilot(struct orl_gonio_histogram *histogram, size_t
 
 struct item_path {
     struct orl_gonio_histogram *histogram;
-    const struct orl_gonio_emission *emission;
+    const struct orl_gonio_measurement *measurement;
     size_t item, batch;
     bool front; /* true if light comes from the front */
     int in;
@@ -129,35 +129,37 @@ static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
 /* Sends one path; directions in the cell and places on the panel are evenly distributed. */
 static void send_path(struct item_path *b, uint32_t index)
 {
-    const struct orl_gonio_emission *emission = b->emission;
+    const struct orl_gonio_sample *sample = b->measurement->sample;
+    const struct orl_sobol *sobol = b->measurement->sobol;
+    const uint64_t seed = b->measurement->request->seed;
     const uint64_t set = b->histogram->pilot_paths[b->item] > 0 ? b->histogram->items : 0;
     const uint64_t stream = (set + b->item) * ORL_GONIO_BATCHES + b->batch;
     struct orl_gonio_sampler sampler = {
-        .sobol = emission->sobol,
+        .sobol = sobol,
         .index = index,
-        .seed = (uint32_t)orl_mix64(emission->seed ^ orl_mix64(stream + 1)),
-        .random = orl_random_stream(emission->seed, ORL_PURPOSE_GONIOMETER,
-                                    stream << 32 | (uint64_t)index)};
+        .seed = (uint32_t)orl_mix64(seed ^ orl_mix64(stream + 1)),
+        .random = orl_random_stream(seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
     double u[4];
-    orl_sobol_point(emission->sobol, index, sampler.seed, 4, u);
+    orl_sobol_point(sobol, index, sampler.seed, 4, u);
     struct orl_vec3 towards = orl_basis_direction(&b->histogram->basis, b->in, u[0], u[1]);
     if (b->front)
         towards.z = -towards.z;
     const struct orl_path path =
-        orl_path_from(orl_gonio_unit_cell_entry(&emission->sample->cell, b->front, u + 2), towards);
-    orl_gonio_trace(emission->sample, path, &sampler, count_exit, b);
+        orl_path_from(orl_gonio_unit_cell_entry(&sample->cell, b->front, u + 2), towards);
+    orl_gonio_trace(sample, path, &sampler, count_exit, b);
 }
 
 void orl_gonio_histogram_measure(struct orl_gonio_histogram *histogram,
-                                 const struct orl_gonio_emission *emission, size_t item,
+                                 const struct orl_gonio_measurement *measurement, size_t item,
                                  uint32_t paths)
 {
     enum { CHUNK = 1024 };
     const size_t cells = (size_t)histogram->basis.n_cells;
-    struct item_path item_path = {histogram, emission, item, 0, item >= cells, (int)(item % cells)};
+    struct item_path item_path = {histogram, measurement,   item,
+                                  0,         item >= cells, (int)(item % cells)};
     for (; item_path.batch < ORL_GONIO_BATCHES; item_path.batch++)
         for (uint32_t i = histogram->paths[item]; i < paths; i++) {
-            if (i % CHUNK == 0 && orl_is_cancelled(emission->cancel))
+            if (i % CHUNK == 0 && orl_is_cancelled(measurement->env->cancel))
                 return;
             send_path(&item_path, i);
         }

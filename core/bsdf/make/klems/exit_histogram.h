@@ -34,18 +34,10 @@ int orl_gonio_histogram_init(struct orl_gonio_histogram *histogram, const char *
                              enum orl_bsdf_symmetry symmetry, struct orl_error *err);
 void orl_gonio_histogram_done(struct orl_gonio_histogram *histogram);
 
-/* Parameters for sending paths. */
-struct orl_gonio_emission {
-    const struct orl_gonio_sample *sample;
-    const struct orl_sobol *sobol;
-    uint64_t seed;
-    const atomic_bool *cancel; /* may be NULL */
-};
-
 /* Sends paths until each batch of the item has `paths`. If cancelled, the histogram must be
  * discarded. */
 void orl_gonio_histogram_measure(struct orl_gonio_histogram *histogram,
-                                 const struct orl_gonio_emission *emission, size_t item,
+                                 const struct orl_gonio_measurement *measurement, size_t item,
                                  uint32_t paths);
 
 /* Ends an item's pilot: adds its counts to the pilot's. New batches use other random numbers. */

@@ -138,11 +138,11 @@ static int summarize_histogram(const struct orl_gonio_histogram *histogram,
 enum { CHUNK = 16 }; /* items between two progress reports */
 
 struct round {
-    const struct orl_bsdf_make_request *request;
+    const struct orl_gonio_measurement *measurement;
+    const struct orl_bsdf_make_request *request; /* of the measurement, like env and sample */
     const struct orl_bsdf_make_env *env;
     const struct orl_gonio_sample *sample;
     struct orl_gonio_histogram *histogram;
-    struct orl_gonio_emission emission;
     uint32_t *wanted; /* paths in each batch, by item; 0: no more are needed */
     uint32_t number;
     size_t first;
@@ -156,11 +156,11 @@ static void measure_item(void *arg, size_t index, uint32_t member)
     struct round *r = arg;
     const size_t item = r->first + index;
     (void)member;
-    if (r->emission.sample->file) {
-        if (orl_gonio_resample_item(r->histogram, r->emission.sample->file, item) < 0)
+    if (r->sample->file) {
+        if (orl_gonio_resample_item(r->histogram, r->sample->file, item) < 0)
             atomic_store(&r->out_of_memory, true);
     } else if (r->wanted[item] > r->histogram->paths[item])
-        orl_gonio_histogram_measure(r->histogram, &r->emission, item, r->wanted[item]);
+        orl_gonio_histogram_measure(r->histogram, r->measurement, item, r->wanted[item]);
 }
 
 static int measure_round(struct round *r, struct orl_error *err)
@@ -182,15 +182,6 @@ static int measure_round(struct round *r, struct orl_error *err)
 }
 
 /* ---- Distributed rounds ---------------------------------------------------------------------- */
-
-/* Items per task (oriel/bsdf/bsdf_store.h). */
-enum { TASK_ITEMS = 4 };
-
-static size_t task_size(const struct round *r, size_t task)
-{
-    const size_t left = r->n_todo - task * TASK_ITEMS;
-    return left < TASK_ITEMS ? left : TASK_ITEMS;
-}
 
 /* Header of a serialised item. Its sums of all batches and its largest weights follow. */
 struct packed_item {
@@ -223,8 +214,8 @@ static double task_core_s(void *ctx, size_t task)
 {
     const struct round *r = ctx;
     double s = 0;
-    for (size_t i = 0; i < task_size(r, task); i++) {
-        const size_t item = r->todo[task * TASK_ITEMS + i];
+    for (size_t i = 0; i < orl_gonio_task_size(r->n_todo, task); i++) {
+        const size_t item = r->todo[task * ORL_GONIO_TASK_ITEMS + i];
         s += ORL_GONIO_PATH_S * ORL_GONIO_BATCHES * (r->wanted[item] - r->histogram->paths[item]);
     }
     return s;
@@ -235,18 +226,18 @@ static void measure_todo(void *arg, size_t index, uint32_t member)
     struct round *r = arg;
     const size_t item = r->todo[r->first + index];
     (void)member;
-    orl_gonio_histogram_measure(r->histogram, &r->emission, item, r->wanted[item]);
+    orl_gonio_histogram_measure(r->histogram, r->measurement, item, r->wanted[item]);
 }
 
 static int compute_task(void *ctx, size_t task, void **ret_data, size_t *ret_size,
                         struct orl_error *err)
 {
     struct round *r = ctx;
-    const size_t n = task_size(r, task), bytes = item_bytes(r);
+    const size_t n = orl_gonio_task_size(r->n_todo, task), bytes = item_bytes(r);
     char *to = malloc(n * bytes);
     *ret_data = to;
     *ret_size = n * bytes;
-    r->first = task * TASK_ITEMS;
+    r->first = task * ORL_GONIO_TASK_ITEMS;
     if (!to)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     if (orl_parallel_try(r->env->pool, n, measure_todo, r) < 0 || orl_is_cancelled(r->env->cancel))
@@ -266,12 +257,12 @@ static int read_task(void *ctx, size_t task, const void *data, size_t size, bool
                      struct orl_error *err)
 {
     const struct round *r = ctx;
-    const size_t n = task_size(r, task), bytes = item_bytes(r);
+    const size_t n = orl_gonio_task_size(r->n_todo, task), bytes = item_bytes(r);
     const char *from = data;
     (void)err;
     *ret_valid = size == n * bytes;
     for (size_t i = 0; i < n && *ret_valid; i++, from += bytes) {
-        const size_t item = r->todo[task * TASK_ITEMS + i];
+        const size_t item = r->todo[task * ORL_GONIO_TASK_ITEMS + i];
         struct packed_item packed;
         memcpy(&packed, from, sizeof packed);
         r->histogram->lost[item] = packed.lost;
@@ -299,7 +290,8 @@ static int share_round(struct round *r, struct orl_error *err)
         if (r->wanted[item] > r->histogram->paths[item])
             r->todo[r->n_todo++] = item;
     const struct orl_bsdf_tasks tasks = {.name = name,
-                                         .n = (r->n_todo + TASK_ITEMS - 1) / TASK_ITEMS,
+                                         .n = (r->n_todo + ORL_GONIO_TASK_ITEMS - 1) /
+                                              ORL_GONIO_TASK_ITEMS,
                                          .ctx = r,
                                          .core_s = task_core_s,
                                          .make = compute_task,
@@ -413,37 +405,28 @@ static int write_out(const struct round *r, bool errors, struct orl_bsdf_make_re
     for (int part = 0; part < 4 && code == 0; part++)
         code = fill_part(r->histogram, part / 2, part % 2, errors,
                          &document.parts[orl_gonio_component_of[part / 2][part % 2]], err);
-    if (code == 0 && (errors ? orl_gonio_write_errors : orl_gonio_write)(
-                         &document, NULL, NULL, r->sample, r->request, result) < 0)
+    if (code == 0 && orl_gonio_write(&document, NULL, NULL, r->measurement, errors, result) < 0)
         code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for the BSDF's text");
     orl_document_done(&document);
     return code;
 }
 
-static const char *name_of(enum orl_bsdf_basis basis)
+int orl_gonio_make_klems(const struct orl_gonio_measurement *measurement,
+                         struct orl_bsdf_make_result *result, struct orl_error *err)
 {
-    return basis == ORL_BSDF_KLEMS_FULL   ? "LBNL/Klems Full"
-           : basis == ORL_BSDF_KLEMS_HALF ? "LBNL/Klems Half"
-                                          : "LBNL/Klems Quarter";
-}
-
-int orl_gonio_make_klems(const struct orl_bsdf_make_request *request,
-                         const struct orl_bsdf_make_env *env, const struct orl_gonio_sample *sample,
-                         const struct orl_sobol *sobol, struct orl_bsdf_make_result *result,
-                         struct orl_error *err)
-{
+    const struct orl_bsdf_make_request *request = measurement->request;
     struct orl_gonio_histogram histogram;
-    int code = orl_gonio_histogram_init(&histogram, name_of(request->basis), request->color,
-                                        request->symmetry, err);
+    int code = orl_gonio_histogram_init(&histogram, orl_gonio_klems_name(request->basis),
+                                        request->color, request->symmetry, err);
     if (code < 0)
         return code;
     uint32_t *wanted = malloc(histogram.items * sizeof *wanted);
     size_t *todo = malloc(histogram.items * sizeof *todo);
-    struct round round = {.request = request,
-                          .env = env,
-                          .sample = sample,
+    struct round round = {.measurement = measurement,
+                          .request = request,
+                          .env = measurement->env,
+                          .sample = measurement->sample,
                           .histogram = &histogram,
-                          .emission = {sample, sobol, request->seed, env->cancel},
                           .wanted = wanted,
                           .todo = todo,
                           .number = 1};

@@ -67,6 +67,14 @@ struct orl_gonio_sample {
     double sides[4], depth[2]; /* extents of the cell without margins, in the files' coordinates */
 };
 
+/* A sample, and how it is measured. All pointers are borrowed. */
+struct orl_gonio_measurement {
+    const struct orl_bsdf_make_request *request; /* its symmetry is not auto */
+    const struct orl_bsdf_make_env *env;
+    const struct orl_gonio_sample *sample;
+    const struct orl_sobol *sobol;
+};
+
 /* Loads a panel; errors as for orl_bsdf_make. */
 int orl_gonio_sample_load(const struct orl_bsdf_make_request *request,
                           const struct orl_bsdf_make_env *env, struct orl_gonio_sample *ret_sample,
@@ -119,8 +127,8 @@ void orl_gonio_trace(const struct orl_gonio_sample *sample, struct orl_path path
 
 enum { ORL_GONIO_BATCHES = ORL_BSDF_MAKE_BATCHES };
 
-/* Returns the mean of values in independent batches, and its standard error. */
-static inline struct orl_bsdf_share orl_gonio_batch_mean(const double values[ORL_GONIO_BATCHES])
+/* Returns the variance of the mean of values in independent batches. */
+static inline double orl_gonio_batch_variance(const double values[ORL_GONIO_BATCHES])
 {
     double sum = 0, squares = 0;
     for (int k = 0; k < ORL_GONIO_BATCHES; k++)
@@ -128,8 +136,16 @@ static inline struct orl_bsdf_share orl_gonio_batch_mean(const double values[ORL
     const double mean = sum / ORL_GONIO_BATCHES;
     for (int k = 0; k < ORL_GONIO_BATCHES; k++)
         squares += (values[k] - mean) * (values[k] - mean);
-    return (struct orl_bsdf_share){mean,
-                                   sqrt(squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0)))};
+    return squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0));
+}
+
+/* Returns that mean, and its standard error. */
+static inline struct orl_bsdf_share orl_gonio_batch_mean(const double values[ORL_GONIO_BATCHES])
+{
+    double sum = 0;
+    for (int k = 0; k < ORL_GONIO_BATCHES; k++)
+        sum += values[k];
+    return (struct orl_bsdf_share){sum / ORL_GONIO_BATCHES, sqrt(orl_gonio_batch_variance(values))};
 }
 
 #endif

@@ -114,13 +114,12 @@ size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t subtree, un
 {
     size_t a = subtree;
     *ret_mirror = 0;
-    if (t->rank == 3 || t->split == 0)
+    if (t->of.rank == 3 || t->of.split == 0)
         return subtree;
     for (unsigned axis = 0; axis < 2; axis++) { /* highest bit of x, then of y */
-        if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->split - 1) + axis) & 1))
+        if (!(t->request->symmetry >> axis & 1) || !(a >> (2 * (t->of.split - 1) + axis) & 1))
             continue;
-        for (unsigned level = 0; level < t->split; level++)
-            a ^= (size_t)1 << (2 * level + axis);
+        a = orl_gonio_mirrored_cell((uint32_t)a, t->of.split, 1U << axis);
         *ret_mirror |= 5U << axis; /* mirrors A and B */
     }
     return a;
@@ -140,7 +139,7 @@ struct work {
 static struct convergence test_component(const struct work *w, bool transmitted, double from)
 {
     const size_t cells = orl_gonio_probe_cells(&w->probe);
-    return test_convergence(orl_gonio_cells_at(w->cells, transmitted * cells), w->t->levels,
+    return test_convergence(orl_gonio_cells_at(w->cells, transmitted * cells), w->t->of.levels,
                             &w->t->cull, from);
 }
 
@@ -163,7 +162,7 @@ static uint32_t decide_paths(struct work *w, uint32_t a, struct orl_gonio_cells 
     uint32_t sent = 0, paths = t->paths;
     for (;;) {
         orl_gonio_probe_trace(&w->probe, a, sent, paths);
-        if (orl_is_cancelled(t->cancel))
+        if (orl_is_cancelled(t->measurement->env->cancel))
             return 0;
         orl_gonio_probe_estimate(&w->probe, paths, cells);
         const bool converged = has_converged(w, cells);
@@ -177,13 +176,14 @@ static uint32_t decide_paths(struct work *w, uint32_t a, struct orl_gonio_cells 
 }
 
 /* Measures one finest cell; returns false if cancelled. */
-static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_cells)
+static bool measure_cell(void *ctx, uint32_t a, struct orl_gonio_cells ret_cells)
 {
+    struct work *w = ctx;
     const struct orl_gonio_trees *t = w->t;
     uint32_t paths = t->paths, sets = 1;
     if (t->sample->file) {
         orl_gonio_resample_cell(&w->probe, t->sample->file, a, ret_cells);
-        return !orl_is_cancelled(t->cancel);
+        return !orl_is_cancelled(t->measurement->env->cancel);
     }
     if (t->request->accuracy > 0) {
         paths = decide_paths(w, a, ret_cells);
@@ -191,7 +191,7 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
         sets = 2;
     }
     orl_gonio_probe_trace(&w->probe, a, 0, paths);
-    if (orl_is_cancelled(t->cancel))
+    if (orl_is_cancelled(t->measurement->env->cancel))
         return false;
     orl_gonio_probe_estimate(&w->probe, paths, ret_cells);
     orl_gonio_probe_finish_cell(&w->probe, paths);
@@ -199,35 +199,14 @@ static bool measure_cell(struct work *w, uint32_t a, struct orl_gonio_cells ret_
     return true;
 }
 
-/* Computes the nodes of incident cell a at a level, from the finest cells up. */
-static bool build_nodes(struct work *w, unsigned level, uint32_t a,
-                        struct orl_gonio_cells ret_cells)
-{
-    const unsigned in = orl_gonio_children_in(w->t->rank);
-    if (level == w->t->levels)
-        return measure_cell(w, a, ret_cells);
-    const size_t count = orl_gonio_nodes_at(level + 1);
-    struct orl_gonio_cells parts;
-    bool fine = orl_gonio_cells_make(&parts, in * count, w->probe.color);
-    for (unsigned k = 0; k < in && fine; k++)
-        fine = build_nodes(w, level + 1, in * a + k, orl_gonio_cells_at(parts, k * count));
-    fine = fine && orl_gonio_builder_merge_level(&w->subtree->builder, parts,
-                                                 orl_gonio_nodes_at(level), level, ret_cells);
-    orl_gonio_cells_done(&parts);
-    return fine;
-}
-
 static int work_init(const struct orl_gonio_trees *t, size_t place, struct work *w)
 {
-    *w = (struct work){.t = t, .subtree = &t->subtrees[place], .side = place / t->n_subtrees};
-    w->probe = (struct orl_gonio_probe){.sample = t->sample,
-                                        .sobol = t->sobol,
-                                        .seed = t->request->seed,
-                                        .rank = t->rank,
-                                        .levels = t->levels,
+    *w = (struct work){.t = t, .subtree = &t->subtrees[place], .side = place / t->of.n_subtrees};
+    w->probe = (struct orl_gonio_probe){.measurement = t->measurement,
+                                        .rank = t->of.rank,
+                                        .levels = t->of.levels,
                                         .color = t->request->color,
-                                        .front = w->side == 1,
-                                        .cancel = t->cancel};
+                                        .front = w->side == 1};
     return orl_gonio_cells_make(&w->cells, 2 * orl_gonio_probe_cells(&w->probe), w->probe.color)
                ? orl_gonio_probe_init(&w->probe, NULL)
                : ORL_ERR_NOMEM;
@@ -244,8 +223,8 @@ static void survey_subtree(void *arg, size_t index, uint32_t member)
 {
     const struct orl_gonio_trees *t = arg;
     const size_t place = t->todo[t->first + index];
-    const unsigned below = (t->rank == 4 ? 2 : 1) * (t->levels - t->split);
-    const uint32_t first = (uint32_t)(place % t->n_subtrees) << below;
+    const unsigned below = (t->of.rank == 4 ? 2 : 1) * (t->of.levels - t->of.split);
+    const uint32_t first = (uint32_t)(place % t->of.n_subtrees) << below;
     struct work w;
     (void)member;
     w.subtree = &t->subtrees[place];
@@ -266,12 +245,15 @@ static void measure_subtree(void *arg, size_t index, uint32_t member)
     const size_t place = t->todo[t->first + index];
     struct orl_gonio_subtree *subtree = &t->subtrees[place];
     struct work w;
+    const struct orl_gonio_merger merger = {&subtree->builder, t->of.levels, 2, measure_cell, &w};
     (void)member;
     subtree->builder = orl_gonio_empty_builder(t);
     subtree->code = work_init(t, place, &w);
     if (subtree->code == 0 &&
-        (!orl_gonio_cells_make(&subtree->top_nodes, orl_gonio_nodes_at(t->split), w.probe.color) ||
-         !build_nodes(&w, t->split, (uint32_t)(place % t->n_subtrees), subtree->top_nodes)))
+        (!orl_gonio_cells_make(&subtree->top_nodes, orl_gonio_nodes_at(t->of.split),
+                               w.probe.color) ||
+         !orl_gonio_merge_nodes(&merger, t->of.split, (uint32_t)(place % t->of.n_subtrees),
+                                subtree->top_nodes)))
         subtree->code = ORL_ERR_NOMEM;
     memcpy(subtree->totals, w.probe.totals, sizeof subtree->totals);
     subtree->lost = w.probe.lost;
@@ -335,23 +317,14 @@ static int run_all_subtrees(const struct pass *pass)
 
 /* ---- Distributed subtrees -------------------------------------------------------------------- */
 
-/* Subtrees per task (oriel/bsdf/bsdf_store.h). */
-enum { TASK_ITEMS = 4 };
-
-static size_t task_size(const struct orl_gonio_trees *t, size_t task)
-{
-    const size_t left = t->n_todo - task * TASK_ITEMS;
-    return left < TASK_ITEMS ? left : TASK_ITEMS;
-}
-
 static double task_core_s(void *ctx, size_t task)
 {
     const struct pass *pass = ctx;
     const struct orl_gonio_trees *t = pass->t;
-    const double cells = ldexp(1, (int)((t->rank == 4 ? 2 : 1) * (t->levels - t->split)));
+    const double cells = ldexp(1, (int)((t->of.rank == 4 ? 2 : 1) * (t->of.levels - t->of.split)));
     const int sets = t->request->accuracy > 0 ? 2 : 1;
-    return ORL_GONIO_PATH_S * ORL_GONIO_BATCHES * sets * (double)task_size(t, task) * cells *
-           pass->paths;
+    return ORL_GONIO_PATH_S * ORL_GONIO_BATCHES * sets *
+           (double)orl_gonio_task_size(t->n_todo, task) * cells * pass->paths;
 }
 
 static int compute_task(void *ctx, size_t task, void **ret_data, size_t *ret_size,
@@ -359,8 +332,8 @@ static int compute_task(void *ctx, size_t task, void **ret_data, size_t *ret_siz
 {
     const struct pass *pass = ctx;
     const struct orl_gonio_trees *t = pass->t;
-    const size_t n = task_size(t, task), first = task * TASK_ITEMS,
-                 top_nodes = orl_gonio_nodes_at(t->split);
+    const size_t n = orl_gonio_task_size(t->n_todo, task), first = task * ORL_GONIO_TASK_ITEMS,
+                 top_nodes = orl_gonio_nodes_at(t->of.split);
     const int code = run_subtrees(pass, first, n);
     if (code < 0)
         return orl_gonio_trees_fail(t, code, err);
@@ -380,10 +353,11 @@ static int read_task(void *ctx, size_t task, const void *data, size_t size, bool
     const struct orl_gonio_trees *t = ((const struct pass *)ctx)->t;
     const char *from = data, *end = from + size;
     (void)err;
-    for (size_t i = task * TASK_ITEMS; i < task * TASK_ITEMS + task_size(t, task) && from; i++) {
+    for (size_t i = task * ORL_GONIO_TASK_ITEMS;
+         i < task * ORL_GONIO_TASK_ITEMS + orl_gonio_task_size(t->n_todo, task) && from; i++) {
         struct orl_gonio_subtree *subtree = &t->subtrees[t->todo[i]];
         subtree->builder = orl_gonio_empty_builder(t);
-        from = orl_gonio_subtree_unpack(subtree, orl_gonio_nodes_at(t->split), from,
+        from = orl_gonio_subtree_unpack(subtree, orl_gonio_nodes_at(t->of.split), from,
                                         (size_t)(end - from));
     }
     *ret_valid = from == end;
@@ -404,7 +378,8 @@ static int run_pass(struct pass *pass, struct orl_error *err)
     const struct orl_gonio_trees *t = pass->t;
     const struct orl_bsdf_distributor *shared = pass->env->shared;
     const struct orl_bsdf_tasks tasks = {.name = pass->name,
-                                         .n = (t->n_todo + TASK_ITEMS - 1) / TASK_ITEMS,
+                                         .n = (t->n_todo + ORL_GONIO_TASK_ITEMS - 1) /
+                                              ORL_GONIO_TASK_ITEMS,
                                          .ctx = pass,
                                          .core_s = task_core_s,
                                          .make = compute_task,
@@ -420,9 +395,9 @@ static int run_pass(struct pass *pass, struct orl_error *err)
     return code < 0 ? orl_gonio_trees_fail(t, code, err) : 0;
 }
 
-int orl_gonio_measure_subtrees(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,
-                               struct orl_error *err)
+int orl_gonio_measure_subtrees(struct orl_gonio_trees *t, struct orl_error *err)
 {
+    const struct orl_bsdf_make_env *env = t->measurement->env;
     const double part = 0.05; /* approximate share of the survey in the total time */
     struct pass all = {t, env, "blocks", measure_subtree, t->paths, 0, 1};
     struct pass survey = {t, env, "survey", survey_subtree, SURVEY_PATHS, 0, part};
@@ -432,7 +407,7 @@ int orl_gonio_measure_subtrees(struct orl_gonio_trees *t, const struct orl_bsdf_
     all.share_from = part;
     for (size_t i = 0; i < t->n_todo; i++)
         for (int k = 0; k < 2; k++) {
-            double *from = &t->from[t->todo[i] / t->n_subtrees][k];
+            double *from = &t->from[t->todo[i] / t->of.n_subtrees][k];
             *from = fmax(*from, sampled_from * t->subtrees[t->todo[i]].peaks[k]);
         }
     return code < 0 ? code : run_pass(&all, err);

@@ -15,13 +15,10 @@
  */
 
 struct orl_gonio_probe {
-    const struct orl_gonio_sample *sample;
-    const struct orl_sobol *sobol;
-    uint64_t seed;
-    unsigned rank, levels;     /* there are 2^levels cells a side */
-    bool color;                /* true to count red, green and blue beside luma */
-    bool front;                /* true if light comes from the front */
-    const atomic_bool *cancel; /* may be NULL */
+    const struct orl_gonio_measurement *measurement;
+    unsigned rank, levels; /* there are 2^levels cells a side */
+    bool color;            /* true to count red, green and blue beside luma */
+    bool front;            /* true if light comes from the front */
     /* Counts of one incident cell, by planes: luma, then the three of colour. The arrays are
      * owned. */
     double *sums;  /* [plane][batch][transmitted][cell out] */
@@ -94,15 +91,13 @@ const char *orl_gonio_subtree_unpack(struct orl_gonio_subtree *subtree, size_t n
  */
 
 struct orl_gonio_trees {
-    const struct orl_bsdf_make_request *request;
+    const struct orl_gonio_measurement *measurement;
+    const struct orl_bsdf_make_request *request; /* of the measurement, like sample */
     const struct orl_gonio_sample *sample;
-    const struct orl_sobol *sobol;
     struct orl_gonio_cull cull;
-    unsigned rank, levels, split; /* split: the level of the subtrees */
-    size_t n_subtrees;            /* subtrees on one side */
-    uint32_t paths, paths_most;   /* paths in each batch */
+    struct orl_gonio_split of;  /* n_subtrees: those on one side */
+    uint32_t paths, paths_most; /* paths in each batch */
     double from[2][2]; /* [side][transmitted]: least values whose errors count; with an accuracy */
-    const atomic_bool *cancel;
     struct orl_gonio_subtree *subtrees; /* subtrees for light from the back, then from the front */
     size_t *todo, n_todo;               /* subtrees to measure, by index; no mirror images */
     size_t first;
@@ -110,12 +105,14 @@ struct orl_gonio_trees {
     struct orl_gonio_builder builders[2];
     struct orl_gonio_node roots[2][2];
     struct orl_gonio_color root_hues[2][2]; /* set if the request has colour */
+    bool writes_errors;                     /* true while the document of errors is written */
 };
 
 /* Returns an empty builder. */
 static inline struct orl_gonio_builder orl_gonio_empty_builder(const struct orl_gonio_trees *t)
 {
-    return (struct orl_gonio_builder){.rank = t->rank, .cull = t->cull, .color = t->request->color};
+    return (struct orl_gonio_builder){
+        .rank = t->of.rank, .cull = t->cull, .color = t->request->color};
 }
 
 /* Returns the number of cells of B at a level, for both components. */
@@ -128,8 +125,7 @@ static inline size_t orl_gonio_nodes_at(unsigned level)
 size_t orl_gonio_original_of(const struct orl_gonio_trees *t, size_t subtree, unsigned *ret_mirror);
 
 /* Measures all subtrees in todo. Returns 0 or a negative enum orl_err. */
-int orl_gonio_measure_subtrees(struct orl_gonio_trees *t, const struct orl_bsdf_make_env *env,
-                               struct orl_error *err);
+int orl_gonio_measure_subtrees(struct orl_gonio_trees *t, struct orl_error *err);
 
 /* Sets the error message of a code; returns the code. */
 int orl_gonio_trees_fail(const struct orl_gonio_trees *t, int code, struct orl_error *err);

@@ -33,43 +33,20 @@ void orl_gonio_probe_done(struct orl_gonio_probe *probe)
 
 /* ---- Cells ----------------------------------------------------------------------------------- */
 
-static uint32_t even_bits(uint32_t v)
-{
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < 16; i++)
-        bits |= (v >> 2 * i & 1) << i;
-    return bits;
-}
-
-static uint32_t spread_bits(uint32_t v)
-{
-    uint32_t bits = 0;
-    for (unsigned i = 0; i < 16; i++)
-        bits |= (v >> i & 1) << 2 * i;
-    return bits;
-}
-
-static uint32_t coordinate(double s, uint32_t side)
-{
-    const double c = (0.5 + 0.5 * s) * side;
-    return c > 0 ? (c < side ? (uint32_t)c : side - 1) : 0;
-}
-
 static uint32_t cell_of(const struct orl_gonio_probe *probe, double x, double y)
 {
     const struct orl_square s = orl_disk_to_square(x, y);
     const uint32_t side = 1U << probe->levels;
-    return spread_bits(coordinate(s.x, side)) | spread_bits(coordinate(s.y, side)) << 1;
+    return orl_morton_spread(orl_square_index(s.x, side)) |
+           orl_morton_spread(orl_square_index(s.y, side)) << 1;
 }
 
 struct orl_vec3 orl_gonio_probe_direction(const struct orl_gonio_probe *probe, uint32_t a,
                                           const double u[2])
 {
     const double side = 1U << probe->levels;
-    if (probe->rank == 4) {
-        const double x = (even_bits(a) + u[0]) / side, y = (even_bits(a >> 1) + u[1]) / side;
-        return orl_square_to_hemisphere((struct orl_square){2 * x - 1, 2 * y - 1});
-    }
+    if (probe->rank == 4)
+        return orl_morton_direction(a, probe->levels, u[0], u[1]);
     const double outer = 1 - 2 * a / side, inner = 1 - 2 * (a + 1) / side;
     const double r2 = inner * inner + u[0] * (outer * outer - inner * inner), r = sqrt(r2);
     return orl_v3(r * cos(2 * ORL_PI * u[1]), r * sin(2 * ORL_PI * u[1]), sqrt(1 - r2));
@@ -127,15 +104,17 @@ static void send_path(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint3
     const uint64_t set = (p->pilot_paths > 0 ? 2U : 0U) + p->front;
     const uint64_t item = set * (uint64_t)orl_gonio_probe_cells(p) + a;
     const uint64_t stream = item * ORL_GONIO_BATCHES + batch;
+    const struct orl_gonio_sample *sample = p->measurement->sample;
+    const struct orl_sobol *sobol = p->measurement->sobol;
+    const uint64_t seed = p->measurement->request->seed;
     struct orl_gonio_sampler sampler = {
-        .sobol = p->sobol,
+        .sobol = sobol,
         .index = index,
-        .seed = (uint32_t)orl_mix64(p->seed ^ orl_mix64(stream + 1)),
-        .random =
-            orl_random_stream(p->seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
+        .seed = (uint32_t)orl_mix64(seed ^ orl_mix64(stream + 1)),
+        .random = orl_random_stream(seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
     struct probe_path probe_path = {p, batch, 1, 0};
     double u[4];
-    orl_sobol_point(p->sobol, index, sampler.seed, 4, u);
+    orl_sobol_point(sobol, index, sampler.seed, 4, u);
     struct orl_vec3 towards = orl_gonio_probe_direction(p, a, u);
     const double r = hypot(towards.x, towards.y);
     if (p->rank == 3 && r > 0) {
@@ -145,8 +124,7 @@ static void send_path(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint3
     if (p->front)
         towards.z = -towards.z;
     orl_gonio_trace(
-        p->sample,
-        orl_path_from(orl_gonio_unit_cell_entry(&p->sample->cell, p->front, u + 2), towards),
+        sample, orl_path_from(orl_gonio_unit_cell_entry(&sample->cell, p->front, u + 2), towards),
         &sampler, count_exit, &probe_path);
 }
 
@@ -155,26 +133,13 @@ void orl_gonio_probe_trace(struct orl_gonio_probe *probe, uint32_t a, uint32_t f
     enum { CHUNK = 1024 };
     for (size_t batch = 0; batch < ORL_GONIO_BATCHES; batch++)
         for (uint32_t index = from; index < to; index++) {
-            if (index % CHUNK == 0 && orl_is_cancelled(probe->cancel))
+            if (index % CHUNK == 0 && orl_is_cancelled(probe->measurement->env->cancel))
                 return;
             send_path(probe, a, batch, index);
         }
 }
 
 /* ---- Results -------------------------------------------------------------------------------- */
-
-/* Returns the variance of the mean of a set of batches. */
-static double variance_of(const double values[ORL_GONIO_BATCHES])
-{
-    double sum = 0, squares = 0;
-    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++)
-        sum += values[k];
-    for (size_t k = 0; k < ORL_GONIO_BATCHES; k++) {
-        const double off = values[k] - sum / ORL_GONIO_BATCHES;
-        squares += off * off;
-    }
-    return squares / (ORL_GONIO_BATCHES * (ORL_GONIO_BATCHES - 1.0));
-}
 
 /* Returns the mean of a cell's counts in a plane, including those of the pilot; ret_batches: counts
  * of the present batches. */
@@ -208,7 +173,7 @@ static struct orl_gonio_color node_color_of(const struct orl_gonio_probe *probe,
             off[k] -= mean / luma * lumas[k];
         node_color.value[c] = (float)(mean * unit.value);
         node_color.noise[c] =
-            (float)(variance_of(off) / unit.final_share * unit.value * unit.value);
+            (float)(orl_gonio_batch_variance(off) / unit.final_share * unit.value * unit.value);
     }
     return node_color;
 }
@@ -226,8 +191,8 @@ void orl_gonio_probe_estimate(const struct orl_gonio_probe *probe, uint32_t path
         *node = (struct orl_gonio_node){.path = (float)(unit.value / ORL_GONIO_BATCHES)};
         if (mean > 0) {
             node->value = (float)(mean * unit.value);
-            node->variance =
-                (float)(variance_of(batches) / unit.final_share * unit.value * unit.value);
+            node->variance = (float)(orl_gonio_batch_variance(batches) / unit.final_share *
+                                     unit.value * unit.value);
             node->path *= probe->max_weight[i];
         }
         if (ret_cells.colors)

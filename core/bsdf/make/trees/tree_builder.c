@@ -398,6 +398,45 @@ bool orl_gonio_builder_merge_level(struct orl_gonio_builder *builder, struct orl
     return true;
 }
 
+bool orl_gonio_merge_nodes(const struct orl_gonio_merger *merger, unsigned level, uint32_t a,
+                           struct orl_gonio_cells ret_cells)
+{
+    const unsigned in = orl_gonio_children_in(merger->builder->rank);
+    const size_t count = merger->components << 2 * level;
+    struct orl_gonio_cells parts;
+    if (level == merger->end)
+        return merger->fill(merger->ctx, a, ret_cells);
+    bool fine = orl_gonio_cells_make(&parts, in * 4 * count, merger->builder->color);
+    for (unsigned k = 0; k < in && fine; k++) {
+        const struct orl_gonio_cells part = orl_gonio_cells_at(parts, k * 4 * count);
+        if (merger->builder->rank == 3 && level == 0 && k == 1)
+            orl_gonio_cells_copy(part, parts, 4 * count);
+        else
+            fine = orl_gonio_merge_nodes(merger, level + 1, in * a + k, part);
+    }
+    fine = fine && orl_gonio_builder_merge_level(merger->builder, parts, count, level, ret_cells);
+    orl_gonio_cells_done(&parts);
+    return fine;
+}
+
+struct orl_gonio_split orl_gonio_split_of(enum orl_bsdf_basis basis, uint32_t resolution,
+                                          unsigned most_split)
+{
+    struct orl_gonio_split s = {.rank = basis == ORL_BSDF_TENSOR_TREE_4 ? 4 : 3, .levels = 1};
+    while (1U << s.levels < resolution)
+        s.levels++;
+    s.split = s.rank == 3 || s.levels < most_split ? s.levels : most_split;
+    s.n_subtrees = s.rank == 3 ? (size_t)1 << (s.levels - 1) : (size_t)1 << 2 * s.split;
+    return s;
+}
+
+double orl_gonio_diffuse_weight(const struct orl_gonio_split *split, size_t subtree)
+{
+    const double n = (double)split->n_subtrees;
+    return split->rank == 4 ? ldexp(1, -2 * (int)split->levels)
+                            : (2 * (n - (double)subtree) - 1) / (n * n);
+}
+
 struct orl_gonio_node orl_gonio_node_shifted(struct orl_gonio_node node, uint32_t shift)
 {
     if (node.branch)

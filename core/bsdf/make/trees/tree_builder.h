@@ -22,6 +22,8 @@
 
 #include <oriel/base/thread_pool.h>
 
+#include <oriel/bsdf/bsdf_make.h>
+
 #include "bsdf/xml/bsdf_xml.h"
 
 enum { ORL_GONIO_MAX_BRANCHING = 16 };
@@ -125,6 +127,42 @@ static inline unsigned orl_gonio_children_in(unsigned rank)
  * has four times as many nodes, one child after another. Returns false if out of memory. */
 bool orl_gonio_builder_merge_level(struct orl_gonio_builder *builder, struct orl_gonio_cells parts,
                                    size_t count, unsigned level, struct orl_gonio_cells ret_nodes);
+
+/*
+ * Computes the nodes of a cell of directions in, by merging those of finer cells: `fill` sets the
+ * nodes of the cells at level `end`. In rank 3 the upper half of A has no directions; it is a copy
+ * of the lower one.
+ */
+struct orl_gonio_merger {
+    struct orl_gonio_builder *builder;
+    unsigned end;
+    size_t components; /* nodes for each cell out: 2, reflected and transmitted, or 1 */
+    bool (*fill)(void *ctx, uint32_t a, struct orl_gonio_cells ret_cells);
+    void *ctx;
+};
+/* Sets the nodes of cell a at `level`. Returns false if out of memory, or if `fill` did. */
+bool orl_gonio_merge_nodes(const struct orl_gonio_merger *merger, unsigned level, uint32_t a,
+                           struct orl_gonio_cells ret_cells);
+
+/* Subtrees of directions in that are computed separately: cells at level `split`. In rank 3 every
+ * ring is a subtree, and half of A has none. */
+struct orl_gonio_split {
+    unsigned rank, levels, split; /* there are 2^levels finest cells a side */
+    size_t n_subtrees;
+};
+struct orl_gonio_split orl_gonio_split_of(enum orl_bsdf_basis basis, uint32_t resolution,
+                                          unsigned most_split);
+/* Returns the weight of a subtree's finest cells in diffuse light. Cells have equal weights in rank
+ * 4, and rings have weights by their size in rank 3. */
+double orl_gonio_diffuse_weight(const struct orl_gonio_split *split, size_t subtree);
+
+/* Returns the mirror image of a cell of a square at a level. mirror: bit 0 for x, bit 1 for y. */
+static inline uint32_t orl_gonio_mirrored_cell(uint32_t cell, unsigned level, unsigned mirror)
+{
+    for (unsigned l = 0; l < level; l++)
+        cell ^= mirror << 2 * l;
+    return cell;
+}
 
 /* Copies all branches of another builder, with mirrored children: the i-th is the (i ^ mirror)-th.
  * *ret_shift: to be added to branch numbers (orl_gonio_node_shifted). Returns false if out of
