@@ -29,8 +29,6 @@ size_t orl_fit_mirrors(enum orl_bsdf_fit_symmetry symmetry, unsigned ret_mirrors
 
 void orl_fit_model_done(struct orl_fit_model *model)
 {
-    if (!model)
-        return;
     for (size_t i = 0; i < model->n; i++)
         orl_fit_shape_done(&model->shapes[i]);
     free(model->shapes);

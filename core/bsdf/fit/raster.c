@@ -71,8 +71,6 @@ int orl_fit_raster_make(unsigned levels, struct orl_fit_raster *ret_raster, stru
 
 void orl_fit_raster_done(struct orl_fit_raster *raster)
 {
-    if (!raster)
-        return;
     free(raster->x);
     free(raster->tiles);
     free(raster->groups);
@@ -95,8 +93,6 @@ bool orl_fit_accumulator_make(const struct orl_fit_raster *raster,
 
 void orl_fit_accumulator_done(struct orl_fit_accumulator *accumulator)
 {
-    if (!accumulator)
-        return;
     free(accumulator->accumulated);
     free(accumulator->tiles);
     free(accumulator->value);

@@ -169,8 +169,6 @@ int orl_matrix_finish(struct orl_matrix *m, struct orl_error *err)
 
 void orl_matrix_done(struct orl_matrix *m)
 {
-    if (!m)
-        return;
     free(m->values);
     for (int given = 0; given < 2; given++) {
         free(m->cumulative[given]);

@@ -86,7 +86,7 @@ int orl_matrix_init(struct orl_matrix *matrix, const struct orl_basis *a, const 
                     struct orl_error *err);
 /* Builds sums and minimum from the values. Returns 0 or ORL_ERR_NOMEM. */
 int orl_matrix_finish(struct orl_matrix *matrix, struct orl_error *err);
-void orl_matrix_done(struct orl_matrix *matrix); /* NULL and a partly built matrix are allowed */
+void orl_matrix_done(struct orl_matrix *matrix); /* a partly built matrix is allowed */
 /* Returns true if both have the same rings and the same values. */
 bool orl_matrix_equal(const struct orl_matrix *matrix, const struct orl_matrix *other);
 size_t orl_matrix_bytes(const struct orl_matrix *matrix);

@@ -135,8 +135,6 @@ int orl_iso_finish(struct orl_iso *iso, struct orl_error *err)
 
 void orl_iso_done(struct orl_iso *iso)
 {
-    if (!iso)
-        return;
     free(iso->finest_grid);
     free(iso->values);
     free(iso->rows);

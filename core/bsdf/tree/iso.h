@@ -58,7 +58,7 @@ int orl_iso_init(struct orl_iso *iso, struct orl_error *err);
 void orl_iso_fill(struct orl_iso *iso, const unsigned place[3], unsigned level, const float *values,
                   unsigned log2_side);
 int orl_iso_finish(struct orl_iso *iso, struct orl_error *err);
-void orl_iso_done(struct orl_iso *iso); /* NULL and a partly built tree are allowed */
+void orl_iso_done(struct orl_iso *iso); /* a partly built tree is allowed */
 
 /* ---- Reading: like the functions of the same names in tree.h -------------------------------- */
 

@@ -72,7 +72,7 @@ int orl_tree_grid(struct orl_tree *tree, const float *values, unsigned log2_side
 struct orl_tree_ref orl_tree_leaf(float value);
 /* Sets the root and frees spare memory. */
 void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root);
-void orl_tree_done(struct orl_tree *tree); /* NULL and a partly built tree are allowed */
+void orl_tree_done(struct orl_tree *tree); /* a partly built tree is allowed */
 
 /* ---- Reading (tree.c) ------------------------------------------------------------------------ */
 

@@ -275,8 +275,6 @@ void orl_tree_finish(struct orl_tree *tree, struct orl_tree_ref root)
 
 void orl_tree_done(struct orl_tree *tree)
 {
-    if (!tree)
-        return;
     free_lines(tree, 0);
     memset(tree, 0, sizeof *tree);
 }

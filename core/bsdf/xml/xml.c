@@ -303,8 +303,6 @@ done:
 
 void orl_document_done(struct orl_document *document)
 {
-    if (!document)
-        return;
     for (int i = 0; i < ORL_COMPONENT_COUNT; i++)
         orl_component_done(&document->parts[i]);
     memset(document, 0, sizeof *document);

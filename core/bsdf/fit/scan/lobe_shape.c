@@ -471,8 +471,6 @@ int orl_fit_shape_make(const struct orl_fit_rbf *centers, struct orl_vec3 in,
 
 void orl_fit_shape_done(struct orl_fit_shape *shape)
 {
-    if (!shape)
-        return;
     for (int kind = 0; kind < ORL_FIT_KINDS; kind++) {
         free(shape->parts[kind].lobes);
         free(shape->parts[kind].clusters);

@@ -17,8 +17,6 @@ enum { STEEP_ROWS = 8, ALWAYS_SPLIT = 4, CORRECTIONS = 2, MIN_CENTERS = 16 };
 
 void orl_fit_rbf_done(struct orl_fit_rbf *centers)
 {
-    if (!centers)
-        return;
     free(centers->centers);
     free(centers->neighbors);
     free(centers->tree);

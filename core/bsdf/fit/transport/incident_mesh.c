@@ -134,8 +134,6 @@ static bool triangulate_mesh(struct orl_fit_mesh *mesh)
 
 void orl_fit_mesh_done(struct orl_fit_mesh *mesh)
 {
-    if (!mesh)
-        return;
     free(mesh->shapes);
     free(mesh->positions);
     free(mesh->gradients);

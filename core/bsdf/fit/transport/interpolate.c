@@ -229,8 +229,6 @@ bool orl_fit_interpolate(const struct orl_fit_mesh *mesh, const struct orl_fit_p
 
 void orl_fit_light_done(struct orl_fit_light *light)
 {
-    if (!light)
-        return;
     free(light->gaussians);
     memset(light, 0, sizeof *light);
 }

@@ -261,8 +261,6 @@ static const float close_sigmas = 4;
 
 void orl_fit_plan_done(struct orl_fit_plan *plan)
 {
-    if (!plan)
-        return;
     for (int plan_direction = 0; plan_direction < 2; plan_direction++) {
         free(plan->directions[plan_direction].first);
         free(plan->directions[plan_direction].moves);

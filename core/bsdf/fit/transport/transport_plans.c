@@ -392,8 +392,6 @@ int orl_fit_plans_make(struct orl_fit_plans *plans, const struct orl_fit_mesh *m
 
 void orl_fit_plans_done(struct orl_fit_plans *plans)
 {
-    if (!plans)
-        return;
     for (size_t i = 0; i < plans->n; i++)
         for (int kind = 0; kind < ORL_FIT_KINDS; kind++)
             orl_fit_plan_done(&plans->edges[i].plans[kind]);

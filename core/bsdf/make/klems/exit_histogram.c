@@ -129,24 +129,13 @@ static void count_exit(void *ctx, const struct orl_gonio_exit *exit)
 /* Sends one path; directions in the cell and places on the panel are evenly distributed. */
 static void send_path(struct item_path *b, uint32_t index)
 {
-    const struct orl_gonio_sample *sample = b->measurement->sample;
-    const struct orl_sobol *sobol = b->measurement->sobol;
-    const uint64_t seed = b->measurement->request->seed;
     const uint64_t set = b->histogram->pilot_paths[b->item] > 0 ? b->histogram->items : 0;
     const uint64_t stream = (set + b->item) * ORL_GONIO_BATCHES + b->batch;
-    struct orl_gonio_sampler sampler = {
-        .sobol = sobol,
-        .index = index,
-        .seed = (uint32_t)orl_mix64(seed ^ orl_mix64(stream + 1)),
-        .random = orl_random_stream(seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
     double u[4];
-    orl_sobol_point(sobol, index, sampler.seed, 4, u);
-    struct orl_vec3 towards = orl_basis_direction(&b->histogram->basis, b->in, u[0], u[1]);
-    if (b->front)
-        towards.z = -towards.z;
-    const struct orl_path path =
-        orl_path_from(orl_gonio_unit_cell_entry(&sample->cell, b->front, u + 2), towards);
-    orl_gonio_trace(sample, path, &sampler, count_exit, b);
+    struct orl_gonio_sampler sampler = orl_gonio_sampler_at(b->measurement, stream, index, u);
+    orl_gonio_trace(b->measurement->sample, b->front,
+                    orl_basis_direction(&b->histogram->basis, b->in, u[0], u[1]), u + 2, &sampler,
+                    count_exit, b);
 }
 
 void orl_gonio_histogram_measure(struct orl_gonio_histogram *histogram,

@@ -27,33 +27,18 @@ static void find_peaks(const struct orl_gonio_histogram *histogram, bool front, 
 }
 
 /* Returns the largest relative error of an item, over values of at least a hundredth of the peaks.
- * peaks: reflected, transmitted. */
+ * peaks: reflected, transmitted. predicted: the error is that of twice as many paths, and values
+ * count that may be large enough within two of their errors. */
 static double max_error_of(const struct orl_gonio_histogram *histogram, size_t item,
-                           const double peaks[2])
+                           const double peaks[2], bool predicted)
 {
     double worst = 0;
     for (int t = 0; t < 2; t++)
         for (int out = 0; out < histogram->basis.n_cells && peaks[t] > 0; out++) {
             const struct orl_gonio_value v = orl_gonio_histogram_value(histogram, item, t, out);
-            const double f = orl_luma(v.f);
-            if (f >= counted_from * peaks[t])
-                worst = fmax(worst, v.error / f);
-        }
-    return worst;
-}
-
-/* Returns the largest relative error of an item as predicted for twice as many paths. It includes
- * values that may be large enough within two of their errors. */
-static double predicted_error_of(const struct orl_gonio_histogram *histogram, size_t item,
-                                 const double peaks[2])
-{
-    double worst = 0;
-    for (int t = 0; t < 2; t++)
-        for (int out = 0; out < histogram->basis.n_cells && peaks[t] > 0; out++) {
-            const struct orl_gonio_value v = orl_gonio_histogram_value(histogram, item, t, out);
-            const double f = orl_luma(v.f), from = counted_from * peaks[t],
-                         error = v.error / sqrt(2);
-            if (f + 2 * error >= from)
+            const double f = orl_luma(v.f), from = counted_from * peaks[t];
+            const double error = predicted ? v.error / sqrt(2) : v.error;
+            if (f + (predicted ? 2 * error : 0) >= from)
                 worst = fmax(worst, error / fmax(f, from));
         }
     return worst;
@@ -108,8 +93,8 @@ static void set_totals(const struct orl_gonio_histogram *histogram,
         for (int t = 0; t < 2; t++)
             result->diffuse[front][t] = orl_gonio_histogram_diffuse(histogram, front, t);
         for (size_t in = 0; in < cells; in++)
-            result->worst =
-                fmax(result->worst, max_error_of(histogram, (size_t)front * cells + in, peaks));
+            result->worst = fmax(result->worst,
+                                 max_error_of(histogram, (size_t)front * cells + in, peaks, false));
     }
     for (size_t item = 0; item < histogram->items; item++) {
         result->paths += (uint64_t)ORL_GONIO_BATCHES *
@@ -317,7 +302,7 @@ static void request_mirrored(struct round *r, size_t item, uint32_t paths)
 static bool needs_more(const struct round *r, size_t item, const double peaks[2])
 {
     const uint64_t most = r->request->paths_most / ORL_GONIO_BATCHES;
-    return predicted_error_of(r->histogram, item, peaks) > r->request->accuracy &&
+    return max_error_of(r->histogram, item, peaks, true) > r->request->accuracy &&
            4ULL * r->histogram->paths[item] <= most;
 }
 
@@ -337,9 +322,8 @@ static bool request_more_paths(struct round *r)
                 request_mirrored(r, item, 2 * r->histogram->paths[item]);
         for (size_t item = front * cells; item < (front + 1) * cells; item++) {
             if (r->histogram->pilot_paths[item] == 0 && r->wanted[item] == 0) {
-                r->not_converged =
-                    r->not_converged ||
-                    predicted_error_of(r->histogram, item, peaks) > r->request->accuracy;
+                r->not_converged = r->not_converged || max_error_of(r->histogram, item, peaks,
+                                                                    true) > r->request->accuracy;
                 r->wanted[item] = r->histogram->paths[item];
                 orl_gonio_histogram_end_pilot(r->histogram, item);
             }

@@ -34,10 +34,6 @@ struct orl_gonio_unit_cell {
 struct orl_gonio_unit_cell orl_gonio_unit_cell_around(const struct orl_geometry *geometry,
                                                       const double sides[4]);
 
-/* Returns a place beside the panel, on its front or back; u in [0,1)^2. */
-struct orl_vec3 orl_gonio_unit_cell_entry(const struct orl_gonio_unit_cell *cell, bool front,
-                                          const double u[2]);
-
 enum orl_gonio_crossing {
     ORL_GONIO_HIT_SURFACE,
     ORL_GONIO_LEFT_BACK,     /* left towards z < 0 */
@@ -107,6 +103,10 @@ struct orl_gonio_sampler {
     struct orl_random random;
 };
 
+/* Returns the random numbers of a path in a stream, and its first four uniforms. */
+struct orl_gonio_sampler orl_gonio_sampler_at(const struct orl_gonio_measurement *measurement,
+                                              uint64_t stream, uint32_t index, double ret_u[4]);
+
 enum orl_gonio_path_end { ORL_GONIO_PATH_LEFT, ORL_GONIO_PATH_CUT };
 
 struct orl_gonio_exit {
@@ -117,13 +117,15 @@ struct orl_gonio_exit {
 };
 
 /*
- * Traces a path that starts beside the panel and enters it. Calls on_exit for every end that is not
+ * Traces a path that starts beside the panel, on its front or back, at u in [0,1)^2, and enters it.
+ * towards: the direction as for light from the back. Calls on_exit for every end that is not
  * absorption. At clear surfaces the reflected and the transmitted part are both traced while they
  * are strong enough. In clear panels only the place of entry is then random.
  */
 typedef void orl_gonio_on_exit(void *ctx, const struct orl_gonio_exit *exit);
-void orl_gonio_trace(const struct orl_gonio_sample *sample, struct orl_path path,
-                     struct orl_gonio_sampler *sampler, orl_gonio_on_exit *on_exit, void *ctx);
+void orl_gonio_trace(const struct orl_gonio_sample *sample, bool front, struct orl_vec3 towards,
+                     const double u[2], struct orl_gonio_sampler *sampler,
+                     orl_gonio_on_exit *on_exit, void *ctx);
 
 enum { ORL_GONIO_BATCHES = ORL_BSDF_MAKE_BATCHES };
 

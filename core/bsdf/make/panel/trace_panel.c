@@ -21,8 +21,9 @@ struct orl_gonio_unit_cell orl_gonio_unit_cell_around(const struct orl_geometry 
     };
 }
 
-struct orl_vec3 orl_gonio_unit_cell_entry(const struct orl_gonio_unit_cell *cell, bool front,
-                                          const double u[2])
+/* Returns a place beside the panel. */
+static struct orl_vec3 entry_of(const struct orl_gonio_unit_cell *cell, bool front,
+                                const double u[2])
 {
     const double width = cell->high.x - cell->low.x - 2 * cell->margin;
     const double height = cell->high.y - cell->low.y - 2 * cell->margin;
@@ -85,6 +86,19 @@ struct panel_tracer {
     struct branch pending[MOST_BRANCHES];
     int n_pending;
 };
+
+struct orl_gonio_sampler orl_gonio_sampler_at(const struct orl_gonio_measurement *measurement,
+                                              uint64_t stream, uint32_t index, double ret_u[4])
+{
+    const uint64_t seed = measurement->request->seed;
+    const struct orl_gonio_sampler sampler = {
+        .sobol = measurement->sobol,
+        .index = index,
+        .seed = (uint32_t)orl_mix64(seed ^ orl_mix64(stream + 1)),
+        .random = orl_random_stream(seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
+    orl_sobol_point(sampler.sobol, index, sampler.seed, 4, ret_u);
+    return sampler;
+}
 
 static void next_sample(struct orl_gonio_sampler *sampler, int scattering, double ret_u[3])
 {
@@ -176,11 +190,14 @@ static void trace_branch(struct panel_tracer *j, struct branch b, orl_gonio_on_e
     on_exit(ctx, &exit);
 }
 
-void orl_gonio_trace(const struct orl_gonio_sample *sample, struct orl_path path,
-                     struct orl_gonio_sampler *sampler, orl_gonio_on_exit *on_exit, void *ctx)
+void orl_gonio_trace(const struct orl_gonio_sample *sample, bool front, struct orl_vec3 towards,
+                     const double u[2], struct orl_gonio_sampler *sampler,
+                     orl_gonio_on_exit *on_exit, void *ctx)
 {
+    if (front)
+        towards.z = -towards.z;
     struct panel_tracer j = {.sample = sample, .sampler = sampler, .n_pending = 1};
-    j.pending[0] = (struct branch){path, 0};
+    j.pending[0] = (struct branch){orl_path_from(entry_of(&sample->cell, front, u), towards), 0};
     while (j.n_pending > 0)
         trace_branch(&j, j.pending[--j.n_pending], on_exit, ctx);
 }

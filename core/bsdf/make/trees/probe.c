@@ -104,28 +104,17 @@ static void send_path(struct orl_gonio_probe *p, uint32_t a, size_t batch, uint3
     const uint64_t set = (p->pilot_paths > 0 ? 2U : 0U) + p->front;
     const uint64_t item = set * (uint64_t)orl_gonio_probe_cells(p) + a;
     const uint64_t stream = item * ORL_GONIO_BATCHES + batch;
-    const struct orl_gonio_sample *sample = p->measurement->sample;
-    const struct orl_sobol *sobol = p->measurement->sobol;
-    const uint64_t seed = p->measurement->request->seed;
-    struct orl_gonio_sampler sampler = {
-        .sobol = sobol,
-        .index = index,
-        .seed = (uint32_t)orl_mix64(seed ^ orl_mix64(stream + 1)),
-        .random = orl_random_stream(seed, ORL_PURPOSE_GONIOMETER, stream << 32 | (uint64_t)index)};
     struct probe_path probe_path = {p, batch, 1, 0};
     double u[4];
-    orl_sobol_point(sobol, index, sampler.seed, 4, u);
-    struct orl_vec3 towards = orl_gonio_probe_direction(p, a, u);
+    struct orl_gonio_sampler sampler = orl_gonio_sampler_at(p->measurement, stream, index, u);
+    const struct orl_vec3 towards = orl_gonio_probe_direction(p, a, u);
     const double r = hypot(towards.x, towards.y);
     if (p->rank == 3 && r > 0) {
         probe_path.cosine = towards.x / r;
         probe_path.sine = towards.y / r;
     }
-    if (p->front)
-        towards.z = -towards.z;
-    orl_gonio_trace(
-        sample, orl_path_from(orl_gonio_unit_cell_entry(&sample->cell, p->front, u + 2), towards),
-        &sampler, count_exit, &probe_path);
+    orl_gonio_trace(p->measurement->sample, p->front, towards, u + 2, &sampler, count_exit,
+                    &probe_path);
 }
 
 void orl_gonio_probe_trace(struct orl_gonio_probe *probe, uint32_t a, uint32_t from, uint32_t to)
