@@ -5,14 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "light/daylight/weather.h"
 #include "metrics/annual/annual_figures.h"
 #include "scene/generate/sky/sun.h"
 
 static const double doubtful_deg = 3;
 /* Rounding of times in hours; files print them with at least three decimals. */
 static const double rounding_h = 0.001;
-enum { MONTHS = 12 };
-static const uint32_t days_before[MONTHS] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
 
 /* Returns the number of steps per hour, from the shortest gap between two rows of a day. */
 static uint32_t find_per_hour(const struct orl_annual_result *result)
@@ -49,8 +48,7 @@ uint32_t orl_annual_step_of(const struct orl_annual_timeline *year,
 {
     const struct orl_annual_steps *steps = &year->steps;
     const bool leap = steps->count == 8784 * steps->per_hour;
-    const uint32_t month = (uint32_t)row->month - 1;
-    const uint32_t day = days_before[month] + (leap && month > 1) + (uint32_t)row->day - 1;
+    const uint32_t day = (uint32_t)orl_weather_days_before(row->month, row->day, leap);
     const double time = steps->per_hour * row->hour, hair = steps->per_hour * rounding_h;
     const double last = 24.0 * steps->per_hour - 1;
     const double within = floor(time + (year->times_begin_steps ? hair : -hair));

@@ -12,9 +12,7 @@ void orl_one_run_done(struct orl_one_run *run)
 {
     free(run->values);
     free(run->errors);
-    for (size_t i = 0; i < run->n_warnings; i++)
-        free(run->warnings[i]);
-    free(run->warnings);
+    orl_texts_free(run->warnings, run->n_warnings);
     memset(run, 0, sizeof *run);
 }
 

@@ -309,15 +309,6 @@ int orl_share_runs(struct orl_runs_env *env, const struct orl_study_setting *set
 
 /* ---- One of them ----------------------------------------------------------------------------- */
 
-static int claim_all(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
-                     const struct orl_job_tasks_watch *watch, struct orl_error *err)
-{
-    (void)ctx, (void)tasks, (void)watch, (void)err;
-    for (size_t i = 0; i < n; i++)
-        ret_here[i] = true;
-    return 0;
-}
-
 int orl_shared_run_find(struct orl_runs_env *env, const struct orl_study_setting *setting,
                         uint64_t seed, struct orl_one_run *ret_run, struct orl_error *err)
 {
@@ -326,7 +317,7 @@ int orl_shared_run_find(struct orl_runs_env *env, const struct orl_study_setting
     struct orl_job_task job_task;
     if (!orl_study_is_shared(env->env))
         return orl_one_run_make(env, setting, seed, ret_run, err);
-    const struct orl_job_tasks here = {.job = env->env->tasks->job, .claim = claim_all};
+    const struct orl_job_tasks here = {.job = env->env->tasks->job};
     name_run(env, &planned_run, &job_task);
     return compute_tasks(&run_tasks, &job_task, 1, &here, err);
 }

@@ -78,22 +78,11 @@ double orl_ray_rate(const struct orl_geometry *geometry, size_t n_rays, int runs
     return hits > 0 ? orl_nth_element(rates, (size_t)runs, (size_t)runs / 2) : NAN;
 }
 
-/* Loads a BSDF; the context is the cancel flag. */
-static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
-                     const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
-                     struct orl_error *err)
-{
-    struct orl_bsdf_xml cancellable = *xml;
-    (void)content;
-    cancellable.cancel = ctx;
-    return orl_bsdf_load(&cancellable, ret_bsdf, err);
-}
-
 int orl_study_measure_speed(const struct orl_study_request *request,
                             const struct orl_study_env *env, double *ret_rays_per_s,
                             struct orl_error *err)
 {
-    const struct orl_bsdf_loader loader = {env->cancel, load_bsdf, env->cancel};
+    const struct orl_bsdf_loader loader = {.cancel = env->cancel};
     struct orl_parsed_scene parsed_scene = {0};
     struct orl_geometry *geometry = NULL;
     int code =

@@ -12,6 +12,7 @@
 #include <oriel/job/study.h>
 
 #include "base/io/out_file.h"
+#include "base/memory/memory.h"
 #include "run/request/job_inputs.h"
 #include "study/speed.h"
 #include "study/study_errors.h"
@@ -24,9 +25,7 @@ void orl_study_done(struct orl_study *study)
     free(study->points);
     free(study->fits);
     orl_study_free_external(study->external, study->n_external);
-    for (size_t i = 0; i < study->n_warnings; i++)
-        free(study->warnings[i]);
-    free(study->warnings);
+    orl_texts_free(study->warnings, study->n_warnings);
     memset(study, 0, sizeof *study);
 }
 

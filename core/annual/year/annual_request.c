@@ -14,6 +14,7 @@
 #include <oriel/base/limits.h>
 
 #include "annual/matrices/imported_matrices.h"
+#include "base/memory/memory.h"
 
 static const double usual_ground = 0.2;
 
@@ -197,23 +198,16 @@ void orl_annual_done(struct orl_annual_result *result)
 
 /* Window groups of a request: validation and freeing. */
 
-static void free_names(char **names, size_t n)
-{
-    for (size_t i = 0; names && i < n; i++)
-        free(names[i]);
-    free(names);
-}
-
 void orl_window_group_done(struct orl_window_group *group)
 {
     if (!group)
         return;
     for (size_t i = 0; group->states && i < group->n_states; i++) {
         free(group->states[i].name);
-        free_names(group->states[i].files, group->states[i].n_files);
+        orl_texts_free(group->states[i].files, group->states[i].n_files);
         free(group->states[i].material);
     }
-    free_names(group->windows, group->n_windows);
+    orl_texts_free(group->windows, group->n_windows);
     free(group->name);
     free(group->states);
     free(group->series);

@@ -34,6 +34,14 @@ char *orl_arena_alloc_chars(struct orl_arena *arena, size_t size);
 /* Returns a NUL-terminated copy of `length` bytes. NULL when out of memory. */
 char *orl_arena_copy_text(struct orl_arena *arena, const char *text, size_t length);
 
+/* Frees a list of n texts, which may be NULL. */
+static inline void orl_texts_free(char **texts, size_t n)
+{
+    for (size_t i = 0; texts && i < n; i++)
+        free(texts[i]);
+    free(texts);
+}
+
 /* Allocation of large blocks, and early release of memory that is no longer needed. */
 
 /*

@@ -7,6 +7,7 @@
 #include <oriel/bsdf/bsdf_fit.h>
 
 #include "base/io/out_file.h"
+#include "base/memory/memory.h"
 #include "bsdf/fit/fit.h"
 #include "bsdf/make/make_bsdf.h"
 #include "bsdf/xml/bsdf_xml.h"
@@ -29,7 +30,8 @@ void orl_bsdf_fit_request_done(struct orl_bsdf_fit_request *request)
 {
     if (!request)
         return;
-    orl_gonio_free_names(request->files, request->n_files, request->name);
+    orl_texts_free(request->files, request->n_files);
+    free(request->name);
     memset(request, 0, sizeof *request);
 }
 

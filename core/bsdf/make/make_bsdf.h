@@ -28,9 +28,6 @@ int orl_gonio_check_tree(uint32_t resolution, double cull, struct orl_error *err
 /* Returns the name of a Klems basis in a file. */
 const char *orl_gonio_klems_name(enum orl_bsdf_basis basis);
 
-/* Frees the files' names with their list, and the name. */
-void orl_gonio_free_names(char **files, size_t n_files, char *name);
-
 /* Estimated seconds of one core per path, for panels with a few surfaces. */
 #define ORL_GONIO_PATH_S 4e-6
 

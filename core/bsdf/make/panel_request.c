@@ -5,6 +5,7 @@
 
 #include <oriel/bsdf/bsdf_make.h>
 
+#include "base/memory/memory.h"
 #include "bsdf/make/make_bsdf.h"
 
 const char *orl_bsdf_basis_name(enum orl_bsdf_basis basis)
@@ -32,19 +33,12 @@ void orl_bsdf_make_request_init(struct orl_bsdf_make_request *request)
     request->seed = 1;
 }
 
-void orl_gonio_free_names(char **files, size_t n_files, char *name)
-{
-    for (size_t i = 0; i < n_files; i++)
-        free(files[i]);
-    free(files);
-    free(name);
-}
-
 void orl_bsdf_make_request_done(struct orl_bsdf_make_request *request)
 {
     if (!request)
         return;
-    orl_gonio_free_names(request->files, request->n_files, request->name);
+    orl_texts_free(request->files, request->n_files);
+    free(request->name);
     memset(request, 0, sizeof *request);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory/memory.h"
 #include "light/daylight/weather.h"
 #include "render/heat_map/heat_map.h"
 #include "run/cache/scene_cache.h"
@@ -55,17 +56,6 @@ static void summarise(const struct orl_scene *scene, struct orl_scene_summary *s
     sodium_bin2hex(summary->digest, sizeof summary->digest, d->digest, sizeof d->digest);
 }
 
-static int load_bsdf(void *ctx, const struct orl_bsdf_xml *xml,
-                     const unsigned char content[ORL_SHA256_BYTES], struct orl_bsdf **ret_bsdf,
-                     struct orl_error *err)
-{
-    struct orl_bsdf_xml cancellable = *xml;
-    const struct orl_bsdf_loader *loader = ctx;
-    (void)content;
-    cancellable.cancel = loader->cancel;
-    return orl_bsdf_load(&cancellable, ret_bsdf, err);
-}
-
 int orl_prepare_thread(struct orl_error *err)
 {
     return orl_geometry_prepare_thread(err);
@@ -79,8 +69,7 @@ static int read_overridden(const char *const *main_files, size_t n_files,
                            const atomic_bool *cancel, struct orl_scene **ret_scene,
                            struct orl_error *err)
 {
-    struct orl_bsdf_loader loader = {.load = load_bsdf, .cancel = cancel};
-    loader.ctx = &loader;
+    const struct orl_bsdf_loader loader = {.cancel = cancel};
     struct orl_parsed_scene parsed_scene = {0};
     struct orl_sources sources;
     *ret_scene = NULL;
@@ -243,8 +232,6 @@ void orl_scene_summary_done(struct orl_scene_summary *summary)
 {
     if (!summary)
         return;
-    for (size_t i = 0; i < summary->n_referenced; i++)
-        free(summary->referenced[i]);
-    free(summary->referenced);
+    orl_texts_free(summary->referenced, summary->n_referenced);
     memset(summary, 0, sizeof *summary);
 }

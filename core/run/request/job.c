@@ -7,6 +7,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/job/run.h>
 
+#include "base/memory/memory.h"
 #include "light/daylight/daylight.h"
 #include "metrics/glare.h"
 #include "render/film/film.h"
@@ -35,9 +36,7 @@ void orl_job_done(struct orl_job *job)
 {
     if (!job)
         return;
-    for (size_t i = 0; i < job->n_scene_files; i++)
-        free(job->scene_files[i]);
-    free(job->scene_files);
+    orl_texts_free(job->scene_files, job->n_scene_files);
     free(job->sky.weather_file);
     for (size_t i = 0; i < job->n_skies; i++) {
         free(job->skies[i].name);
@@ -400,9 +399,7 @@ void orl_result_done(struct orl_result *result)
     free(result->views);
     orl_sensor_files_done(&result->sensor_files);
     orl_grid_results_done(result);
-    for (size_t i = 0; i < result->n_warnings; i++)
-        free(result->warnings[i]);
-    free(result->warnings);
+    orl_texts_free(result->warnings, result->n_warnings);
     memset(result, 0, sizeof *result);
 }
 

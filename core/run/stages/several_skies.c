@@ -157,15 +157,6 @@ static int run_sky(struct skies_run *p, size_t index, struct orl_error *err)
 
 /* ---- Skies as tasks ------------------------------------------------------------------------- */
 
-static int claim_all(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
-                     const struct orl_job_tasks_watch *watch, struct orl_error *err)
-{
-    (void)ctx, (void)tasks, (void)watch, (void)err;
-    for (size_t i = 0; i < n; i++)
-        ret_here[i] = true;
-    return 0;
-}
-
 /* Runs a sky and returns a marker. The sky's results are in the store as tasks of their own. */
 static int make_sky_task(void *ctx, size_t index, void **ret_data, size_t *ret_size,
                          struct orl_error *err)
@@ -232,7 +223,7 @@ static int distribute_skies(struct skies_run *p, struct orl_job_tasks *here,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for tasks of a job");
     for (size_t i = 0; i < work.n; i++)
         name_sky_task(p, shared->job, i, &work.tasks[i]);
-    *here = (struct orl_job_tasks){.job = shared->job, .claim = claim_all};
+    *here = (struct orl_job_tasks){.job = shared->job};
     *ret_env = *p->env;
     ret_env->tasks = here;
     p->env = ret_env;

@@ -36,7 +36,7 @@ struct orl_source {
     struct orl_bsdf *bsdf; /* a reference, once it was loaded as a BSDF */
 };
 
-/* Loader of BSDFs instead of orl_bsdf_load_xml, perhaps from a cache; and a cancel flag. */
+/* Loader of BSDFs instead of orl_bsdf_load, perhaps from a cache; NULL: none. And a cancel flag. */
 struct orl_bsdf_loader {
     void *ctx;
     int (*load)(void *ctx, const struct orl_bsdf_xml *xml,

@@ -289,9 +289,10 @@ static int load_bsdf(const struct orl_sources *sources, struct orl_source *item,
                                      .data = item->file.data,
                                      .size = item->file.size,
                                      .passed = sources->files->passed ? report_passed : NULL,
-                                     .ctx = &reading};
-    return loader ? loader->load(loader->ctx, &xml, item->content, &item->bsdf, err)
-                  : orl_bsdf_load(&xml, &item->bsdf, err);
+                                     .ctx = &reading,
+                                     .cancel = loader ? loader->cancel : NULL};
+    return loader && loader->load ? loader->load(loader->ctx, &xml, item->content, &item->bsdf, err)
+                                  : orl_bsdf_load(&xml, &item->bsdf, err);
 }
 
 int orl_sources_bsdf(struct orl_sources *sources, size_t index, struct orl_bsdf **ret_bsdf,

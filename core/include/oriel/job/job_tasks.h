@@ -46,7 +46,7 @@ struct orl_job_tasks {
      * Assigns tasks that the store lacks; they are independent of each other. Sets ret_here for
      * those that this run must compute; all are false beforehand. When it returns 0, the others are
      * in the store, or will never be requested. ORL_ERR_CANCELLED ends a run that has computed its
-     * tasks. Called by the lead thread. watch may be NULL.
+     * tasks. Called by the lead thread. watch may be NULL. NULL: the run computes all tasks.
      */
     int (*claim)(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
                  const struct orl_job_tasks_watch *watch, struct orl_error *err);
