@@ -1,5 +1,6 @@
 #include <stdalign.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,6 +107,65 @@ char *orl_arena_copy_text(struct orl_arena *arena, const char *text, size_t leng
         copy[length] = '\0';
     }
     return copy;
+}
+
+struct orl_array_block {
+    struct orl_array_block *next;
+    alignas(max_align_t) char bytes[];
+};
+
+void *orl_arrays_new(struct orl_arrays *arrays, size_t count, size_t item)
+{
+    const size_t most = SIZE_MAX - sizeof(struct orl_array_block);
+    struct orl_array_block *block = NULL;
+    if (!arrays->failed && (item == 0 || count <= most / item))
+        block = calloc(1, sizeof *block + count * item);
+    if (!block) {
+        arrays->failed = true;
+        return NULL;
+    }
+    block->next = arrays->newest;
+    arrays->newest = block;
+    return block->bytes;
+}
+
+void orl_arrays_free(struct orl_arrays *arrays)
+{
+    for (struct orl_array_block *block = arrays->newest; block;) {
+        struct orl_array_block *const next = block->next;
+        free(block);
+        block = next;
+    }
+    *arrays = (struct orl_arrays){.newest = NULL};
+}
+
+static size_t size_of_spans(const struct orl_span *spans, size_t n)
+{
+    size_t bytes = 0;
+    for (size_t i = 0; i < n; i++)
+        bytes += spans[i].bytes;
+    return bytes;
+}
+
+void *orl_spans_join(const struct orl_span *spans, size_t n, size_t *ret_bytes)
+{
+    *ret_bytes = size_of_spans(spans, n);
+    char *data = malloc(*ret_bytes + 1), *to = data;
+    for (size_t i = 0; data && i < n; to += spans[i++].bytes)
+        if (spans[i].bytes > 0)
+            memcpy(to, spans[i].at, spans[i].bytes);
+    return data;
+}
+
+bool orl_spans_fill(const struct orl_span *spans, size_t n, const void *data, size_t bytes)
+{
+    const char *from = data;
+    if (!data || bytes != size_of_spans(spans, n))
+        return false;
+    for (size_t i = 0; i < n; from += spans[i++].bytes)
+        if (spans[i].bytes > 0)
+            memcpy(spans[i].at, from, spans[i].bytes);
+    return true;
 }
 
 bool orl_array_reserve(void *array, size_t *capacity, size_t count, size_t item)

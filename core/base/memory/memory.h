@@ -1,5 +1,6 @@
 /*
- * Memory: arenas, growable arrays (oriel/base/array.h), large blocks.
+ * Memory: arenas, arrays that are freed together, growable arrays (oriel/base/array.h), large
+ * blocks.
  *
  * An arena is memory that is allocated in small amounts and freed all at once. A scene has millions
  * of names and vertex lists with the same lifetime. One call to the allocator for each would cost
@@ -41,6 +42,32 @@ static inline void orl_texts_free(char **texts, size_t n)
         free(texts[i]);
     free(texts);
 }
+
+/*
+ * Arrays that are freed together. Zeros: no array yet. Once memory runs out, `failed` stays true,
+ * and further arrays are NULL; so one check after the last array suffices.
+ */
+struct orl_arrays {
+    struct orl_array_block *newest;
+    bool failed;
+};
+
+/* Returns an array of zeros, owned by `arrays`. An array of no items is not NULL. */
+void *orl_arrays_new(struct orl_arrays *arrays, size_t count, size_t item);
+/* Frees all arrays and makes the struct zeros. */
+void orl_arrays_free(struct orl_arrays *arrays);
+
+/* A range of bytes; borrowed. */
+struct orl_span {
+    void *at;
+    size_t bytes;
+};
+
+/* Returns a copy of the spans one after the other, owned by the caller. NULL when out of memory. */
+void *orl_spans_join(const struct orl_span *spans, size_t n, size_t *ret_bytes);
+/* Fills the spans from a copy that orl_spans_join made. Returns false, and fills none, if the copy
+ * is NULL or has another size. */
+bool orl_spans_fill(const struct orl_span *spans, size_t n, const void *data, size_t bytes);
 
 /* Allocation of large blocks, and early release of memory that is no longer needed. */
 
