@@ -7,6 +7,7 @@
 
 #include <oriel/base/thread_pool.h>
 
+#include "base/memory/memory.h"
 #include "metrics/indices.h"
 
 /* ---- Smoothing ------------------------------------------------------------------------------- */
@@ -81,10 +82,11 @@ int orl_glare_sources_smooth(const struct orl_luminances *picture, double radius
     const struct orl_view_field *field = picture->field;
     const size_t count = (size_t)field->width * field->height;
     struct smoothing s = {.field = field, .label = label, .pixels = disc_radius(field, radius_rad)};
-    uint32_t *smoothed = malloc(count * sizeof *smoothed);
-    s.filled = calloc((size_t)n_labels + 1, sizeof *s.filled);
-    s.disc_labels = malloc(((size_t)n_labels + 1) * sizeof *s.disc_labels);
-    int code = smoothed && s.filled && s.disc_labels ? 0 : ORL_ERR_NOMEM;
+    struct orl_arrays arrays = {.failed = false};
+    uint32_t *smoothed = orl_arrays_new(&arrays, count, sizeof *smoothed);
+    s.filled = orl_arrays_new(&arrays, (size_t)n_labels + 1, sizeof *s.filled);
+    s.disc_labels = orl_arrays_new(&arrays, (size_t)n_labels + 1, sizeof *s.disc_labels);
+    int code = arrays.failed ? ORL_ERR_NOMEM : 0;
     for (size_t i = 0; i < count && code == 0; i++) {
         const uint32_t x = (uint32_t)(i % field->width), y = (uint32_t)(i / field->width);
         smoothed[i] =
@@ -94,9 +96,7 @@ int orl_glare_sources_smooth(const struct orl_luminances *picture, double radius
     }
     for (size_t i = 0; i < count && code == 0; i++)
         label[i] = smoothed[i];
-    free(smoothed);
-    free(s.filled);
-    free(s.disc_labels);
+    orl_arrays_free(&arrays);
     return code;
 }
 
@@ -240,15 +240,14 @@ int orl_glare_sources_find(const struct orl_luminances *picture,
 {
     const size_t count = (size_t)picture->field->width * picture->field->height;
     struct search s = {.picture = picture, .rule = rule, .count = count};
-    s.label = calloc(count, sizeof *s.label);
-    s.pixels = malloc(count * sizeof *s.pixels);
-    s.group = malloc(count * sizeof *s.group);
-    int code = s.label && s.pixels && s.group ? label_sources(&s) : ORL_ERR_NOMEM;
+    struct orl_arrays arrays = {.failed = false};
+    s.label = orl_arrays_new(&arrays, count, sizeof *s.label);
+    s.pixels = orl_arrays_new(&arrays, count, sizeof *s.pixels);
+    s.group = orl_arrays_new(&arrays, count, sizeof *s.group);
+    int code = arrays.failed ? ORL_ERR_NOMEM : label_sources(&s);
     if (code == 0)
         code = collect_sources(&s, ret_sources, ret_count);
-    free(s.label);
-    free(s.pixels);
-    free(s.group);
+    orl_arrays_free(&arrays);
     return code < 0 ? orl_error_set(err, code, "%s searching for glare sources",
                                     code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory")
                     : 0;

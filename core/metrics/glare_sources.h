@@ -30,10 +30,10 @@
 struct orl_view_field {
     uint32_t width, height;
     struct orl_view view;
-    struct orl_frame eye;      /* u to the right, v up, n along the line of sight */
-    float (*direction)[3];     /* direction of a pixel's middle; owned */
-    float *solid_angle;        /* sr; 0: the pixel does not count; owned */
-    double all_sr, all_cos_sr; /* sum over pixels that count; the second is weighted by cosines */
+    struct orl_frame eye;  /* u to the right, v up, n along the line of sight */
+    float (*direction)[3]; /* direction of a pixel's middle; owned */
+    float *solid_angle;    /* sr; 0: the pixel does not count; owned */
+    double all_sr;         /* sum over pixels that count */
 };
 
 /* Builds the field. turned_deg: rotation of the line of sight from the view's, about its up, to the

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory/memory.h"
+
 static const uint32_t not_listed = UINT32_MAX;
 
 /* Pixel at the edge of a group, with its cube. */
@@ -187,12 +189,13 @@ int orl_pixels_cluster(const struct orl_view_field *field, const uint32_t *pixel
     const size_t all = (size_t)field->width * field->height;
     const double chord = 2 * sin(fmin(angle_rad, ORL_PI) / 2);
     struct union_find u = {field, pixels, count, chord * chord, NULL, NULL};
-    struct edge *edges = malloc((count + 1) * sizeof *edges);
-    struct cube *cubes = malloc((count + 1) * sizeof *cubes);
-    u.parent = malloc((count + 1) * sizeof *u.parent);
-    u.listed = malloc(all * sizeof *u.listed);
-    const bool allocated = edges && cubes && u.parent && u.listed;
-    if (allocated) {
+    struct orl_arrays arrays = {.failed = false};
+    struct edge *edges = orl_arrays_new(&arrays, count, sizeof *edges);
+    struct cube *cubes = orl_arrays_new(&arrays, count, sizeof *cubes);
+    u.parent = orl_arrays_new(&arrays, count, sizeof *u.parent);
+    u.listed = orl_arrays_new(&arrays, all, sizeof *u.listed);
+    const int code = arrays.failed ? ORL_ERR_NOMEM : 0;
+    if (code == 0) {
         memset(u.listed, 0xff, all * sizeof *u.listed);
         for (uint32_t i = 0; i < count; i++) {
             u.parent[i] = i;
@@ -203,9 +206,6 @@ int orl_pixels_cluster(const struct orl_view_field *field, const uint32_t *pixel
             join_around(&u, edges, cubes, n_cubes, i);
         number_groups(&u, ret_group, ret_groups);
     }
-    free(edges);
-    free(cubes);
-    free(u.parent);
-    free(u.listed);
-    return allocated ? 0 : ORL_ERR_NOMEM;
+    orl_arrays_free(&arrays);
+    return code;
 }

@@ -63,7 +63,6 @@ static void compute_row(struct orl_view_field *f, uint32_t y, const struct corne
                           orl_triangle_sr(c->direction, d->direction, a->direction);
         f->solid_angle[at] = (float)sr;
         f->all_sr += sr;
-        f->all_cos_sr += sr * middle.z;
     }
 }
 
