@@ -64,18 +64,16 @@ static struct orl_rgb panes_transmittance(const struct orl_lit_scene *lit_scene,
     return orl_gray(0);
 }
 
-/* Returns the transmittance of panes on the way to a mirror, and the hit on the mirror. Returns
- * zero if the ray meets anything opaque before it. */
-static struct orl_rgb panes_transmittance_to_mirror(const struct orl_lit_scene *lit_scene,
-                                                    struct orl_vec3 origin,
-                                                    struct orl_vec3 direction, bool through_ports,
-                                                    uint32_t mirror, struct orl_hit *ret_hit)
+struct orl_rgb orl_transmittance_to_facet(const struct orl_lit_scene *lit_scene,
+                                          struct orl_vec3 origin, struct orl_vec3 direction,
+                                          bool through_ports, uint32_t facet,
+                                          struct orl_hit *ret_hit)
 {
     struct orl_path path = orl_path_from(origin, direction);
     for (int pane = 0; pane < MOST_PANES; pane++) {
         if (!orl_path_intersect(lit_scene, &path, ret_hit))
             return orl_gray(0);
-        if (ret_hit->facet == mirror)
+        if (ret_hit->facet == facet)
             return path.weight;
         if (!orl_path_transmit_straight(&path, orl_lit_scene_material(lit_scene, ret_hit),
                                         ret_hit) ||
@@ -237,12 +235,6 @@ static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
     return orl_material_emission(material, &hit, orl_neg(light_sample->light));
 }
 
-static bool is_flat(const struct orl_facet *facet)
-{
-    return facet->kind == ORL_SURFACE_RING ||
-           (facet->kind == ORL_SURFACE_POLYGON && !facet->nonplanar);
-}
-
 /* Returns radiance times solid angle for a sampled point of a lamp, without occlusion. */
 static struct orl_rgb lamp_radiance(const struct orl_lit_scene *lit_scene,
                                     const struct orl_emitter *emitter, struct orl_vec3 from,
@@ -268,7 +260,7 @@ static struct orl_rgb transmittance_to_lamp(const struct orl_lit_scene *lit_scen
     const struct orl_facet *facet = orl_facet_get_own(lit_scene->geometry, lamp, &own);
     const double reach = distance - 2 * facet->offset;
     struct segment segment = segment_to(origin, light, reach, through_ports);
-    segment.target = is_flat(facet) ? lamp : no_target;
+    segment.target = orl_facet_is_plane(facet) ? lamp : no_target;
     return reach > 0 ? transmittance_of(lit_scene, &segment) : orl_gray(1);
 }
 
@@ -293,8 +285,7 @@ static double shadow_ray_weight(const struct orl_lit_scene *lit_scene,
                                 const struct orl_light_sample *light_sample,
                                 struct orl_vec3 direction)
 {
-    const uint32_t material = orl_facet_material(lit_scene->geometry, emitter->facet);
-    if (!query->lobes || !rays_count_lamp(&lit_scene->materials[material]))
+    if (!query->lobes || !rays_count_lamp(orl_lit_scene_material_of(lit_scene, emitter->facet)))
         return 1;
     return orl_light_sample_pdf(light_sample) /
            (orl_light_sample_pdf(light_sample) +
@@ -327,7 +318,7 @@ static struct orl_rgb mirrored_transmittance(const struct orl_lit_scene *lit_sce
                                              struct orl_vec3 direction)
 {
     struct orl_hit hit;
-    const struct orl_rgb before = panes_transmittance_to_mirror(
+    const struct orl_rgb before = orl_transmittance_to_facet(
         lit_scene, query->point, direction, query->through_ports, image->mirror, &hit);
     if (!(orl_rgb_max(before) > 0))
         return orl_gray(0);

@@ -55,6 +55,13 @@ struct orl_rgb orl_transmittance_to_infinity(const struct orl_lit_scene *lit_sce
                                              struct orl_vec3 origin, struct orl_vec3 direction,
                                              int32_t *port);
 
+/* Returns the transmittance of panes on the way to a facet, and the hit on it. Returns zero if
+ * anything opaque is in between; *ret_hit is then undefined. */
+struct orl_rgb orl_transmittance_to_facet(const struct orl_lit_scene *lit_scene,
+                                          struct orl_vec3 origin, struct orl_vec3 direction,
+                                          bool through_ports, uint32_t facet,
+                                          struct orl_hit *ret_hit);
+
 /*
  * A query for the irradiance at a point with a unit normal, from suns and lamps that are sampled
  * directly, with one shadow ray each. If lobes is not NULL, the light is weighted by the lobes of

@@ -160,10 +160,11 @@ int orl_lights_new(struct orl_scene *scene, const struct orl_daylight *sky,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
     atomic_init(&lights->holders, 1);
     lights->scene = orl_scene_hold(scene);
-    lights->suns = calloc(distant_sources + 1, sizeof *lights->suns);
-    lights->domes = calloc(distant_sources + OF_A_SKY, sizeof *lights->domes);
-    lights->emitters = calloc(scene->n_emissive + 1, sizeof *lights->emitters);
-    if (!lights->suns || !lights->domes || !lights->emitters) {
+    struct orl_arrays *arrays = &lights->arrays;
+    lights->suns = orl_arrays_new(arrays, distant_sources + 1, sizeof *lights->suns);
+    lights->domes = orl_arrays_new(arrays, distant_sources + OF_A_SKY, sizeof *lights->domes);
+    lights->emitters = orl_arrays_new(arrays, scene->n_emissive, sizeof *lights->emitters);
+    if (arrays->failed) {
         orl_lights_release(lights);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for lights");
     }
@@ -187,9 +188,7 @@ void orl_lights_release(struct orl_lights *lights)
     if (!lights || atomic_fetch_sub_explicit(&lights->holders, 1, memory_order_acq_rel) > 1)
         return;
     orl_scene_release(lights->scene);
-    free(lights->suns);
-    free(lights->domes);
-    free(lights->emitters);
+    orl_arrays_free(&lights->arrays);
     free(lights);
 }
 

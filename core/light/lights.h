@@ -7,6 +7,7 @@
 #ifndef ORL_LIGHT_LIGHTS_H
 #define ORL_LIGHT_LIGHTS_H
 
+#include "base/memory/memory.h"
 #include "light/daylight/daylight.h"
 #include "scene/built/scene.h"
 
@@ -52,8 +53,9 @@ struct orl_emitter {
 };
 
 struct orl_lights {
-    struct orl_scene *scene; /* held */
-    struct orl_sky pattern;  /* the pattern of the given sky, to which its domes point */
+    struct orl_scene *scene;  /* held */
+    struct orl_arrays arrays; /* the arrays below */
+    struct orl_sky pattern;   /* the pattern of the given sky, to which its domes point */
     struct orl_sun *suns;
     size_t n_suns;
     struct orl_dome *domes;

@@ -5,9 +5,9 @@
 
 #include "light/daylight/daylight.h"
 
-static void *copy_of(const void *from, size_t count, size_t size)
+static void *copy_of(struct orl_lit_scene *lit_scene, const void *from, size_t count, size_t size)
 {
-    void *copy = malloc((count + 1) * size);
+    void *copy = orl_arrays_new(&lit_scene->arrays, count, size);
     if (copy && count > 0)
         memcpy(copy, from, count * size);
     return copy;
@@ -19,12 +19,13 @@ static bool copy_parts(struct orl_lit_scene *lit_scene)
     const struct orl_scene *scene = lit_scene->scene;
     const struct orl_lights *lights = lit_scene->lights;
     const struct orl_parsed_scene *d = &scene->parsed_scene;
-    lit_scene->materials = copy_of(d->materials, d->n_materials, sizeof *lit_scene->materials);
-    lit_scene->suns = copy_of(lights->suns, lights->n_suns, sizeof *lit_scene->suns);
-    lit_scene->domes = copy_of(lights->domes, lights->n_domes, sizeof *lit_scene->domes);
+    lit_scene->materials =
+        copy_of(lit_scene, d->materials, d->n_materials, sizeof *lit_scene->materials);
+    lit_scene->suns = copy_of(lit_scene, lights->suns, lights->n_suns, sizeof *lit_scene->suns);
+    lit_scene->domes = copy_of(lit_scene, lights->domes, lights->n_domes, sizeof *lit_scene->domes);
     lit_scene->emitters =
-        copy_of(lights->emitters, lights->n_emitters, sizeof *lit_scene->emitters);
-    lit_scene->ports = copy_of(scene->ports, scene->n_ports, sizeof *lit_scene->ports);
+        copy_of(lit_scene, lights->emitters, lights->n_emitters, sizeof *lit_scene->emitters);
+    lit_scene->ports = copy_of(lit_scene, scene->ports, scene->n_ports, sizeof *lit_scene->ports);
     lit_scene->n_materials = d->n_materials;
     lit_scene->n_suns = lights->n_suns;
     lit_scene->n_domes = lights->n_domes;
@@ -32,9 +33,8 @@ static bool copy_parts(struct orl_lit_scene *lit_scene)
     lit_scene->largest_sampled_glow = lights->largest_sampled_glow;
     lit_scene->n_ports = scene->n_ports;
     if (scene->seen)
-        lit_scene->seen = calloc(1, sizeof *lit_scene->seen);
-    return lit_scene->materials && lit_scene->suns && lit_scene->domes && lit_scene->emitters &&
-           lit_scene->ports && (lit_scene->seen || !scene->seen);
+        lit_scene->seen = orl_arrays_new(&lit_scene->arrays, 1, sizeof *lit_scene->seen);
+    return !lit_scene->arrays.failed;
 }
 
 int orl_lit_scene_new(struct orl_lights *lights, const struct orl_thread_pool *pool,
@@ -79,12 +79,7 @@ void orl_lit_scene_free(struct orl_lit_scene *lit_scene)
     orl_virtual_lamps_done(&lit_scene->virtual_lamps);
     orl_lights_release(lit_scene->lights);
     orl_scene_release(lit_scene->scene);
-    free(lit_scene->materials);
-    free(lit_scene->suns);
-    free(lit_scene->domes);
-    free(lit_scene->emitters);
-    free(lit_scene->ports);
-    free(lit_scene->seen);
+    orl_arrays_free(&lit_scene->arrays);
     free(lit_scene);
 }
 

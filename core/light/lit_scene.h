@@ -47,6 +47,7 @@ struct orl_lit_scene {
     /* the lit scene that views see: this one with another geometry; NULL: no BSDF stands for
      * geometry */
     struct orl_lit_scene *seen;
+    struct orl_arrays arrays; /* `seen` and the copies below */
     /* The lit scene's own copies, of what is simulated. */
     struct orl_material *materials;
     size_t n_materials;
@@ -89,9 +90,22 @@ static inline const struct orl_lit_scene *orl_lit_scene_seen(const struct orl_li
 }
 
 static inline const struct orl_material *
+orl_lit_scene_material_of(const struct orl_lit_scene *lit_scene, size_t facet)
+{
+    return &lit_scene->materials[orl_facet_material(lit_scene->geometry, facet)];
+}
+
+static inline const struct orl_material *
 orl_lit_scene_material(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit)
 {
-    return &lit_scene->materials[orl_facet_material(lit_scene->geometry, hit->facet)];
+    return orl_lit_scene_material_of(lit_scene, hit->facet);
+}
+
+/* Returns true if a facet lies in a plane. */
+static inline bool orl_facet_is_plane(const struct orl_facet *facet)
+{
+    return facet->kind == ORL_SURFACE_RING ||
+           (facet->kind == ORL_SURFACE_POLYGON && !facet->nonplanar);
 }
 
 /* Returns the radiance of the domes in a direction, as it lights surfaces, without suns. */

@@ -35,18 +35,6 @@ struct pairs {
 
 /* ---- Mirrors --------------------------------------------------------------------------------- */
 
-static bool is_plane(const struct orl_facet *f)
-{
-    return f->area > 0 &&
-           (f->kind == ORL_SURFACE_RING || (f->kind == ORL_SURFACE_POLYGON && !f->nonplanar));
-}
-
-static bool is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *f)
-{
-    const struct orl_material *m = &lit_scene->materials[f->material];
-    return is_plane(f) && !m->texture && orl_material_is_mirror(m);
-}
-
 /* Computes the bounding sphere of a polygon or a ring. */
 static void find_sphere(const struct orl_geometry *g, const struct orl_facet *f,
                         struct orl_virtual_lamp *image)
@@ -226,7 +214,7 @@ static int find_pairs(struct pairs *pairs, const struct orl_lit_scene *lit_scene
     for (size_t i = 0; i < lit_scene->geometry->n_facets && n_spots > 0; i++) {
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_get_own(lit_scene->geometry, i, &own);
-        if (!is_flat_mirror(lit_scene, f))
+        if (!orl_facet_is_plane(f) || !orl_is_flat_mirror(lit_scene, f))
             continue;
         if (orl_thread_pool_cancelled(pool))
             return ORL_ERR_CANCELLED;

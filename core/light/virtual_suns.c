@@ -28,16 +28,11 @@ struct class
     int16_t index; /* index among the selected classes; -1: not selected */
 };
 
-static const struct orl_material *material_of(const struct orl_lit_scene *lit_scene, size_t facet)
-{
-    return &lit_scene->materials[orl_facet_material(lit_scene->geometry, facet)];
-}
-
-static bool is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *f)
+bool orl_is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *f)
 {
     const struct orl_material *const m = &lit_scene->materials[f->material];
-    const bool flat = orl_surface_kind_is_flat(f->kind);
-    return flat && f->area > 0 && !m->texture && orl_material_is_mirror(m);
+    return orl_surface_kind_is_flat(f->kind) && f->area > 0 && !m->texture &&
+           orl_material_is_mirror(m);
 }
 
 /* Counts mirrors in instances, which have as many orientations as they have instances. */
@@ -48,7 +43,7 @@ static size_t count_placed_mirrors(const struct orl_lit_scene *lit_scene)
          orl_facet_iterator_next(&walk);) {
         struct orl_facet room;
         if (orl_facet_is_instanced(lit_scene->geometry, walk.facet) &&
-            is_flat_mirror(lit_scene, orl_facet_get(lit_scene->geometry, walk.facet, &room)))
+            orl_is_flat_mirror(lit_scene, orl_facet_get(lit_scene->geometry, walk.facet, &room)))
             n += walk.places;
     }
     return n;
@@ -86,19 +81,17 @@ static int find_mirrors(struct orl_virtual_suns *images, const struct orl_lit_sc
 {
     const size_t n_facets = images->n_facets = lit_scene->geometry->n_facets;
     images->n_left_out = count_placed_mirrors(lit_scene);
-    struct class *classes = calloc(MOST_CLASSES, sizeof *classes);
+    struct class *classes = orl_arrays_new(&images->arrays, MOST_CLASSES, sizeof *classes);
     size_t n = 0;
-    images->mirrors = calloc(ORL_MOST_MIRRORS, sizeof *images->mirrors);
-    images->class_of = malloc((n_facets + 1) * sizeof *images->class_of);
-    if (!classes || !images->mirrors || !images->class_of) {
-        free(classes);
+    images->mirrors = orl_arrays_new(&images->arrays, ORL_MOST_MIRRORS, sizeof *images->mirrors);
+    images->class_of = orl_arrays_new(&images->arrays, n_facets, sizeof *images->class_of);
+    if (images->arrays.failed)
         return ORL_ERR_NOMEM;
-    }
     for (size_t i = 0; i < n_facets; i++) {
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_get_own(lit_scene->geometry, i, &own);
         images->class_of[i] = -1;
-        if (!is_flat_mirror(lit_scene, f))
+        if (!orl_is_flat_mirror(lit_scene, f))
             continue;
         const size_t k = find_class(classes, n, f->normal);
         if (k == MOST_CLASSES) {
@@ -108,7 +101,7 @@ static int find_mirrors(struct orl_virtual_suns *images, const struct orl_lit_sc
         if (k == n)
             classes[n++] = (struct class){.normal = f->normal, .index = -1};
         classes[k].weight +=
-            f->area * orl_material_max_mirrored(material_of(lit_scene, i), true, 0.5);
+            f->area * orl_material_max_mirrored(orl_lit_scene_material_of(lit_scene, i), true, 0.5);
         classes[k].facets++;
         images->class_of[i] = (int16_t)k;
     }
@@ -116,7 +109,6 @@ static int find_mirrors(struct orl_virtual_suns *images, const struct orl_lit_sc
     for (size_t i = 0; i < n_facets; i++)
         if (images->class_of[i] >= 0)
             images->class_of[i] = classes[images->class_of[i]].index;
-    free(classes);
     return 0;
 }
 
@@ -277,7 +269,8 @@ static void show_brightest(struct orl_virtual_suns *images, struct pilot *pilot)
 
 static int connect_nodes(struct orl_virtual_suns *images)
 {
-    images->next = malloc((images->n_nodes * images->n_mirrors + 1) * sizeof *images->next);
+    images->next =
+        orl_arrays_new(&images->arrays, images->n_nodes * images->n_mirrors, sizeof *images->next);
     if (!images->next)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < images->n_nodes; i++)
@@ -304,9 +297,10 @@ static int find_columns(struct orl_virtual_suns *images, const struct orl_lit_sc
     for (size_t i = 0; i < images->n_nodes; i++)
         shown += images->nodes[i].shown;
     bool *shows = malloc(n_facets + 1);
-    images->columns = calloc(shown + 1, sizeof *images->columns);
-    images->columns_of = malloc((images->n_nodes + 1) * sizeof *images->columns_of);
-    if (!shows || !images->columns || !images->columns_of) {
+    images->columns = orl_arrays_new(&images->arrays, shown, sizeof *images->columns);
+    images->columns_of =
+        orl_arrays_new(&images->arrays, images->n_nodes, sizeof *images->columns_of);
+    if (!shows || images->arrays.failed) {
         free(shows);
         return ORL_ERR_NOMEM;
     }
@@ -328,8 +322,8 @@ int orl_virtual_suns_build(struct orl_virtual_suns *images, const struct orl_lit
                            const struct orl_thread_pool *pool)
 {
     struct pilot *pilot = calloc(1, sizeof *pilot);
-    *images =
-        (struct orl_virtual_suns){.nodes = calloc(ORL_MOST_VIRTUAL_SUNS, sizeof *images->nodes)};
+    *images = (struct orl_virtual_suns){.n_nodes = 0};
+    images->nodes = orl_arrays_new(&images->arrays, ORL_MOST_VIRTUAL_SUNS, sizeof *images->nodes);
     int code = pilot && images->nodes ? find_mirrors(images, lit_scene) : ORL_ERR_NOMEM;
     for (size_t s = 0; s < lit_scene->n_suns && s < ORL_MOST_VIRTUAL_SUNS && code == 0; s++)
         images->nodes[add_node(images, lit_scene->suns[s].frame, (uint32_t)s)].is_sun = true;
@@ -348,17 +342,6 @@ int orl_virtual_suns_build(struct orl_virtual_suns *images, const struct orl_lit
     if (code == 0)
         code = connect_nodes(images);
     return code == 0 ? find_columns(images, lit_scene) : code;
-}
-
-void orl_virtual_suns_done(struct orl_virtual_suns *images)
-{
-    free(images->mirrors);
-    free(images->class_of);
-    free(images->nodes);
-    free(images->next);
-    free(images->columns);
-    free(images->columns_of);
-    *images = (struct orl_virtual_suns){.mirrors = NULL};
 }
 
 void orl_virtual_suns_keep(struct orl_virtual_suns *images, const bool *keep)

@@ -27,6 +27,7 @@
 #include <oriel/base/error.h>
 #include <oriel/base/vec.h>
 
+#include "base/memory/memory.h"
 #include "scene/geometry/geometry.h"
 
 /*
@@ -84,6 +85,7 @@ struct orl_virtual_sun {
 };
 
 struct orl_virtual_suns {
+    struct orl_arrays arrays; /* owns all arrays */
     struct orl_vec3 *mirrors; /* the classes: unit normals, up to sign */
     size_t n_mirrors;
     /* facets beyond ORL_MOST_MIRRORS classes: suns in them have no images */
@@ -103,6 +105,9 @@ static inline struct orl_vec3 orl_virtual_sun_reflect(struct orl_vec3 v, struct 
 {
     return orl_madd(v, mirror, -2 * orl_dot(v, mirror));
 }
+
+/* Returns true if a facet is a flat mirror or pane with an area; a polygon may be slightly bent. */
+bool orl_is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *facet);
 
 /* Returns the class of a facet; -1: none. */
 static inline int16_t orl_virtual_suns_class(const struct orl_virtual_suns *images, uint32_t facet)
@@ -130,7 +135,10 @@ static inline bool orl_virtual_suns_may_show(const struct orl_virtual_suns *imag
  * ORL_ERR_NOMEM or ORL_ERR_CANCELLED; orl_virtual_suns_done in any case. */
 int orl_virtual_suns_build(struct orl_virtual_suns *images, const struct orl_lit_scene *lit_scene,
                            const struct orl_thread_pool *pool);
-void orl_virtual_suns_done(struct orl_virtual_suns *images);
+static inline void orl_virtual_suns_done(struct orl_virtual_suns *images)
+{
+    orl_arrays_free(&images->arrays);
+}
 
 /* Removes all suns but those for which `keep` is true (indices move up); NULL: removes all. */
 void orl_virtual_suns_keep(struct orl_virtual_suns *images, const bool *keep);

@@ -7,6 +7,7 @@
 #include <oriel/base/limits.h>
 #include <oriel/base/scanner.h>
 
+#include "base/memory/memory.h"
 #include "base/text/words.h"
 
 struct reader {
@@ -110,14 +111,8 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
     if (weather->n_rows >= ORL_LIMIT_WEATHER_ROWS)
         return fail_at_line(reader, ORL_ERR_LIMIT,
                             "the file has more rows than a year has minutes");
-    if (weather->n_rows == reader->room) {
-        const size_t room = reader->room ? 2 * reader->room : 1024;
-        void *grown = realloc(weather->rows, room * sizeof *weather->rows);
-        if (!grown)
-            return fail_at_line(reader, ORL_ERR_NOMEM, "out of memory");
-        weather->rows = grown;
-        reader->room = room;
-    }
+    if (!orl_array_reserve(&weather->rows, &reader->room, weather->n_rows, sizeof *weather->rows))
+        return fail_at_line(reader, ORL_ERR_NOMEM, "out of memory");
     weather->rows[weather->n_rows++] = *row;
     return 0;
 }
