@@ -209,13 +209,13 @@ static void draw_assumptions(const struct orl_page_canvas *s, double y)
                      (use->days & 0x7f) == 0x7f ? "every day" : "on some days of the week",
                      report->periods[ORL_WHEN_OCCUPIED].hours);
     y = put_north(s, y);
-    y = put_line(s, y,
-                 "Weather: %s%s (%.2f %c, %.2f %c); each hour has the sun of its middle. The "
-                 "ground outside reflects %g %%.",
-                 page->request->weather_file, year, fabs(page->result->latitude_deg),
-                 page->result->latitude_deg < 0 ? 'S' : 'N', fabs(page->result->longitude_deg),
-                 page->result->longitude_deg < 0 ? 'W' : 'E',
-                 100 * page->request->ground_reflectance);
+    y = put_line(
+        s, y,
+        "Weather: %s%s (%.2f %c, %.2f %c); each hour has the sun of its middle. The "
+        "ground outside reflects %g %%.",
+        page->request->weather_file, year, fabs(page->result->site.latitude_deg),
+        page->result->site.latitude_deg < 0 ? 'S' : 'N', fabs(page->result->site.longitude_deg),
+        page->result->site.longitude_deg < 0 ? 'W' : 'E', 100 * page->request->ground_reflectance);
     if (report->year.n_missing > 0)
         y = put_line(s, y,
                      "%zu hours are not in the file, or were not measured: they are not counted.",

@@ -184,7 +184,7 @@ static int find_all(struct exposure_finder *f, const struct orl_run_env *env,
 }
 
 int orl_exposure_compute(const struct orl_exposure_request *exposure_request,
-                         const struct orl_exposure_site *site,
+                         const struct orl_annual_site *site,
                          const struct orl_annual_request *request, const struct orl_run_env *env,
                          struct orl_exposure *ret_exposures, struct orl_error *err)
 {

@@ -345,8 +345,6 @@ int orl_annual_report_add_exposure(const struct orl_annual_request *request,
                                    const struct orl_run_env *env, struct orl_annual_report *report,
                                    struct orl_error *err)
 {
-    const struct orl_exposure_site site = {result->latitude_deg, result->longitude_deg,
-                                           result->time_zone_h};
     const size_t n = report_request->exposure.n_points;
     if (n == 0)
         return 0;
@@ -354,8 +352,8 @@ int orl_annual_report_add_exposure(const struct orl_annual_request *request,
     if (!report->exposures)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     report->n_exposures = n;
-    return orl_exposure_compute(&report_request->exposure, &site, request, env, report->exposures,
-                                err);
+    return orl_exposure_compute(&report_request->exposure, &result->site, request, env,
+                                report->exposures, err);
 }
 
 /* Computes the percentages of a grid's area by view level of its sensors. */

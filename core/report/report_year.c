@@ -90,9 +90,9 @@ static bool is_night(const struct orl_annual_result *result, const struct orl_an
                      uint32_t step)
 {
     static const double set_rad = -0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
-    const struct orl_location site = {result->latitude_deg * ORL_DEG_TO_RAD,
-                                      -result->longitude_deg * ORL_DEG_TO_RAD,
-                                      -15 * result->time_zone_h * ORL_DEG_TO_RAD};
+    const struct orl_location site = {result->site.latitude_deg * ORL_DEG_TO_RAD,
+                                      -result->site.longitude_deg * ORL_DEG_TO_RAD,
+                                      -15 * result->site.time_zone_h * ORL_DEG_TO_RAD};
     const struct orl_calendar_day day = orl_calendar_day_of(steps, step);
     const struct orl_moment moment = {
         .month = day.month, .day = day.day, .hour = orl_calendar_hour_of(steps, step)};

@@ -85,7 +85,7 @@ static void make_year(struct year *y, double across, double down, const char *co
     y->request.sensors = y->sensors;
     static char weather[] = "place.epw";
     y->request.weather_file = weather;
-    y->result.latitude_deg = 52;
+    y->result.site.latitude_deg = 52;
     assert_int_equal(orl_report_request_init(&y->report_request), 0);
     for (; *rules; rules++)
         take_rules(&y->report_request, *rules);

@@ -146,7 +146,7 @@ static void test_nights_left_out(void **state)
         struct orl_error err = {0};
         size_t kept = 0;
         hand_year_make(&result, false);
-        result.latitude_deg = latitudes[k];
+        result.site.latitude_deg = latitudes[k];
         for (size_t i = 0; i < result.n_steps; i++) {
             const struct orl_annual_step step = result.steps[i];
             const bool polar_night = k == 1 && (step.month == 12 || step.month == 1);

@@ -56,7 +56,7 @@ static struct orl_exposure expose(const struct site *site)
                                                .sun_method = site->sun_method};
     struct orl_named_point point = {point_name, {0, 0, 0}};
     const struct orl_exposure_request exposure_request = {&point, 1, site->least_altitude_deg};
-    const struct orl_exposure_site place = {
+    const struct orl_annual_site place = {
         site->latitude_deg, site->longitude_deg != 0 ? site->longitude_deg : 27.14, 2};
     struct orl_exposure exposure = {0};
     struct orl_error err = {0};

@@ -12,6 +12,7 @@
 #include "annual/sky/hours.h"
 #include "annual/sun/sun_weights.h"
 #include "annual/sun_map/sun_beams.h"
+#include "base/memory/memory.h"
 
 /*
  * Coherence: the degree to which the errors of a sensor's hours add up. Each hour has its own
@@ -55,9 +56,9 @@ struct orl_sun_cells {
     uint32_t *columns, *cells; /* [count]; cells[i] is the first node of columns[i] */
     size_t count;
 };
-int orl_sun_cells_init(struct orl_sun_cells *cells, const struct orl_hours *hours,
-                       const struct orl_sun_weights *sun_weights);
-void orl_sun_cells_done(struct orl_sun_cells *cells); /* zeros are allowed */
+/* The lists are owned by `arrays`. Returns 0 or ORL_ERR_NOMEM. */
+int orl_sun_cells_init(struct orl_sun_cells *cells, struct orl_arrays *arrays,
+                       const struct orl_hours *hours, const struct orl_sun_weights *sun_weights);
 
 /* sums: [tile * stride][band]. total: lx by column. interpolation_error: relative error of
  * interpolation by column; used in columns with sun. Returns a number from 0 to 1; 0 if hours with

@@ -2,50 +2,20 @@
 
 #include <stdlib.h>
 
-#include <oriel/base/error.h>
-
 enum { BATCHES = ORL_ANNUAL_BATCHES, PHOTON_BATCHES = ORL_SUN_PHOTON_BATCHES };
 
-int orl_chunk_sums_init(struct orl_chunk_sums *s)
+void orl_chunk_sums_init(struct orl_chunk_sums *s, struct orl_arrays *arrays)
 {
     const size_t batches = s->n_sensors * BATCHES, lights = batches * s->n_window_groups;
     const size_t lit_suns = s->n_sensors * s->n_window_groups;
-    s->lit = calloc(lights + 1, sizeof *s->lit);
-    s->bins = malloc((lights * ORL_BINS + 1) * sizeof *s->bins);
-    s->nodes = malloc((lights * s->n_nodes + 1) * sizeof *s->nodes);
-    s->beams = malloc((batches * s->n_beams + 1) * sizeof *s->beams);
+    s->lit = orl_arrays_new(arrays, lights, sizeof *s->lit);
+    s->bins = orl_arrays_new(arrays, lights * ORL_BINS, sizeof *s->bins);
+    s->nodes = orl_arrays_new(arrays, lights * s->n_nodes, sizeof *s->nodes);
+    s->beams = orl_arrays_new(arrays, batches * s->n_beams, sizeof *s->beams);
     s->photon_batches =
-        malloc((batches * PHOTON_BATCHES * s->n_beams + 1) * sizeof *s->photon_batches);
-    s->sun_lit = calloc(lit_suns + 1, sizeof *s->sun_lit);
-    s->suns = malloc((lit_suns * ORL_SUNLIGHT_ROWS * s->n_suns + 1) * sizeof *s->suns);
-    return s->lit && s->bins && s->nodes && s->beams && s->photon_batches && s->sun_lit && s->suns
-               ? 0
-               : ORL_ERR_NOMEM;
-}
-
-void orl_chunk_sums_done(struct orl_chunk_sums *s)
-{
-    free(s->lit);
-    free(s->bins);
-    free(s->nodes);
-    free(s->beams);
-    free(s->photon_batches);
-    free(s->sun_lit);
-    free(s->suns);
-    *s = (struct orl_chunk_sums){.lit = NULL};
-}
-
-void orl_chunk_sums_clear_paths(struct orl_chunk_sums *s, size_t count)
-{
-    const size_t batches = count * BATCHES;
-    memset(s->lit, 0, batches * s->n_window_groups);
-    memset(s->beams, 0, batches * s->n_beams * sizeof *s->beams);
-    memset(s->photon_batches, 0, batches * PHOTON_BATCHES * s->n_beams * sizeof *s->photon_batches);
-}
-
-void orl_chunk_sums_clear_suns(struct orl_chunk_sums *s, size_t count)
-{
-    memset(s->sun_lit, 0, count * s->n_window_groups);
+        orl_arrays_new(arrays, batches * PHOTON_BATCHES * s->n_beams, sizeof *s->photon_batches);
+    s->sun_lit = orl_arrays_new(arrays, lit_suns, sizeof *s->sun_lit);
+    s->suns = orl_arrays_new(arrays, lit_suns * ORL_SUNLIGHT_ROWS * s->n_suns, sizeof *s->suns);
 }
 
 struct orl_path_sums orl_chunk_sums_of(const struct orl_chunk_sums *s, size_t sensor,
@@ -77,15 +47,19 @@ enum { MOST_ARRAYS = 2 };
 struct layout {
     unsigned char *lit;
     size_t n_lights;
-    struct array {
-        void *at;
-        size_t bytes; /* per window group in of_lit, in total in whole */
-    } of_lit[MOST_ARRAYS], whole[MOST_ARRAYS];
+    struct orl_span of_lit[MOST_ARRAYS]; /* bytes per window group */
+    struct orl_span whole[MOST_ARRAYS];
 };
 
-static struct layout paths_of(const struct orl_chunk_sums *s, size_t count)
+static struct layout layout_of(const struct orl_chunk_sums *s, enum orl_chunk_part part,
+                               size_t count)
 {
     const size_t batches = count * BATCHES;
+    if (part == ORL_CHUNK_SUNS)
+        return (struct layout){
+            .lit = s->sun_lit,
+            .n_lights = count * s->n_window_groups,
+            .of_lit = {{s->suns, ORL_SUNLIGHT_ROWS * s->n_suns * sizeof *s->suns}}};
     return (struct layout){.lit = s->lit,
                            .n_lights = batches * s->n_window_groups,
                            .of_lit = {{s->bins, ORL_BINS * sizeof *s->bins},
@@ -95,11 +69,13 @@ static struct layout paths_of(const struct orl_chunk_sums *s, size_t count)
                                                              sizeof *s->photon_batches}}};
 }
 
-static struct layout suns_of(const struct orl_chunk_sums *s, size_t count)
+void orl_chunk_sums_clear(struct orl_chunk_sums *s, enum orl_chunk_part part, size_t count)
 {
-    return (struct layout){.lit = s->sun_lit,
-                           .n_lights = count * s->n_window_groups,
-                           .of_lit = {{s->suns, ORL_SUNLIGHT_ROWS * s->n_suns * sizeof *s->suns}}};
+    const struct layout l = layout_of(s, part, count);
+    memset(l.lit, 0, l.n_lights);
+    for (int k = 0; k < MOST_ARRAYS; k++)
+        if (l.whole[k].bytes > 0)
+            memset(l.whole[k].at, 0, l.whole[k].bytes);
 }
 
 static size_t flag_bytes(const struct layout *l)
@@ -122,7 +98,7 @@ static void copy_values(const struct layout *l, char *data, bool out)
 {
     char *at = data + flag_bytes(l);
     for (int k = 0; k < MOST_ARRAYS; k++) {
-        const struct array *a = &l->of_lit[k];
+        const struct orl_span *a = &l->of_lit[k];
         for (size_t i = 0; i < l->n_lights && a->bytes > 0; i++) {
             char *value = (char *)a->at + i * a->bytes;
             if (!l->lit[i])
@@ -132,64 +108,35 @@ static void copy_values(const struct layout *l, char *data, bool out)
         }
     }
     for (int k = 0; k < MOST_ARRAYS; k++) {
-        const struct array *a = &l->whole[k];
+        const struct orl_span *a = &l->whole[k];
         if (a->bytes > 0)
             memcpy(out ? at : a->at, out ? a->at : at, a->bytes);
         at += a->bytes;
     }
 }
 
-static int pack_layout(const struct layout *l, void **ret_data, size_t *ret_size)
+void *orl_chunk_sums_pack(const struct orl_chunk_sums *sums, enum orl_chunk_part part, size_t count,
+                          size_t *ret_size)
 {
-    const size_t size = size_of(l, l->lit);
-    char *data = *ret_data = calloc(1, size + 1);
-    if (!data)
-        return ORL_ERR_NOMEM;
-    memcpy(data, l->lit, l->n_lights);
-    copy_values(l, data, true);
-    *ret_size = size;
-    return 0;
+    const struct layout l = layout_of(sums, part, count);
+    *ret_size = size_of(&l, l.lit);
+    char *data = calloc(1, *ret_size + 1);
+    if (data) {
+        memcpy(data, l.lit, l.n_lights);
+        copy_values(&l, data, true);
+    }
+    return data;
 }
 
-static bool unpack_layout(const struct layout *l, const void *data, size_t size)
+bool orl_chunk_sums_unpack(struct orl_chunk_sums *sums, enum orl_chunk_part part, size_t count,
+                           const void *data, size_t size)
 {
-    if (!data || size < flag_bytes(l) || size != size_of(l, data))
+    const struct layout l = layout_of(sums, part, count);
+    if (!data || size < flag_bytes(&l) || size != size_of(&l, data)) {
+        orl_chunk_sums_clear(sums, part, count);
         return false;
-    memcpy(l->lit, data, l->n_lights);
-    copy_values(l, (char *)(uintptr_t)data, false);
+    }
+    memcpy(l.lit, data, l.n_lights);
+    copy_values(&l, (char *)(uintptr_t)data, false);
     return true;
-}
-
-int orl_chunk_sums_pack_paths(const struct orl_chunk_sums *sums, size_t count, void **ret_data,
-                              size_t *ret_size)
-{
-    const struct layout l = paths_of(sums, count);
-    return pack_layout(&l, ret_data, ret_size);
-}
-
-int orl_chunk_sums_pack_suns(const struct orl_chunk_sums *sums, size_t count, void **ret_data,
-                             size_t *ret_size)
-{
-    const struct layout l = suns_of(sums, count);
-    return pack_layout(&l, ret_data, ret_size);
-}
-
-bool orl_chunk_sums_unpack_paths(struct orl_chunk_sums *sums, size_t count, const void *data,
-                                 size_t size)
-{
-    const struct layout l = paths_of(sums, count);
-    if (unpack_layout(&l, data, size))
-        return true;
-    orl_chunk_sums_clear_paths(sums, count);
-    return false;
-}
-
-bool orl_chunk_sums_unpack_suns(struct orl_chunk_sums *sums, size_t count, const void *data,
-                                size_t size)
-{
-    const struct layout l = suns_of(sums, count);
-    if (unpack_layout(&l, data, size))
-        return true;
-    orl_chunk_sums_clear_suns(sums, count);
-    return false;
 }

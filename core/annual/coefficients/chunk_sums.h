@@ -12,6 +12,7 @@
 #include "annual/coefficients/trace_sensor.h"
 #include "annual/sun/sunlight.h"
 #include "annual/sun_map/sun_beams.h"
+#include "base/memory/memory.h"
 
 struct orl_chunk_sums {
     size_t n_sensors, n_window_groups, n_nodes, n_beams, n_suns;
@@ -24,31 +25,27 @@ struct orl_chunk_sums {
     float *suns;            /* [sensor][window group][ORL_SUNLIGHT_ROWS][sun] */
 };
 
-/* Allocates the arrays; the caller has set the counts. Returns 0 or ORL_ERR_NOMEM; the caller calls
- * orl_chunk_sums_done in either case. */
-int orl_chunk_sums_init(struct orl_chunk_sums *sums);
-void orl_chunk_sums_done(struct orl_chunk_sums *sums);
+/* Allocates the arrays, owned by `arrays`; the caller has set the counts. */
+void orl_chunk_sums_init(struct orl_chunk_sums *sums, struct orl_arrays *arrays);
 
-/* Clear the path sums, or the sunlight, of the first count sensors. */
-void orl_chunk_sums_clear_paths(struct orl_chunk_sums *sums, size_t count);
-void orl_chunk_sums_clear_suns(struct orl_chunk_sums *sums, size_t count);
+/* Sums of paths, or direct sunlight. */
+enum orl_chunk_part { ORL_CHUNK_PATHS, ORL_CHUNK_SUNS };
+
+/* Clears a part of the first count sensors. */
+void orl_chunk_sums_clear(struct orl_chunk_sums *sums, enum orl_chunk_part part, size_t count);
 
 struct orl_path_sums orl_chunk_sums_of(const struct orl_chunk_sums *sums, size_t sensor,
                                        uint32_t batch);
 /* The caller sets wanted, direct_only and disc_points of the returned rows. */
 struct orl_sensor_sunlight orl_chunk_suns_of(const struct orl_chunk_sums *sums, size_t sensor);
 
-/* Pack paths or sunlight of the first count sensors. ret_data is owned by the caller; size is a
- * multiple of 4 bytes. Return 0 or ORL_ERR_NOMEM. */
-int orl_chunk_sums_pack_paths(const struct orl_chunk_sums *sums, size_t count, void **ret_data,
-                              size_t *ret_size);
-int orl_chunk_sums_pack_suns(const struct orl_chunk_sums *sums, size_t count, void **ret_data,
-                             size_t *ret_size);
-/* Unpack paths or sunlight. Return true if the data has the size that its flags require; otherwise
- * they clear the sums and return false. */
-bool orl_chunk_sums_unpack_paths(struct orl_chunk_sums *sums, size_t count, const void *data,
-                                 size_t size);
-bool orl_chunk_sums_unpack_suns(struct orl_chunk_sums *sums, size_t count, const void *data,
-                                size_t size);
+/* Packs a part of the first count sensors. Returns data owned by the caller, of a multiple of 4
+ * bytes; NULL when out of memory. */
+void *orl_chunk_sums_pack(const struct orl_chunk_sums *sums, enum orl_chunk_part part, size_t count,
+                          size_t *ret_size);
+/* Unpacks a part. Returns true if the data has the size that its flags require; otherwise clears
+ * the part and returns false. */
+bool orl_chunk_sums_unpack(struct orl_chunk_sums *sums, enum orl_chunk_part part, size_t count,
+                           const void *data, size_t size);
 
 #endif

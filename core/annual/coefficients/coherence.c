@@ -30,15 +30,14 @@ static size_t list_columns(const struct orl_hours *hours, const struct orl_sun_w
     return n;
 }
 
-int orl_sun_cells_init(struct orl_sun_cells *cells, const struct orl_hours *hours,
-                       const struct orl_sun_weights *sun_weights)
+int orl_sun_cells_init(struct orl_sun_cells *cells, struct orl_arrays *arrays,
+                       const struct orl_hours *hours, const struct orl_sun_weights *sun_weights)
 {
     struct cell_of *all = malloc((hours->n_columns + 1) * sizeof *all);
-    *cells = (struct orl_sun_cells){.columns = malloc((hours->n_columns + 1) * sizeof(uint32_t)),
-                                    .cells = malloc((hours->n_columns + 1) * sizeof(uint32_t))};
-    if (!all || !cells->columns || !cells->cells) {
+    cells->columns = orl_arrays_new(arrays, hours->n_columns, sizeof *cells->columns);
+    cells->cells = orl_arrays_new(arrays, hours->n_columns, sizeof *cells->cells);
+    if (!all || arrays->failed) {
         free(all);
-        orl_sun_cells_done(cells);
         return ORL_ERR_NOMEM;
     }
     cells->count = list_columns(hours, sun_weights, all);
@@ -49,13 +48,6 @@ int orl_sun_cells_init(struct orl_sun_cells *cells, const struct orl_hours *hour
     }
     free(all);
     return 0;
-}
-
-void orl_sun_cells_done(struct orl_sun_cells *cells)
-{
-    free(cells->columns);
-    free(cells->cells);
-    *cells = (struct orl_sun_cells){.columns = NULL};
 }
 
 /* Squared standard error of a mean, from n deviations. */

@@ -13,13 +13,11 @@ enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS 
 
 static inline float *orl_year_row_of(const struct orl_year *y, size_t sensor, enum orl_year_row row)
 {
-    return y->rows + (sensor * ORL_YEAR_ROWS + row) * y->hours.n_columns;
+    return y->chunk.rows + (sensor * ORL_YEAR_ROWS + row) * y->hours.n_columns;
 }
 
-/* Allocates memory for chunks of y->chunk_size sensors. Returns 0 or ORL_ERR_NOMEM; the caller
- * calls orl_chunk_rows_done in either case. */
+/* Allocates memory for chunks of y->chunk.size sensors. Returns 0 or ORL_ERR_NOMEM. */
 int orl_chunk_rows_init(struct orl_year *y);
-void orl_chunk_rows_done(struct orl_year *y);
 
 /* Computes the rows of the current chunk. Returns 0, ORL_ERR_NOMEM or _CANCELLED. */
 int orl_chunk_rows_compute(struct orl_year *y);
@@ -27,15 +25,8 @@ int orl_chunk_rows_compute(struct orl_year *y);
 void orl_chunk_direct_sunlight(const struct orl_year *y, size_t sensor, uint32_t window_group,
                                float *ret_lx);
 
-/*
- * Processes a year's sensors chunk by chunk: paths, direct sunlight, and their products with the
- * skies and suns of all hours.
- */
-
 /* Computes all sensors of a prepared year. Rows go into the result or to env->row. Returns 0,
  * ORL_ERR_NOMEM, _CANCELLED, or the error of a callback. */
 int orl_year_run_chunks(struct orl_year *y, struct orl_error *err);
-/* NULL and partly initialised years are allowed. */
-void orl_year_chunks_done(struct orl_year *y);
 
 #endif

@@ -25,6 +25,7 @@
 enum { CELLS = ORL_PHASES_CELLS, PATCHES = ORL_ANNUAL_PATCHES, DRAWS_SIDE = 64, RAYS_SIDE = 32 };
 
 struct orl_phase_windows {
+    struct orl_arrays arrays; /* the three below, and those of struct matrices */
     struct orl_basis basis;
     uint32_t *of_port;        /* window of each port of the lit scene */
     struct orl_frame *frames; /* by window: n points inwards */
@@ -35,10 +36,7 @@ struct orl_phase_windows {
 
 static const struct orl_material *material_of(const struct orl_lit_scene *lit_scene, uint32_t port)
 {
-    struct orl_facet own;
-    const struct orl_facet *facet =
-        orl_facet_get_own(lit_scene->geometry, lit_scene->ports[port].facet, &own);
-    return &lit_scene->materials[facet->material];
+    return orl_lit_scene_material_of(lit_scene, lit_scene->ports[port].facet);
 }
 
 /* Returns the frame of a BSDF; for other materials, up is the scene's. */
@@ -84,11 +82,11 @@ static int orl_phase_windows_init(struct orl_phase_windows *w,
                                   struct orl_phase_matrices *result, struct orl_error *err)
 {
     orl_basis_standard("LBNL/Klems Full", &w->basis);
-    w->of_port = calloc(lit_scene->n_ports + 1, sizeof *w->of_port);
-    w->frames = calloc(ORL_PHASES_MOST_WINDOWS, sizeof *w->frames);
-    w->panes = calloc(ORL_PHASES_MOST_WINDOWS, sizeof *w->panes);
+    w->of_port = orl_arrays_new(&w->arrays, lit_scene->n_ports, sizeof *w->of_port);
+    w->frames = orl_arrays_new(&w->arrays, ORL_PHASES_MOST_WINDOWS, sizeof *w->frames);
+    w->panes = orl_arrays_new(&w->arrays, ORL_PHASES_MOST_WINDOWS, sizeof *w->panes);
     result->windows = calloc(ORL_PHASES_MOST_WINDOWS, sizeof *result->windows);
-    if (!w->of_port || !w->frames || !w->panes || !result->windows)
+    if (w->arrays.failed || !result->windows)
         return orl_year_no_memory(err);
     for (uint32_t port = 0; port < lit_scene->n_ports; port++) {
         uint32_t window = 0;
@@ -112,14 +110,6 @@ static int orl_phase_windows_init(struct orl_phase_windows *w,
         result->windows[window].n_panes++;
     }
     return 0;
-}
-
-static void orl_phase_windows_done(struct orl_phase_windows *w)
-{
-    free(w->of_port);
-    free(w->frames);
-    free(w->panes);
-    *w = (struct orl_phase_windows){.of_port = NULL};
 }
 
 /* ---- Cells ----------------------------------------------------------------------------------- */
@@ -332,21 +322,11 @@ void orl_phase_matrices_done(struct orl_phase_matrices *matrices)
 
 /* ---- Views ----------------------------------------------------------------------------------- */
 
-static struct orl_shading_point place_of(const struct matrices *p, size_t sensor)
-{
-    const struct orl_geometry *geometry = p->year->lit_scene->geometry;
-    const struct orl_sensor *s = &p->sensors[sensor];
-    const struct orl_vec3 normal = orl_normalize(s->direction);
-    return (struct orl_shading_point){
-        .point = orl_offset_from_surface(geometry, orl_sub(s->position, geometry->center), normal),
-        .normal = normal};
-}
-
 static void compute_view(void *arg, size_t sensor, uint32_t member)
 {
     struct matrices *p = arg;
     const size_t n = p->result->n_windows * CELLS;
-    const struct orl_shading_point place = place_of(p, sensor);
+    const struct orl_shading_point place = orl_year_place_of(p->year, &p->sensors[sensor]);
     float *room = calloc(2 * n + ORL_BINS, sizeof *room);
     if (!room) {
         atomic_store(&p->failed, true);
@@ -386,9 +366,9 @@ static int place_suns(struct matrices *p)
     static const int tregenza[ROWS] = {30, 30, 24, 24, 18, 12, 6};
     const double height = ORL_PI / 2 / (ROWS * FINE + 0.5);
     struct orl_year_suns *suns = &p->suns;
-    suns->at = calloc(ORL_PHASES_SUNS, sizeof *suns->at);
-    suns->in_sky = calloc(ORL_PHASES_SUNS, sizeof *suns->in_sky);
-    if (!suns->at || !suns->in_sky)
+    suns->at = orl_arrays_new(&p->windows.arrays, ORL_PHASES_SUNS, sizeof *suns->at);
+    suns->in_sky = orl_arrays_new(&p->windows.arrays, ORL_PHASES_SUNS, sizeof *suns->in_sky);
+    if (p->windows.arrays.failed)
         return ORL_ERR_NOMEM;
     for (int row = 0; row <= ROWS * FINE; row++) {
         const bool zenith = row == ROWS * FINE;
@@ -412,7 +392,7 @@ static void compute_sun_coefficients(void *arg, size_t sensor, uint32_t member)
 {
     struct matrices *p = arg;
     const size_t n = p->suns.count;
-    const struct orl_shading_point place = place_of(p, sensor);
+    const struct orl_shading_point place = orl_year_place_of(p->year, &p->sensors[sensor]);
     const uint64_t name = p->request.seed + sensor;
     const float solid_sr =
         (float)(2 * ORL_PI * (1 - cos(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD)));
@@ -448,7 +428,7 @@ static int check_sensors_inside(const struct matrices *p, struct orl_error *err)
                              "phase matrices need a closed building, but light enters other than "
                              "through windows: close it, or leave \"phases\" out");
     for (size_t i = 0; i < p->n_sensors; i++)
-        if (orl_lit_scene_is_outside(lit_scene, place_of(p, i).point))
+        if (orl_lit_scene_is_outside(lit_scene, orl_year_place_of(p->year, &p->sensors[i]).point))
             return orl_error_set(err, ORL_ERR_UNSUPPORTED,
                                  "sensor %zu is outdoors: no window is between it and the sky",
                                  i + 1);
@@ -460,7 +440,8 @@ static int allocate_matrices(struct matrices *p)
     struct orl_phase_matrices *r = p->result;
     bool room = true;
     r->suns = calloc(p->n_sensors * ORL_PHASES_SUNS + 1, sizeof *r->suns);
-    p->healths = calloc(orl_thread_pool_size(p->year->env->run->pool), sizeof *p->healths);
+    p->healths = orl_arrays_new(&p->windows.arrays, orl_thread_pool_size(p->year->env->run->pool),
+                                sizeof *p->healths);
     for (size_t i = 0; i < r->n_windows; i++) {
         struct orl_phase_window *w = &r->windows[i];
         w->transmission = calloc((size_t)CELLS * CELLS, sizeof *w->transmission);
@@ -545,11 +526,8 @@ int orl_phase_matrices_compute(const struct orl_annual_request *request,
         code = orl_year_run(&p.request, &env, &overrides, &year, err);
     orl_annual_done(&year);
     orl_shaded_scene_done(&open);
-    orl_phase_windows_done(&p.windows);
+    orl_arrays_free(&p.windows.arrays);
     orl_bsdf_panes_done(&p.bsdf_panes);
-    free(p.suns.at);
-    free(p.suns.in_sky);
-    free(p.healths);
     if (code < 0)
         orl_phase_matrices_done(&matrices);
     else

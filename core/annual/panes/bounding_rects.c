@@ -139,11 +139,6 @@ static const double smallest_split_sr = 0.06;
 /* Least survival probability of smaller panes, or groups of panes, in Russian roulette. */
 static const double least_chance = 0.25;
 
-static double along(struct orl_vec3 v, int axis)
-{
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 /* ---- Building -------------------------------------------------------------------------------- */
 
 struct item {
@@ -176,26 +171,13 @@ static struct item item_of(const struct orl_bounding_rect *w, size_t index, doub
     return item;
 }
 
-static int compare_centers(const struct item *x, const struct item *y, int axis)
+static int compare_centers(const void *a, const void *b, void *axis)
 {
-    const double a = along(x->low, axis) + along(x->high, axis);
-    const double b = along(y->low, axis) + along(y->high, axis);
-    return a != b ? (a < b ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
-}
-
-static int compare_x(const void *a, const void *b)
-{
-    return compare_centers(a, b, 0);
-}
-
-static int compare_y(const void *a, const void *b)
-{
-    return compare_centers(a, b, 1);
-}
-
-static int compare_z(const void *a, const void *b)
-{
-    return compare_centers(a, b, 2);
+    const struct item *x = a, *y = b;
+    const int i = *(int *)axis;
+    const double p = orl_along(x->low, i) + orl_along(x->high, i);
+    const double q = orl_along(y->low, i) + orl_along(y->high, i);
+    return p != q ? (p < q ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
 }
 
 static struct orl_pane_bvh_node node_about(const struct item *items, size_t n)
@@ -221,7 +203,6 @@ static struct orl_pane_bvh_node node_about(const struct item *items, size_t n)
  * depth is logarithmic. */
 static void build_subtree(struct orl_pane_bvh *tree, struct item *items, size_t n)
 {
-    static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
     const size_t at = tree->count++;
     struct orl_pane_bvh_node node = node_about(items, n);
     if (n == 1) {
@@ -232,8 +213,8 @@ static void build_subtree(struct orl_pane_bvh *tree, struct item *items, size_t 
     int axis = 0;
     const struct orl_vec3 size = orl_sub(node.high, node.low);
     for (int i = 1; i < 3; i++)
-        axis = along(size, i) > along(size, axis) ? i : axis;
-    qsort(items, n, sizeof *items, by_axis[axis]);
+        axis = orl_along(size, i) > orl_along(size, axis) ? i : axis;
+    qsort_r(items, n, sizeof *items, compare_centers, &axis);
     build_subtree(tree, items, n / 2);
     node.second_child = (uint32_t)tree->count;
     build_subtree(tree, items + n / 2, n - n / 2);
@@ -273,14 +254,14 @@ static inline bool ray_meets(const struct orl_pane_bvh_node *node, const struct 
 {
     double near = 0, far = before;
     for (int i = 0; i < 3; i++) {
-        const double o = along(ray->origin, i);
-        const double low = along(node->low, i) - o, high = along(node->high, i) - o;
-        if (along(ray->direction, i) == 0) {
+        const double o = orl_along(ray->origin, i);
+        const double low = orl_along(node->low, i) - o, high = orl_along(node->high, i) - o;
+        if (orl_along(ray->direction, i) == 0) {
             if (low > 0 || high < 0)
                 return false;
             continue;
         }
-        const double a = low * along(ray->inverse, i), b = high * along(ray->inverse, i);
+        const double a = low * orl_along(ray->inverse, i), b = high * orl_along(ray->inverse, i);
         const double first = a < b ? a : b, last = a < b ? b : a;
         near = first > near ? first : near;
         far = last < far ? last : far;
@@ -423,13 +404,6 @@ size_t orl_pane_bvh_sample(const struct orl_pane_bvh *tree, struct orl_vec3 poin
     return looked;
 }
 
-static int allocate_rects(struct orl_port_rects *windows, size_t most)
-{
-    windows->at = calloc(most + 1, sizeof *windows->at);
-    windows->clear = calloc(most + 1, sizeof *windows->clear);
-    return windows->at && windows->clear ? 0 : ORL_ERR_NOMEM;
-}
-
 static bool transmits_straight(const struct orl_material *m)
 {
     return m->kind != ORL_MATERIAL_BSDF || m->peak;
@@ -444,7 +418,7 @@ static void add_port_rect(struct orl_port_rects *windows, const struct orl_lit_s
     }
     const struct orl_bounding_rect window = orl_bounding_rect_of(lit_scene->geometry, facet);
     windows->at[windows->count++] = window;
-    if (transmits_straight(&lit_scene->materials[orl_facet_material(lit_scene->geometry, facet)]))
+    if (transmits_straight(orl_lit_scene_material_of(lit_scene, facet)))
         windows->clear[windows->n_clear++] = window;
 }
 
@@ -453,11 +427,13 @@ int orl_port_rects_init(struct orl_port_rects *windows, const struct orl_lit_sce
     *windows = (struct orl_port_rects){.all = lit_scene->open};
     if (windows->all)
         return 0;
-    const int code = allocate_rects(windows, lit_scene->n_ports);
-    for (size_t i = 0; i < lit_scene->n_ports && code == 0; i++)
+    windows->at = calloc(lit_scene->n_ports + 1, sizeof *windows->at);
+    windows->clear = calloc(lit_scene->n_ports + 1, sizeof *windows->clear);
+    if (!windows->at || !windows->clear)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
         add_port_rect(windows, lit_scene, lit_scene->ports[i].facet);
-    return code == 0 ? orl_pane_bvh_init(&windows->tree, windows->clear, NULL, windows->n_clear)
-                     : code;
+    return orl_pane_bvh_init(&windows->tree, windows->clear, NULL, windows->n_clear);
 }
 
 void orl_port_rects_done(struct orl_port_rects *windows)
@@ -469,15 +445,8 @@ void orl_port_rects_done(struct orl_port_rects *windows)
 }
 
 bool orl_port_rects_passed(const struct orl_port_rects *windows, struct orl_vec3 origin,
-                           struct orl_vec3 direction, double slack)
+                           struct orl_vec3 direction, double slack, double before)
 {
     return windows->all ||
-           orl_pane_bvh_passed(&windows->tree, windows->clear, origin, direction, slack, INFINITY);
-}
-
-bool orl_port_rects_passed_before(const struct orl_port_rects *windows, struct orl_vec3 origin,
-                                  struct orl_vec3 direction, double before)
-{
-    return windows->all ||
-           orl_pane_bvh_passed(&windows->tree, windows->clear, origin, direction, 0, before);
+           orl_pane_bvh_passed(&windows->tree, windows->clear, origin, direction, slack, before);
 }

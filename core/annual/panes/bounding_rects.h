@@ -1,6 +1,4 @@
-/*
- * Bounding rectangles of panes and mirrors, for a cheap test before rays to the sun are traced.
- * Also a tree that searches them, and the rectangles of a sealed building's ports.
+/* Bounding rectangles, a tree that searches them, and the rectangles of a sealed building's ports.
  */
 #ifndef ORL_ANNUAL_PANES_BOUNDING_RECTS_H
 #define ORL_ANNUAL_PANES_BOUNDING_RECTS_H
@@ -119,11 +117,9 @@ struct orl_port_rects {
 int orl_port_rects_init(struct orl_port_rects *windows, const struct orl_lit_scene *lit_scene);
 void orl_port_rects_done(struct orl_port_rects *windows);
 
-/* Returns true if the ray passes a window; slack as in orl_bounding_rect_passed. */
+/* Returns true if the ray passes a window nearer than `before`; slack as in
+ * orl_bounding_rect_passed. */
 bool orl_port_rects_passed(const struct orl_port_rects *windows, struct orl_vec3 origin,
-                           struct orl_vec3 direction, double slack);
-/* Returns true if the ray passes a window nearer than `before`. */
-bool orl_port_rects_passed_before(const struct orl_port_rects *windows, struct orl_vec3 origin,
-                                  struct orl_vec3 direction, double before);
+                           struct orl_vec3 direction, double slack, double before);
 
 #endif

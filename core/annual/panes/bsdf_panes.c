@@ -6,7 +6,6 @@
 
 #include "base/sampling/sampling.h"
 #include "light/direct.h"
-#include "light/path.h"
 
 enum {
     STRATA = ORL_BSDF_PANE_STRATA,
@@ -14,7 +13,6 @@ enum {
     BATCHES = ORL_BSDF_PANE_BATCHES
 };
 enum { BLOCKS_A_SIDE = ORL_BSDF_PANE_SIDE / 2, POINTS = BLOCKS_A_SIDE * BLOCKS_A_SIDE / 2 };
-enum { MOST_PANES = 64 };
 /* Points of the sun's disc for each point of a pane, if the disc spans several cells of a BSDF. */
 enum { DISC_POINTS = 4 };
 
@@ -377,25 +375,6 @@ static void add_points(const struct pane_view *b, size_t which, const struct orl
     }
 }
 
-/* Returns the luma of the transmittance from the sensor to the pane along a ray; 0 if it is
- * blocked. */
-static double sight_of(const struct pane_view *b, struct orl_vec3 towards)
-{
-    const struct orl_lit_scene *lit_scene = b->bsdf_panes->lit_scene;
-    struct orl_path path = orl_path_from(b->place->point, towards);
-    for (int pane = 0; pane < MOST_PANES; pane++) {
-        struct orl_hit hit;
-        if (!orl_path_intersect(lit_scene, &path, &hit))
-            return 0;
-        if (hit.facet == b->bsdf_pane->window.facet)
-            return orl_luma(path.weight);
-        if (!orl_path_transmit_straight(&path, orl_lit_scene_material(lit_scene, &hit), &hit))
-            return 0;
-        orl_path_skip_surface(&path, lit_scene, &hit);
-    }
-    return 0;
-}
-
 /* Lists the BSDF samples in the cone around the pane. Most samples miss it by far. This test is
  * cheaper than the pane's own, and slightly wider. Compilers vectorise the first loop. */
 static uint32_t list_in_cone(const struct pane_view *b, const struct orl_bsdf_pane_samples *samples,
@@ -448,7 +427,12 @@ static void add_samples(const struct pane_view *b, size_t which, const struct or
             !orl_bounding_rect_passed(&bsdf_pane->window, b->place->point, there, 0, &distance))
             continue;
         const struct orl_vec3 point = orl_madd(b->place->point, there, distance);
-        const double seen = b->sight >= 0 ? b->sight : sight_of(b, there);
+        struct orl_hit hit;
+        const double seen =
+            b->sight >= 0
+                ? b->sight
+                : orl_luma(orl_transmittance_to_facet(bsdf_panes->lit_scene, b->place->point, there,
+                                                      true, bsdf_pane->window.facet, &hit));
         const double of_disc[2] = {(double)d->from[0], (double)d->from[1]};
         const struct orl_vec3 from = orl_sun_sample(disc, of_disc);
         const double share = seen > 0 ? seen * sun_at(b, which, from, point) : 0;

@@ -47,14 +47,6 @@ int orl_shades_schedule(const struct orl_annual_request *request,
 
 /* ---- By light -------------------------------------------------------------------------------- */
 
-bool orl_shades_controlled(const struct orl_annual_request *request)
-{
-    for (size_t g = 0; g < request->n_groups; g++)
-        if (request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
-            return true;
-    return false;
-}
-
 static size_t count_grids(const struct orl_annual_request *request)
 {
     return request->n_grids > 0 ? request->n_grids : 1;
@@ -164,44 +156,39 @@ int orl_shaded_year_begin(struct orl_shaded_year *s)
 
 /* ---- A run ----------------------------------------------------------------------------------- */
 
-/* Moves the run's warnings that are new into the result, and issues them. */
-static int move_warnings(struct orl_shaded_year *s, struct orl_annual_result *run)
+/* Copies texts that are new into a list of the result. */
+static int add_texts(struct orl_shaded_year *s, char ***list, size_t *count, char *const *texts,
+                     size_t n_texts)
 {
-    struct orl_annual_result *all = s->result;
-    for (size_t i = 0; i < run->n_warnings; i++) {
-        size_t k = 0;
-        while (k < all->n_warnings && strcmp(all->warnings[k], run->warnings[i]) != 0)
-            k++;
-        if (k < all->n_warnings)
+    for (size_t i = 0; i < n_texts; i++) {
+        if (orl_year_has_text(*list, *count, texts[i]))
             continue;
-        char **grown = realloc(all->warnings, (all->n_warnings + 1) * sizeof *grown);
-        if (!grown)
+        if (orl_year_add_text(list, count, texts[i]) < 0)
             return orl_year_no_memory(s->err);
-        all->warnings = grown;
-        grown[all->n_warnings++] = run->warnings[i];
-        if (s->env->run->warned)
-            s->env->run->warned(s->env->run->ctx, run->warnings[i]);
-        run->warnings[i] = NULL;
+        if (list == &s->result->warnings && s->env->run->warned)
+            s->env->run->warned(s->env->run->ctx, texts[i]);
     }
     return 0;
 }
 
-static int add_statistics(struct orl_shaded_year *s, struct orl_annual_result *run)
+static int add_statistics(struct orl_shaded_year *s, const struct orl_annual_result *run)
 {
+    struct orl_annual_result *all = s->result;
     for (int i = 0; i < ORL_ANNUAL_STAGES; i++)
-        s->result->timings_s[i] += run->timings_s[i];
-    orl_health_add(&s->result->health, &run->health);
-    for (size_t i = 0; i < run->n_scene_read; i++)
-        if (orl_annual_add_scene_file(s->result, run->scene_read[i]) < 0)
-            return orl_year_no_memory(s->err);
-    s->result->reuse.asked = run->reuse.asked;
+        all->timings_s[i] += run->timings_s[i];
+    orl_health_add(&all->health, &run->health);
+    all->reuse.asked = run->reuse.asked;
     for (int i = 0; i < ORL_ANNUAL_CACHE_KINDS; i++)
-        orl_annual_cache_stats_add(&s->result->reuse.of[i], &run->reuse.of[i]);
-    s->result->threads = run->threads;
-    s->result->samples = run->samples;
-    s->result->n_nodes = run->n_nodes;
-    s->result->n_runs++;
-    return move_warnings(s, run);
+        orl_annual_cache_stats_add(&all->reuse.of[i], &run->reuse.of[i]);
+    all->threads = run->threads;
+    all->samples = run->samples;
+    all->n_nodes = run->n_nodes;
+    all->n_runs++;
+    const int code =
+        add_texts(s, &all->scene_read, &all->n_scene_read, run->scene_read, run->n_scene_read);
+    return code < 0
+               ? code
+               : add_texts(s, &all->warnings, &all->n_warnings, run->warnings, run->n_warnings);
 }
 
 int orl_shaded_year_run(struct orl_shaded_year *s, const struct orl_sub_run *sub,

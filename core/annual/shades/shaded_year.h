@@ -40,8 +40,6 @@ int orl_shades_schedule(const struct orl_annual_request *request,
                         const struct orl_annual_result *result, unsigned char *ret_states,
                         struct orl_error *err);
 
-bool orl_shades_controlled(const struct orl_annual_request *request);
-
 /*
  * Control by light. Sensors are counted in order, one by one. After the last sensor of a grid its
  * decision is recorded, so memory does not grow with the grids. If there is no grid, all sensors

@@ -153,9 +153,9 @@ static int compute_skies(struct orl_hours *hours, const struct orl_bins *bins,
     const struct sky_context sky_context = {hours, &rows, r};
     hours->n_tiles = (hours->n_columns + ORL_HOURS_TILE - 1) / ORL_HOURS_TILE;
     const size_t floats = (hours->n_tiles + 1) * ORL_HOURS_TILE;
-    hours->fine = malloc(floats * ORL_BINS * sizeof *hours->fine);
-    hours->coarse = malloc(floats * ORL_BINS_COARSE * sizeof *hours->coarse);
-    if (!hours->fine || !hours->coarse)
+    hours->fine = orl_arrays_new(&hours->arrays, floats * ORL_BINS, sizeof *hours->fine);
+    hours->coarse = orl_arrays_new(&hours->arrays, floats * ORL_BINS_COARSE, sizeof *hours->coarse);
+    if (hours->arrays.failed)
         return ORL_ERR_NOMEM;
     orl_horizon_blend_init(&rows, bins);
     return orl_parallel_try(pool, hours->n_tiles, compute_tile, (void *)(uintptr_t)&sky_context);
@@ -177,10 +177,11 @@ static int make_all(struct orl_hours *hours, const struct orl_bins *bins, struct
         code = make_steps(hours, r, err);
     if (code < 0)
         return code;
-    hours->suns.at = calloc(n + 1, sizeof *hours->suns.at);
-    hours->suns.in_sky = calloc(n + 1, sizeof *hours->suns.in_sky);
-    hours->sun_of_column = calloc(hours->n_columns + 1, sizeof *hours->sun_of_column);
-    if (!hours->suns.at || !hours->suns.in_sky || !hours->sun_of_column)
+    hours->suns.at = orl_arrays_new(&hours->arrays, n, sizeof *hours->suns.at);
+    hours->suns.in_sky = orl_arrays_new(&hours->arrays, n, sizeof *hours->suns.in_sky);
+    hours->sun_of_column =
+        orl_arrays_new(&hours->arrays, hours->n_columns, sizeof *hours->sun_of_column);
+    if (hours->arrays.failed)
         return ORL_ERR_NOMEM;
     place_suns(hours, r, north_deg);
     if (orl_direction_tree_init(&hours->suns.tree, direction_of_sun, hours->suns.at, NULL,
@@ -201,25 +202,23 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
             err, ORL_ERR_LIMIT,
             "the weather file has %zu rows, but a year has at most %d (10-minute steps)", n,
             ORL_HOURS_MOST);
+    struct orl_arrays arrays = {.failed = false};
     int code = ORL_ERR_NOMEM;
     hours->steps = calloc(n + 1, sizeof *hours->steps);
     hours->step_of_column = calloc(n + 1, sizeof *hours->step_of_column);
-    r.daylights = calloc(n + 1, sizeof *r.daylights);
-    r.diffuse_w = calloc(n + 1, sizeof *r.diffuse_w);
-    r.suns = calloc(n + 1, sizeof *r.suns);
-    r.errors = calloc(n + 1, sizeof *r.errors);
+    r.daylights = orl_arrays_new(&arrays, n, sizeof *r.daylights);
+    r.diffuse_w = orl_arrays_new(&arrays, n, sizeof *r.diffuse_w);
+    r.suns = orl_arrays_new(&arrays, n, sizeof *r.suns);
+    r.errors = orl_arrays_new(&arrays, n, sizeof *r.errors);
     struct orl_error why = {0};
-    if (hours->steps && hours->step_of_column && r.daylights && r.diffuse_w && r.suns && r.errors)
+    if (hours->steps && hours->step_of_column && !arrays.failed)
         code = make_all(hours, bins, &r, north_deg, pool, &why);
     if (code < 0 && why.code == code && err)
         *err = why;
     else if (code < 0)
         orl_error_set(err, code, "%s",
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory for skies");
-    free(r.daylights);
-    free(r.diffuse_w);
-    free(r.suns);
-    free(r.errors);
+    orl_arrays_free(&arrays);
     return code;
 }
 
@@ -227,11 +226,7 @@ void orl_hours_done(struct orl_hours *hours)
 {
     free(hours->steps);
     free(hours->step_of_column);
-    free(hours->suns.at);
-    free(hours->suns.in_sky);
     orl_direction_tree_done(&hours->suns.tree);
-    free(hours->sun_of_column);
-    free(hours->fine);
-    free(hours->coarse);
+    orl_arrays_free(&hours->arrays);
     *hours = (struct orl_hours){.steps = NULL};
 }

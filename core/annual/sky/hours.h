@@ -20,6 +20,7 @@
 
 #include "annual/sky/bins.h"
 #include "annual/sun/direction_tree.h"
+#include "base/memory/memory.h"
 #include "light/daylight/weather.h"
 
 enum { ORL_HOURS_TILE = 64, ORL_HOURS_MOST = ORL_LIMIT_YEAR_ROWS };
@@ -54,6 +55,7 @@ struct orl_hours {
     size_t n_steps;
     uint32_t *step_of_column; /* owned until taken */
     size_t n_columns, n_tiles;
+    struct orl_arrays arrays; /* the arrays below */
     struct orl_year_suns suns;
     struct orl_column_sun *sun_of_column;
     float *fine, *coarse;       /* tiles of ORL_BINS and of ORL_BINS_COARSE rows: W/sr/m2 */

@@ -6,11 +6,6 @@
 
 enum { MOST_DEPTH = 64 };
 
-static double along(struct orl_vec3 v, int axis)
-{
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 /* ---- Building -------------------------------------------------------------------------------- */
 
 static int widest_axis(const struct orl_direction_entry *entries, size_t count)
@@ -20,8 +15,8 @@ static int widest_axis(const struct orl_direction_entry *entries, size_t count)
     for (int axis = 0; axis < 3; axis++) {
         double low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < count; i++) {
-            low = fmin(low, along(entries[i].towards, axis));
-            high = fmax(high, along(entries[i].towards, axis));
+            low = fmin(low, orl_along(entries[i].towards, axis));
+            high = fmax(high, orl_along(entries[i].towards, axis));
         }
         if (high - low > most) {
             most = high - low;
@@ -31,37 +26,21 @@ static int widest_axis(const struct orl_direction_entry *entries, size_t count)
     return widest;
 }
 
-static int compare_along(const struct orl_direction_entry *x, const struct orl_direction_entry *y,
-                         int axis)
+static int compare_along(const void *a, const void *b, void *axis)
 {
-    const double a = along(x->towards, axis), b = along(y->towards, axis);
-    return a != b ? (a < b ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
-}
-
-static int compare_x(const void *a, const void *b)
-{
-    return compare_along(a, b, 0);
-}
-
-static int compare_y(const void *a, const void *b)
-{
-    return compare_along(a, b, 1);
-}
-
-static int compare_z(const void *a, const void *b)
-{
-    return compare_along(a, b, 2);
+    const struct orl_direction_entry *x = a, *y = b;
+    const double p = orl_along(x->towards, *(int *)axis), q = orl_along(y->towards, *(int *)axis);
+    return p != q ? (p < q ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
 }
 
 /* Sorts a range and splits it at its median, so the depth is the logarithm of count. */
 static void split_range(struct orl_direction_tree *tree, size_t low, size_t high)
 {
-    static int (*const by_axis[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
     if (high <= low)
         return;
     const size_t middle = low + (high - low) / 2;
-    const int axis = widest_axis(tree->entries + low, high - low);
-    qsort(tree->entries + low, high - low, sizeof *tree->entries, by_axis[axis]);
+    int axis = widest_axis(tree->entries + low, high - low);
+    qsort_r(tree->entries + low, high - low, sizeof *tree->entries, compare_along, &axis);
     tree->axes[middle] = (unsigned char)axis;
     split_range(tree, low, middle);
     split_range(tree, middle + 1, high);
@@ -109,7 +88,7 @@ size_t orl_direction_tree_find(const struct orl_direction_tree *tree, const stru
         const size_t middle = r.low + (r.high - r.low) / 2;
         const struct orl_direction_entry *entry = &tree->entries[middle];
         const int axis = tree->axes[middle];
-        const double off = along(cone->axis, axis) - along(entry->towards, axis);
+        const double off = orl_along(cone->axis, axis) - orl_along(entry->towards, axis);
         tested++;
         if (orl_dot(entry->towards, cone->axis) >= least)
             visit(ctx, entry->index);

@@ -8,6 +8,12 @@
 
 #include <oriel/base/vec.h>
 
+/* Returns the coordinate of an axis, 0 to 2. */
+static inline double orl_along(struct orl_vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
 /*
  * A balanced k-d tree of unit directions: finds those within a cone without testing each of them.
  * The directions are suns; the cone is that of a pane as it is seen from a place.

@@ -160,8 +160,7 @@ static double strength_of(const struct orl_mirrors *mirrors, const struct orl_mi
 {
     static const double of_third = 0.1;
     const struct orl_lit_scene *lit_scene = mirrors->lit_scene;
-    const struct orl_material *m =
-        &lit_scene->materials[orl_facet_material(lit_scene->geometry, pane->facet)];
+    const struct orl_material *m = orl_lit_scene_material_of(lit_scene, pane->facet);
     const double strength =
         fmin(fmax((beyond ? 1 : 3) * orl_material_max_mirrored(m, true, 0.5), 0.05), 1);
     return beyond && !may_be_faced(mirrors, plane, pane) ? of_third * strength : strength;
@@ -182,28 +181,18 @@ static void fill_set(struct orl_mirror_set *set, const struct orl_mirrors *mirro
         }
 }
 
-static int make_set(struct orl_mirror_set *set, const struct orl_mirrors *mirrors, bool beyond)
+static int make_set(struct orl_mirror_set *set, struct orl_mirrors *mirrors, bool beyond)
 {
     size_t most = 0;
     for (size_t p = 0; p < mirrors->n_planes; p++)
         most += mirrors->planes[p].count;
-    double *strengths = malloc((most + 1) * sizeof *strengths);
-    set->panes = malloc((most + 1) * sizeof *set->panes);
-    set->planes = malloc((most + 1) * sizeof *set->planes);
-    int code = strengths && set->panes && set->planes ? 0 : ORL_ERR_NOMEM;
-    if (code == 0) {
-        fill_set(set, mirrors, beyond, strengths);
-        code = orl_pane_bvh_init(&set->tree, set->panes, strengths, set->count);
-    }
-    free(strengths);
-    return code;
-}
-
-static void set_done(struct orl_mirror_set *set)
-{
-    orl_pane_bvh_done(&set->tree);
-    free(set->panes);
-    free(set->planes);
+    double *strengths = orl_arrays_new(&mirrors->arrays, most, sizeof *strengths);
+    set->panes = orl_arrays_new(&mirrors->arrays, most, sizeof *set->panes);
+    set->planes = orl_arrays_new(&mirrors->arrays, most, sizeof *set->planes);
+    if (mirrors->arrays.failed)
+        return ORL_ERR_NOMEM;
+    fill_set(set, mirrors, beyond, strengths);
+    return orl_pane_bvh_init(&set->tree, set->panes, strengths, set->count);
 }
 
 static bool has_one_facade(const struct orl_lit_scene *lit_scene)
@@ -225,27 +214,25 @@ int orl_mirrors_init(struct orl_mirrors *mirrors, const struct orl_lit_scene *li
     if (!lit_scene->images.class_of || lit_scene->images.n_mirrors == 0)
         return 0;
     struct candidate *candidates = calloc(n_facets + 1, sizeof *candidates);
-    mirrors->plane_of = calloc(n_facets + 1, sizeof *mirrors->plane_of);
-    mirrors->planes = calloc(ORL_MIRRORS_MOST_PLANES, sizeof *mirrors->planes);
+    struct orl_arrays *arrays = &mirrors->arrays;
     const size_t n = candidates ? list_candidates(lit_scene, candidates) : 0;
-    mirrors->panes = malloc((n + 1) * sizeof *mirrors->panes);
-    const bool room = candidates && mirrors->plane_of && mirrors->planes && mirrors->panes;
-    if (room)
+    mirrors->plane_of = orl_arrays_new(arrays, n_facets, sizeof *mirrors->plane_of);
+    mirrors->planes = orl_arrays_new(arrays, ORL_MIRRORS_MOST_PLANES, sizeof *mirrors->planes);
+    mirrors->panes = orl_arrays_new(arrays, n, sizeof *mirrors->panes);
+    int code = candidates && !arrays->failed ? 0 : ORL_ERR_NOMEM;
+    if (code == 0)
         group_by_plane(mirrors, candidates, n);
     free(candidates);
-    int code = room ? make_set(&mirrors->everywhere, mirrors, false) : ORL_ERR_NOMEM;
     if (code == 0)
-        code = make_set(&mirrors->beyond, mirrors, true);
-    return code;
+        code = make_set(&mirrors->everywhere, mirrors, false);
+    return code == 0 ? make_set(&mirrors->beyond, mirrors, true) : code;
 }
 
 void orl_mirrors_done(struct orl_mirrors *mirrors)
 {
-    set_done(&mirrors->everywhere);
-    set_done(&mirrors->beyond);
-    free(mirrors->planes);
-    free(mirrors->panes);
-    free(mirrors->plane_of);
+    orl_pane_bvh_done(&mirrors->everywhere.tree);
+    orl_pane_bvh_done(&mirrors->beyond.tree);
+    orl_arrays_free(&mirrors->arrays);
     *mirrors = (struct orl_mirrors){.planes = NULL};
 }
 
@@ -259,7 +246,7 @@ static bool lit_from_within(const struct orl_mirrors *mirrors, const struct orl_
     if (plane->port == ORL_NO_PORT ||
         orl_dot(image, mirrors->lit_scene->ports[plane->port].outward) <= 0)
         return true;
-    return orl_port_rects_passed(mirrors->ports, there, towards, 0);
+    return orl_port_rects_passed(mirrors->ports, there, towards, 0, INFINITY);
 }
 
 /* Returns true if a ray passes one of the plane's panes; *ret_distance is the distance of the
@@ -372,8 +359,8 @@ struct orl_rgb orl_mirrors_light_of(const struct orl_mirrors *mirrors,
     double distance;
     if (!(orl_dot(image, place->normal) > 0) ||
         !orl_bounding_rect_passed(pane, place->point, image, 0, &distance) ||
-        (beyond && !orl_port_rects_passed_before(mirrors->ports, place->point, image,
-                                                 distance * (1 - 1e-6))) ||
+        (beyond &&
+         !orl_port_rects_passed(mirrors->ports, place->point, image, 0, distance * (1 - 1e-6))) ||
         !lit_from_within(mirrors, plane, orl_madd(place->point, image, distance), image, towards))
         return orl_gray(0);
     const struct orl_rgb seen = response(ctx, image);

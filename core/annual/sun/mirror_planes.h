@@ -12,6 +12,7 @@
 
 #include "annual/panes/bounding_rects.h"
 #include "annual/sun/direction_tree.h"
+#include "base/memory/memory.h"
 #include "render/gather/gather.h"
 
 enum { ORL_MIRRORS_MOST_PLANES = 256 };
@@ -33,6 +34,7 @@ struct orl_mirror_set {
 
 struct orl_mirrors {
     const struct orl_lit_scene *lit_scene; /* borrowed */
+    struct orl_arrays arrays;              /* all arrays but those of the trees */
     const struct orl_port_rects
         *ports; /* ports through which light enters the building; borrowed */
     /* True if all ports face one way: then their panes mirror no sun to places inside. */

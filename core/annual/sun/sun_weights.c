@@ -324,20 +324,14 @@ static void weigh_sun(void *arg, size_t which, uint32_t member)
         weigh_kind(m, &at, kind, which, weights);
 }
 
-static int measure_nodes(struct builder *m)
+static void measure_nodes(struct builder *m)
 {
-    const size_t n = m->nodes->count * m->n_kinds;
-    m->of_nodes = malloc((n + 1) * sizeof *m->of_nodes);
-    m->beam_of = malloc((n + 1) * sizeof *m->beam_of);
-    if (!m->of_nodes || !m->beam_of)
-        return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < m->nodes->count * m->n_kinds; i++) {
         m->of_nodes[i] = flux_of_sun(m, (uint32_t)(i % m->n_kinds), m->frames[i / m->n_kinds].n);
         m->beam_of[i] = UINT32_MAX;
     }
     for (size_t i = 0; m->beams && i < m->beams->count; i++)
         m->beam_of[m->beams->at[i].node * m->n_kinds + m->beams->at[i].kind] = (uint32_t)i;
-    return 0;
 }
 
 /* Lists the weights of a sun for nodes (of: 0) or a kind (of: kind plus 1). Stores them at `to` if
@@ -416,18 +410,23 @@ static uint32_t list_suns(const struct builder *m, bool write)
     return n;
 }
 
+void orl_sun_weights_allocate(struct orl_sun_weights *w, size_t n_firsts, size_t n_weights)
+{
+    if (!w->first)
+        w->first = orl_arrays_new(&w->arrays, n_firsts, sizeof *w->first);
+    w->which = orl_arrays_new(&w->arrays, n_weights, sizeof *w->which);
+    w->weights = orl_arrays_new(&w->arrays, n_weights, sizeof *w->weights);
+    w->difference = orl_arrays_new(&w->arrays, n_weights, sizeof *w->difference);
+}
+
 static int list_all(const struct builder *m)
 {
-    struct orl_sun_weights *sun_weights = m->sun_weights;
-    sun_weights->first =
-        calloc(m->suns->count * (1 + sun_weights->n_window_groups) + 1, sizeof *sun_weights->first);
-    if (!sun_weights->first)
-        return ORL_ERR_NOMEM;
-    const size_t n = list_suns(m, false);
-    sun_weights->which = malloc((n + 1) * sizeof *sun_weights->which);
-    sun_weights->weights = malloc((n + 1) * sizeof *sun_weights->weights);
-    sun_weights->difference = malloc((n + 1) * sizeof *sun_weights->difference);
-    if (!sun_weights->which || !sun_weights->weights || !sun_weights->difference)
+    struct orl_sun_weights *w = m->sun_weights;
+    const size_t n_firsts = m->suns->count * (1 + w->n_window_groups) + 1;
+    w->first = orl_arrays_new(&w->arrays, n_firsts, sizeof *w->first);
+    if (w->first)
+        orl_sun_weights_allocate(w, n_firsts, list_suns(m, false));
+    if (w->arrays.failed)
         return ORL_ERR_NOMEM;
     list_suns(m, true);
     return 0;
@@ -438,6 +437,7 @@ int orl_sun_weights_init(struct orl_sun_weights *sun_weights, const struct orl_y
                          const struct orl_sun_map *map, const struct orl_sobol *sobol,
                          uint32_t n_window_groups, struct orl_thread_pool *pool)
 {
+    struct orl_arrays arrays = {.failed = false};
     struct builder m = {
         .sun_weights = sun_weights, .suns = suns, .nodes = nodes, .frames = node_frames};
     *sun_weights = (struct orl_sun_weights){.n_window_groups = n_window_groups};
@@ -445,32 +445,23 @@ int orl_sun_weights_init(struct orl_sun_weights *sun_weights, const struct orl_y
         m.beams = orl_sun_map_beams(map);
         m.n_kinds = m.beams->n_kinds;
     }
-    m.weights = calloc(suns->count * CORNERS * (1 + m.n_kinds) + 1, sizeof *m.weights);
-    m.fallbacks = calloc(suns->count * m.n_kinds + 1, sizeof *m.fallbacks);
-    int code = m.weights && m.fallbacks ? 0 : ORL_ERR_NOMEM;
+    const size_t n = nodes->count * m.n_kinds, n_suns = suns->count;
+    m.weights = orl_arrays_new(&arrays, n_suns * CORNERS * (1 + m.n_kinds), sizeof *m.weights);
+    m.fallbacks = orl_arrays_new(&arrays, n_suns * m.n_kinds, sizeof *m.fallbacks);
+    m.of_nodes = orl_arrays_new(&arrays, n, sizeof *m.of_nodes);
+    m.beam_of = orl_arrays_new(&arrays, n, sizeof *m.beam_of);
+    int code = arrays.failed ? ORL_ERR_NOMEM : 0;
     if (code == 0 && map)
-        code = orl_port_shadows_init(&m.shadows, m.beams, sobol, suns->count + nodes->count);
-    if (code == 0)
-        code = measure_nodes(&m);
-    if (code == 0)
-        code = orl_parallel_try(pool, suns->count, weigh_sun, &m);
+        code = orl_port_shadows_init(&m.shadows, m.beams, sobol, n_suns + nodes->count);
+    if (code == 0) {
+        measure_nodes(&m);
+        code = orl_parallel_try(pool, n_suns, weigh_sun, &m);
+    }
     if (code == 0)
         code = list_all(&m);
     if (code == 0)
         sun_weights->n_lost = count_lost(&m);
-    free(m.of_nodes);
-    free(m.beam_of);
-    free(m.weights);
-    free(m.fallbacks);
+    orl_arrays_free(&arrays);
     orl_port_shadows_done(&m.shadows);
     return code;
-}
-
-void orl_sun_weights_done(struct orl_sun_weights *sun_weights)
-{
-    free(sun_weights->first);
-    free(sun_weights->which);
-    free(sun_weights->weights);
-    free(sun_weights->difference);
-    *sun_weights = (struct orl_sun_weights){.first = NULL};
 }

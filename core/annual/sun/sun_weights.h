@@ -12,6 +12,7 @@
 
 #include "annual/sky/hours.h"
 #include "annual/sun_map/sun_map.h"
+#include "base/memory/memory.h"
 
 /*
  * Nodes of the sun: the directions for which light by way of surfaces is computed. Suns between
@@ -73,6 +74,7 @@ struct orl_sun_interpolation orl_sun_grid_interpolate(const struct orl_sun_grid 
  */
 
 struct orl_sun_weights {
+    struct orl_arrays arrays; /* the four below */
     uint32_t n_window_groups; /* window groups (annual_scene.h) */
     size_t n_lost;            /* suns that light ports which no node lights; that light is lost */
     /* Indices into the next three: [sun][0] is the first weight of nodes, [sun][1 + window group]
@@ -108,6 +110,13 @@ int orl_sun_weights_init(struct orl_sun_weights *sun_weights, const struct orl_y
                          const struct orl_sun_grid *nodes, const struct orl_frame *node_frames,
                          const struct orl_sun_map *map, const struct orl_sobol *sobol,
                          uint32_t n_window_groups, struct orl_thread_pool *pool);
-void orl_sun_weights_done(struct orl_sun_weights *sun_weights);
+/* Allocates the arrays, without `first` if it is there already; arrays.failed is true when out of
+ * memory. */
+void orl_sun_weights_allocate(struct orl_sun_weights *sun_weights, size_t n_firsts,
+                              size_t n_weights);
+static inline void orl_sun_weights_done(struct orl_sun_weights *sun_weights)
+{
+    orl_arrays_free(&sun_weights->arrays);
+}
 
 #endif

@@ -38,7 +38,8 @@ static bool may_come_from(const struct orl_annual_scene *scene,
                           const struct orl_shading_point *place, struct orl_vec3 towards,
                           double slack)
 {
-    return place->outside || orl_port_rects_passed(&scene->ports, place->point, towards, slack);
+    return place->outside ||
+           orl_port_rects_passed(&scene->ports, place->point, towards, slack, INFINITY);
 }
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */

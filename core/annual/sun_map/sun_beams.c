@@ -14,8 +14,7 @@ static uint32_t find_kind(struct orl_sun_beams *beams, const struct orl_port *po
 {
     static const double about = 0.98; /* least cosine between ports of a kind */
     const struct orl_lit_scene *lit_scene = beams->lit_scene;
-    const struct orl_material *m =
-        &lit_scene->materials[orl_facet_material(lit_scene->geometry, port->facet)];
+    const struct orl_material *m = orl_lit_scene_material_of(lit_scene, port->facet);
     uint32_t of_group = 0, last = 0;
     for (uint32_t k = 0; k < beams->n_kinds; k++) {
         const struct orl_sun_kind *kind = &beams->kinds[k];
@@ -58,8 +57,7 @@ static const double mean_of_ring = 0.73578;
 static double flux_of_disc(const struct orl_sun_beams *beams, const struct orl_port *port,
                            struct orl_vec3 towards)
 {
-    const struct orl_material *m =
-        &beams->lit_scene->materials[orl_facet_material(beams->lit_scene->geometry, port->facet)];
+    const struct orl_material *m = orl_lit_scene_material_of(beams->lit_scene, port->facet);
     const struct orl_frame frame = orl_frame_about(towards);
     const double ring = mean_of_ring * tan(0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD);
     double sum = flux_by_port(beams, port, towards);
@@ -86,8 +84,8 @@ double orl_sun_beams_flux(const struct orl_sun_beams *beams, uint32_t kind, stru
         if (beams->kind_of_port[i] != kind)
             continue;
         const bool same = last && orl_dot(last->outward, port->outward) > 1 - 1e-12 &&
-                          orl_facet_material(lit_scene->geometry, last->facet) ==
-                              orl_facet_material(lit_scene->geometry, port->facet);
+                          orl_lit_scene_material_of(lit_scene, last->facet) ==
+                              orl_lit_scene_material_of(lit_scene, port->facet);
         of_last = same ? of_last / last->area * port->area : flux_of_disc(beams, port, towards);
         last = port;
         sum += of_last;
@@ -195,8 +193,7 @@ int orl_port_shadows_init(struct orl_port_shadows *shadows, const struct orl_sun
         .beams = beams, .n_points = (uint32_t)fmin(fmax(wanted, LEAST_POINTS), MOST_POINTS)};
     shadows->points =
         calloc((size_t)beams->n_kinds * shadows->n_points + 1, sizeof *shadows->points);
-    shadows->clear = calloc(beams->n_kinds + 1, sizeof *shadows->clear);
-    if (!shadows->points || !shadows->clear)
+    if (!shadows->points)
         return ORL_ERR_NOMEM;
     find_clear(shadows);
     for (uint32_t kind = 0; kind < beams->n_kinds; kind++)
@@ -208,7 +205,6 @@ int orl_port_shadows_init(struct orl_port_shadows *shadows, const struct orl_sun
 void orl_port_shadows_done(struct orl_port_shadows *shadows)
 {
     free(shadows->points);
-    free(shadows->clear);
     *shadows = (struct orl_port_shadows){.points = NULL};
 }
 

@@ -73,7 +73,7 @@ struct orl_port_shadows {
     const struct orl_sun_beams *beams; /* borrowed */
     struct orl_port_point *points;     /* [kind][n_points] */
     uint32_t n_points;                 /* points per kind */
-    bool *clear;                       /* by kind: true if nothing obstructs its ports */
+    bool clear[ORL_SUN_MOST_KINDS];    /* by kind: true if nothing obstructs its ports */
 };
 
 /* n_suns: number of suns that will be queried; the more there are, the fewer points are drawn per

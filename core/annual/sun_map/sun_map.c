@@ -5,6 +5,7 @@
 
 #include "annual/sun_map/sun_beams.h"
 #include "annual/year/annual_scene.h"
+#include "base/memory/memory.h"
 
 enum { MOST_AT_ONCE = 64, CHANNELS = 3 };
 enum {
@@ -137,14 +138,9 @@ static int find_or_add_sum(struct orl_sun_map *map, uint32_t row, uint32_t beam,
     }
     if (map->n_deposit_sums == ORL_SUN_MAP_MOST_ENTRIES)
         return ORL_ERR_LIMIT;
-    if (map->n_deposit_sums == map->deposit_sums_room) {
-        const size_t room = map->deposit_sums_room + map->deposit_sums_room / 2 + 4096;
-        struct deposit_sums *grown = realloc(map->deposit_sums, room * sizeof *grown);
-        if (!grown)
-            return ORL_ERR_NOMEM;
-        map->deposit_sums = grown;
-        map->deposit_sums_room = room;
-    }
+    if (!orl_array_reserve(&map->deposit_sums, &map->deposit_sums_room, map->n_deposit_sums,
+                           sizeof *map->deposit_sums))
+        return ORL_ERR_NOMEM;
     *ret_entry = &map->deposit_sums[map->n_deposit_sums++];
     **ret_entry = (struct deposit_sums){.row = row, .beam = beam};
     map->latest[row] = (uint32_t)map->n_deposit_sums;
@@ -238,18 +234,14 @@ static int trace_photons(struct orl_sun_map *map, const struct orl_sun_map_reque
 /* Sorts the entries by row; entries of a row stay in the order of beams. */
 static struct deposit_sums *sort_by_row(const struct orl_sun_map *map, size_t n_rows)
 {
-    struct deposit_sums *sorted = calloc(map->n_deposit_sums + 1, sizeof *sorted);
     size_t *next = calloc(n_rows + 1, sizeof *next);
-    for (size_t i = 0; sorted && next && i < map->n_deposit_sums; i++)
+    struct deposit_sums *sorted = next ? calloc(map->n_deposit_sums + 1, sizeof *sorted) : NULL;
+    for (size_t i = 0; sorted && i < map->n_deposit_sums; i++)
         next[map->deposit_sums[i].row + 1]++;
-    for (size_t r = 0; sorted && next && r < n_rows; r++)
+    for (size_t r = 0; sorted && r < n_rows; r++)
         next[r + 1] += next[r];
-    for (size_t i = 0; sorted && next && i < map->n_deposit_sums; i++)
+    for (size_t i = 0; sorted && i < map->n_deposit_sums; i++)
         sorted[next[map->deposit_sums[i].row]++] = map->deposit_sums[i];
-    if (!next) {
-        free(sorted);
-        sorted = NULL;
-    }
     free(next);
     return sorted;
 }
@@ -268,20 +260,25 @@ static void fill_rows(struct orl_sun_map *map, const struct deposit_sums *sorted
         map->first[row] = map->n_deposit_sums;
 }
 
+static int allocate_rows(struct orl_sun_map *map, size_t entries)
+{
+    map->first = malloc((map->count * ORL_SUN_PHOTON_BATCHES + 1) * sizeof *map->first);
+    map->which = malloc((entries + 1) * sizeof *map->which);
+    map->light = malloc((entries + 1) * map->channels * sizeof *map->light);
+    return map->first && map->which && map->light ? 0 : ORL_ERR_NOMEM;
+}
+
 static int make_rows(struct orl_sun_map *map)
 {
-    const size_t n_rows = map->count * ORL_SUN_PHOTON_BATCHES, n = map->n_deposit_sums;
+    const size_t n_rows = map->count * ORL_SUN_PHOTON_BATCHES;
     struct deposit_sums *sorted = sort_by_row(map, n_rows);
     free(map->deposit_sums);
     map->deposit_sums = NULL;
-    map->first = malloc((n_rows + 1) * sizeof *map->first);
-    map->which = malloc((n + 1) * sizeof *map->which);
-    map->light = malloc((n + 1) * map->channels * sizeof *map->light);
-    const bool room = sorted && map->first && map->which && map->light;
-    if (room)
+    const int code = allocate_rows(map, map->n_deposit_sums);
+    if (sorted && code == 0)
         fill_rows(map, sorted, n_rows);
     free(sorted);
-    return room ? 0 : ORL_ERR_NOMEM;
+    return sorted ? code : ORL_ERR_NOMEM;
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
@@ -336,66 +333,55 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_thread
 
 /* ---- Storage --------------------------------------------------------------------------------- */
 
-struct array {
-    void **at;
-    size_t bytes;
+enum { PARTS = 6 };
+
+/* Counts of a stored map: slots, texels, and entries. */
+struct stored_map {
+    uint64_t room, count, entries;
 };
 
-enum { ARRAYS = 5 };
-
-/* Lists the arrays of a map whose room, count and number of entries are set. */
-static void list_arrays(struct orl_sun_map *map, size_t entries, struct array ret[ARRAYS])
+/* Lists the parts of a stored map. */
+static void list_parts(struct stored_map *stored, const struct orl_sun_map *map,
+                       struct orl_span ret[PARTS])
 {
-    ret[0] = (struct array){(void **)&map->keys, map->room * sizeof *map->keys};
-    ret[1] = (struct array){(void **)&map->first,
-                            (map->count * ORL_SUN_PHOTON_BATCHES + 1) * sizeof *map->first};
-    ret[2] = (struct array){(void **)&map->texel_indices, map->room * sizeof *map->texel_indices};
-    ret[3] = (struct array){(void **)&map->which, entries * sizeof *map->which};
-    ret[4] = (struct array){(void **)&map->light, entries * map->channels * sizeof *map->light};
+    const size_t rows = stored->count * ORL_SUN_PHOTON_BATCHES, entries = stored->entries;
+    ret[0] = (struct orl_span){stored, sizeof *stored};
+    ret[1] = (struct orl_span){map->keys, stored->room * sizeof *map->keys};
+    ret[2] = (struct orl_span){map->first, (rows + 1) * sizeof *map->first};
+    ret[3] = (struct orl_span){map->texel_indices, stored->room * sizeof *map->texel_indices};
+    ret[4] = (struct orl_span){map->which, entries * sizeof *map->which};
+    ret[5] = (struct orl_span){map->light, entries * map->channels * sizeof *map->light};
 }
 
-int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size)
+void *orl_sun_map_save(const struct orl_sun_map *map, size_t *ret_size)
 {
-    struct orl_sun_map copy = *map;
-    const uint64_t numbers[] = {map->room, map->count,
+    struct stored_map stored = {map->room, map->count,
                                 map->first[map->count * ORL_SUN_PHOTON_BATCHES]};
-    struct array arrays[ARRAYS];
-    size_t size = sizeof numbers;
-    list_arrays(&copy, numbers[2], arrays);
-    for (int i = 0; i < ARRAYS; i++)
-        size += arrays[i].bytes;
-    char *at = *ret_data = malloc(size);
-    if (!at)
-        return ORL_ERR_NOMEM;
-    memcpy(at, numbers, sizeof numbers);
-    at += sizeof numbers;
-    for (int i = 0; i < ARRAYS; at += arrays[i++].bytes)
-        memcpy(at, *arrays[i].at, arrays[i].bytes);
-    *ret_size = size;
-    return 0;
+    struct orl_span parts[PARTS];
+    list_parts(&stored, map, parts);
+    return orl_spans_join(parts, PARTS, ret_size);
 }
 
-int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data,
+int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data, size_t size,
                      struct orl_sun_map **ret_map)
 {
-    uint64_t numbers[3];
-    struct array arrays[ARRAYS];
+    struct stored_map stored;
+    struct orl_span parts[PARTS];
     struct orl_sun_map *map = NULL;
-    const char *at = data;
     int code = init_map(request, &map);
-    memcpy(numbers, at, sizeof numbers);
-    at += sizeof numbers;
+    memcpy(&stored, data, sizeof stored);
     if (code == 0) {
-        map->room = numbers[0];
-        map->count = numbers[1];
-        list_arrays(map, numbers[2], arrays);
+        map->room = stored.room;
+        map->count = stored.count;
+        map->keys = malloc((map->room + 1) * sizeof *map->keys);
+        map->texel_indices = malloc((map->room + 1) * sizeof *map->texel_indices);
+        code = allocate_rows(map, stored.entries);
     }
-    for (int i = 0; i < ARRAYS && code == 0; at += arrays[i++].bytes) {
-        *arrays[i].at = malloc(arrays[i].bytes + 1);
-        if (*arrays[i].at)
-            memcpy(*arrays[i].at, at, arrays[i].bytes);
-        else
-            code = ORL_ERR_NOMEM;
+    if (code == 0 && (!map->keys || !map->texel_indices))
+        code = ORL_ERR_NOMEM;
+    if (code == 0) {
+        list_parts(&stored, map, parts);
+        orl_spans_fill(parts, PARTS, data, size);
     }
     return return_map(code, map, ret_map);
 }

@@ -83,11 +83,11 @@ int orl_sun_map_new(const struct orl_sun_map_request *request, struct orl_thread
                     struct orl_sun_map **ret_map);
 /* Restores a map from the data that orl_sun_map_save wrote for an equal request. Returns 0 or
  * ORL_ERR_NOMEM. */
-int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data,
+int orl_sun_map_load(const struct orl_sun_map_request *request, const void *data, size_t size,
                      struct orl_sun_map **ret_map);
-/* Serialises a map. ret_data is owned by the caller, and a multiple of 4 bytes long. Returns 0 or
- * ORL_ERR_NOMEM. */
-int orl_sun_map_save(const struct orl_sun_map *map, void **ret_data, size_t *ret_size);
+/* Serialises a map. Returns data owned by the caller, of a multiple of 4 bytes; NULL when out of
+ * memory. */
+void *orl_sun_map_save(const struct orl_sun_map *map, size_t *ret_size);
 void orl_sun_map_free(struct orl_sun_map *map); /* NULL is allowed */
 
 /* Returns the map's beams, in the order in which sums hold them. */

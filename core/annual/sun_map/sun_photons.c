@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/memory/memory.h"
 #include "light/direct.h"
 #include "light/path.h"
 
@@ -20,15 +21,9 @@ static void record_deposit(struct orl_sun_photon_task *s, const struct orl_hit *
 {
     if (!orl_rgb_is_finite(flux))
         return;
-    if (s->n_deposits == s->room) {
-        const size_t room = s->room > 0 ? 2 * s->room : 1024;
-        struct orl_sun_deposit *grown = realloc(s->deposits, room * sizeof *grown);
-        if (!grown) {
-            s->code = ORL_ERR_NOMEM;
-            return;
-        }
-        s->deposits = grown;
-        s->room = room;
+    if (!orl_array_reserve(&s->deposits, &s->room, s->n_deposits, sizeof *s->deposits)) {
+        s->code = ORL_ERR_NOMEM;
+        return;
     }
     s->deposits[s->n_deposits++] =
         (struct orl_sun_deposit){.facet = hit->facet,

@@ -5,7 +5,9 @@
 
 #include <oriel/base/error.h>
 
-enum { FIRST_ROOM = 64, FIRST_SLOTS = 4096 };
+#include "base/memory/memory.h"
+
+enum { FIRST_SLOTS = 4096 };
 
 void orl_pixel_terms_done(struct orl_pixel_terms *terms)
 {
@@ -29,17 +31,6 @@ static int grow_slots(struct orl_pixel_terms *terms, uint32_t which)
     return 0;
 }
 
-static int grow_terms(struct orl_pixel_terms *terms)
-{
-    const size_t room = terms->room > 0 ? 2 * terms->room : FIRST_ROOM;
-    struct orl_pixel_term *grown = realloc(terms->at, room * sizeof *grown);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    terms->at = grown;
-    terms->room = room;
-    return 0;
-}
-
 int orl_pixel_terms_add(struct orl_pixel_terms *terms, uint32_t which, double weight)
 {
     if (which >= terms->n_slots && grow_slots(terms, which) < 0)
@@ -48,7 +39,7 @@ int orl_pixel_terms_add(struct orl_pixel_terms *terms, uint32_t which, double we
         terms->at[terms->slots[which] - 1].weight += (float)weight;
         return 0;
     }
-    if (terms->count == terms->room && grow_terms(terms) < 0)
+    if (!orl_array_reserve(&terms->at, &terms->room, terms->count, sizeof *terms->at))
         return ORL_ERR_NOMEM;
     terms->at[terms->count++] = (struct orl_pixel_term){which, (float)weight};
     terms->slots[which] = (uint32_t)terms->count;

@@ -95,7 +95,7 @@ static void add_sunlight(const struct glare_context *r, size_t column, uint32_t 
         const struct orl_shading_point *place = &spot->place;
         if (!(orl_dot(sun->towards, place->normal) > -0.01) ||
             (!place->outside &&
-             !orl_port_rects_passed(&y->scene.ports, place->point, sun->towards, 0.005)))
+             !orl_port_rects_passed(&y->scene.ports, place->point, sun->towards, 0.005, INFINITY)))
             continue;
         const struct orl_vec3 towards =
             somewhere_on(sun, &frame, (uint64_t)i * ORL_HOURS_MOST + of->sun);

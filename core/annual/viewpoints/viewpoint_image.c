@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/memory/memory.h"
 #include "light/path.h"
 #include "scene/geometry/geometry.h"
 
@@ -62,14 +63,8 @@ static int add_sky(struct orl_viewpoint_rays *r, const struct branch *b)
 static int add_spot(struct orl_viewpoint_rays *r, const struct orl_viewpoint_spot *spot)
 {
     struct orl_viewpoint_image *view = r->view;
-    if (view->n_spots == r->spots_room) {
-        const size_t room = r->spots_room + r->spots_room / 2 + ORL_VIEWPOINT_PIXELS;
-        struct orl_viewpoint_spot *grown = realloc(view->spots, room * sizeof *grown);
-        if (!grown)
-            return ORL_ERR_NOMEM;
-        view->spots = grown;
-        r->spots_room = room;
-    }
+    if (!orl_array_reserve(&view->spots, &r->spots_room, view->n_spots, sizeof *view->spots))
+        return ORL_ERR_NOMEM;
     view->spots[view->n_spots++] = *spot;
     return 0;
 }
@@ -337,14 +332,9 @@ static int append_terms(struct orl_viewpoint_rays *rays, size_t *terms_room)
     struct orl_viewpoint_image *view = rays->view;
     const size_t first = view->first[rays->pixel];
     int code = orl_pixel_terms_thin(&rays->terms, ORL_VIEWPOINT_PIXEL_TERMS, &rays->random);
-    if (code == 0 && first + rays->terms.count > *terms_room) {
-        const size_t room = *terms_room + *terms_room / 2 + ORL_VIEWPOINT_PIXELS;
-        struct orl_pixel_term *grown = realloc(view->terms, room * sizeof *grown);
-        if (!grown)
-            return ORL_ERR_NOMEM;
-        view->terms = grown;
-        *terms_room = room;
-    }
+    if (code == 0 && !orl_array_reserve_more(&view->terms, terms_room, first, rays->terms.count,
+                                             sizeof *view->terms))
+        code = ORL_ERR_NOMEM;
     for (size_t i = 0; i < rays->terms.count && code == 0; i++)
         view->terms[first + i] = rays->terms.at[i];
     view->first[rays->pixel + 1] = (uint32_t)(first + rays->terms.count);

@@ -22,6 +22,7 @@
 struct viewpoint_run {
     const struct orl_viewpoint_request *viewpoint_request;
     const struct orl_annual_result *result; /* result of the year to which the viewpoints belong */
+    struct orl_arrays arrays;               /* all arrays below but the sensors and `hours` */
     unsigned char *wanted; /* by column: columns still to be rated, and columns of this run */
     unsigned char *current;
     struct orl_annual_request request; /* with the viewpoints' sensors, which are owned */
@@ -103,19 +104,20 @@ static int add_sensors(struct viewpoint_run *s)
 
 static int allocate_rows(struct viewpoint_run *s)
 {
-    const size_t n = s->result->n_columns + 1;
-    s->eye = calloc(n, sizeof *s->eye);
-    s->eye_direct = calloc(n, sizeof *s->eye_direct);
-    s->eye_error = calloc(n, sizeof *s->eye_error);
-    s->visible_points = calloc(n * ORL_VISIBLE_POINTS_MOST * 2, sizeof *s->visible_points);
-    s->wanted = malloc(n);
-    s->current = malloc(n);
-    s->views = calloc(ORL_GLARE_VIEWPOINTS_AT_ONCE, sizeof *s->views);
-    s->errors = calloc(ORL_GLARE_VIEWPOINTS_AT_ONCE, sizeof *s->errors);
-    s->n_visible_points =
-        calloc(s->viewpoint_request->n_viewpoints + 1, sizeof *s->n_visible_points);
-    s->hours = calloc(s->viewpoint_request->n_viewpoints + 1, sizeof *s->hours);
-    for (size_t i = 0; s->hours && i < s->viewpoint_request->n_viewpoints; i++) {
+    const size_t n = s->result->n_columns + 1, n_viewpoints = s->viewpoint_request->n_viewpoints;
+    struct orl_arrays *a = &s->arrays;
+    s->eye = orl_arrays_new(a, n, sizeof *s->eye);
+    s->eye_direct = orl_arrays_new(a, n, sizeof *s->eye_direct);
+    s->eye_error = orl_arrays_new(a, n, sizeof *s->eye_error);
+    s->visible_points =
+        orl_arrays_new(a, n * ORL_VISIBLE_POINTS_MOST * 2, sizeof *s->visible_points);
+    s->wanted = orl_arrays_new(a, n, 1);
+    s->current = orl_arrays_new(a, n, 1);
+    s->views = orl_arrays_new(a, ORL_GLARE_VIEWPOINTS_AT_ONCE, sizeof *s->views);
+    s->errors = orl_arrays_new(a, ORL_GLARE_VIEWPOINTS_AT_ONCE, sizeof *s->errors);
+    s->n_visible_points = orl_arrays_new(a, n_viewpoints, sizeof *s->n_visible_points);
+    s->hours = calloc(n_viewpoints + 1, sizeof *s->hours);
+    for (size_t i = 0; s->hours && i < n_viewpoints; i++) {
         struct orl_viewpoint_hours *h = &s->hours[i];
         h->dgp = malloc(n * sizeof *h->dgp);
         h->low = malloc(n * sizeof *h->low);
@@ -126,10 +128,7 @@ static int allocate_rows(struct viewpoint_run *s)
         for (size_t c = 0; c < n; c++)
             h->dgp[c] = h->low[c] = h->high[c] = h->eye_lx[c] = NAN;
     }
-    return s->eye && s->eye_direct && s->eye_error && s->visible_points && s->wanted &&
-                   s->current && s->views && s->errors && s->n_visible_points && s->hours
-               ? 0
-               : ORL_ERR_NOMEM;
+    return s->hours && !a->failed ? 0 : ORL_ERR_NOMEM;
 }
 
 /* Sets the sensors of a prepared year: those of all viewpoints. */
@@ -282,19 +281,6 @@ static int run_all(struct viewpoint_run *s, const struct orl_annual_request *req
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static void viewpoint_run_done(struct viewpoint_run *s)
-{
-    free(s->views);
-    free(s->errors);
-    free(s->n_visible_points);
-    free(s->wanted);
-    free(s->current);
-    free(s->eye);
-    free(s->eye_direct);
-    free(s->eye_error);
-    free(s->visible_points);
-}
-
 int orl_annual_glare_compute(const struct orl_viewpoint_request *viewpoint_request,
                              const struct orl_annual_request *request,
                              const struct orl_annual_result *result, const unsigned char *wanted,
@@ -311,7 +297,7 @@ int orl_annual_glare_compute(const struct orl_viewpoint_request *viewpoint_reque
         memcpy(s.wanted, wanted, result->n_columns);
         code = run_all(&s, request, run, err);
     }
-    viewpoint_run_done(&s);
+    orl_arrays_free(&s.arrays);
     if (code < 0)
         orl_viewpoint_hours_free(s.hours, viewpoint_request->n_viewpoints);
     else

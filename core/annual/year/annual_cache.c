@@ -41,7 +41,7 @@ void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year
 {
     const struct orl_year_suns *suns = &year->hours.suns;
     const double numbers[] = {year->request->north_deg,
-                              year->result->latitude_deg,
+                              year->result->site.latitude_deg,
                               (double)suns->count,
                               (double)year->nodes.count,
                               (double)year->request->technique,
@@ -61,15 +61,6 @@ void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year
     }
     finish_key(&hash, cache->site);
     year->result->reuse.asked = cache->store != NULL;
-}
-
-/* Adds the columns that want light, by window group, to the digest. */
-static void add_wanted(struct orl_sha256 *hash, const struct orl_year *year)
-{
-    const struct orl_year_window_groups *window_groups =
-        year->overrides ? year->overrides->window_groups : NULL;
-    if (window_groups && window_groups->wanted)
-        orl_sha256_add(hash, window_groups->wanted, year->n_window_groups * year->hours.n_columns);
 }
 
 static void name_entry(const struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry)
@@ -97,7 +88,10 @@ static void name_entry(const struct orl_annual_cache *cache, struct orl_annual_c
     orl_sha256_add(&hash, &entry->samples, sizeof entry->samples);
     if (entry->data_kind == ORL_ANNUAL_CACHE_ROWS) {
         orl_sha256_add(&hash, job, strlen(job));
-        add_wanted(&hash, cache->year);
+        const unsigned char *wanted = orl_year_wanted(cache->year, 0); /* of all window groups */
+        if (wanted)
+            orl_sha256_add(&hash, wanted,
+                           cache->year->n_window_groups * cache->year->hours.n_columns);
     }
     finish_key(&hash, entry->key);
 }
@@ -228,15 +222,18 @@ int orl_annual_cache_get(struct orl_annual_cache *cache, struct orl_annual_cache
 /* ---- Storing --------------------------------------------------------------------------------- */
 
 void orl_annual_cache_put(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
-                          const void *data, size_t size)
+                          void *data, size_t size)
 {
     struct orl_word_file_info file_info = {.target = entry->samples, .rays = entry->rays};
     struct orl_error why = {0};
-    if (!entry->must_commit)
+    if (!entry->must_commit || !data) {
+        free(data);
         return;
+    }
     memcpy(file_info.key, entry->key, sizeof file_info.key);
     memcpy(file_info.family, entry->family, sizeof file_info.family);
     int code = orl_word_file_write(entry->path, &file_info, data, size, &why);
+    free(data);
     if (code == 0) {
         struct orl_map_info info = {.target = entry->samples,
                                     .emitted = entry->rays,

@@ -62,9 +62,10 @@ struct orl_annual_cache_entry {
  */
 int orl_annual_cache_get(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
                          struct orl_error *err);
-/* Stores a computed entry if must_commit is set. size is a multiple of 4 bytes. */
+/* Stores a computed entry if must_commit is set, and frees data. size is a multiple of 4 bytes.
+ * data may be NULL: there was no memory to pack it, and nothing is stored. */
 void orl_annual_cache_put(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,
-                          const void *data, size_t size);
+                          void *data, size_t size);
 void orl_annual_cache_release(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry);
 
 /* Returns true if the store has the entry, without reading it. */

@@ -32,15 +32,17 @@ static int name_scene(struct orl_year *y, const struct orl_scene *scene, struct 
 {
     const struct orl_parsed_scene *const parsed_scene = &scene->parsed_scene;
     struct orl_sha256 hash;
+    struct orl_annual_result *const r = y->result;
     for (size_t i = 0; i < parsed_scene->n_files; i++)
-        if (orl_annual_add_scene_file(y->result, parsed_scene->files[i]) < 0)
+        if (!orl_year_has_text(r->scene_read, r->n_scene_read, parsed_scene->files[i]) &&
+            orl_year_add_text(&r->scene_read, &r->n_scene_read, parsed_scene->files[i]) < 0)
             return orl_year_no_memory(err);
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, parsed_scene->digest, ORL_SHA256_BYTES);
     orl_scene_digest_build(scene, &hash);
-    if (y->overrides && y->overrides->material_overrides)
+    if (y->overrides->material_overrides)
         orl_material_overrides_digest(y->overrides->material_overrides, &hash);
-    if (y->overrides && y->overrides->window_groups)
+    if (y->overrides->window_groups)
         orl_sha256_add(&hash, &y->overrides->window_groups->n_groups,
                        sizeof y->overrides->window_groups->n_groups);
     orl_sha256_finish(&hash, y->digest);
@@ -99,7 +101,7 @@ static int check_ranges(struct orl_year *y, const struct orl_scene *scene)
 /* Warns, once per job, of sensors in planes of surfaces, and of sensors apart from their grid. */
 static int check_sensors(struct orl_year *y, const struct orl_scene *scene, struct orl_error *err)
 {
-    if (y->overrides && y->overrides->sensors_checked)
+    if (y->overrides->sensors_checked)
         return 0;
     const int code = check_ranges(y, scene);
     if (code < 0)
@@ -124,7 +126,7 @@ static int load_scene(struct orl_year *y, struct orl_error *err)
         .job = &job, .env = &env, .result = &result, .progress = &progress};
     state.sensors = y->request->sensors;
     state.n_sensors = y->request->n_sensors;
-    state.material_overrides = y->overrides ? y->overrides->material_overrides : NULL;
+    state.material_overrides = y->overrides->material_overrides;
     state.clock.stage_started = state.clock.started_s = orl_year_now(y);
     int code = orl_run_load_scene(&state, err);
     y->lights = state.lights;
@@ -152,12 +154,12 @@ static int place_nodes(struct orl_year *y)
     const struct orl_year_suns *suns = &y->hours.suns;
     const struct orl_sky_rotation north = orl_sky_rotation_by_north(y->request->north_deg);
     const double share = 1.0 / (1U << y->request->sun_halvings);
-    struct orl_sun_spacing steps = orl_sun_spacing_at(y->result->latitude_deg, spacing);
+    struct orl_sun_spacing steps = orl_sun_spacing_at(y->result->site.latitude_deg, spacing);
     steps.declination_deg *= share;
     steps.hour_angle_deg *= share;
-    const int code =
-        orl_sun_grid_init(&y->nodes, y->result->latitude_deg, suns->in_sky, suns->count, steps);
-    y->node_frames = malloc((y->nodes.count + 1) * sizeof *y->node_frames);
+    const int code = orl_sun_grid_init(&y->nodes, y->result->site.latitude_deg, suns->in_sky,
+                                       suns->count, steps);
+    y->node_frames = orl_arrays_new(&y->arrays, y->nodes.count, sizeof *y->node_frames);
     if (code < 0 || !y->node_frames)
         return ORL_ERR_NOMEM;
     for (size_t k = 0; k < y->nodes.count; k++)
@@ -173,9 +175,8 @@ static int prepare_year(struct orl_year *y, struct orl_error *err)
     orl_bins_init(&y->bins);
     orl_year_report_progress(y, ORL_STAGE_MAPS, 0);
     if (code == 0)
-        code = y->overrides && y->overrides->hours_of
-                   ? orl_year_borrow_hours(y, y->overrides->hours_of, err)
-                   : orl_year_read_hours(y, err);
+        code = y->overrides->hours_of ? orl_year_borrow_hours(y, y->overrides->hours_of, err)
+                                      : orl_year_read_hours(y, err);
     if (code < 0)
         return code;
     if (place_nodes(y) < 0)
@@ -197,7 +198,7 @@ static int prepare_year(struct orl_year *y, struct orl_error *err)
 static int run_year(struct orl_year *y, struct orl_error *err)
 {
     int code = prepare_year(y, err);
-    if (code == 0 && y->overrides && y->overrides->prepared)
+    if (code == 0 && y->overrides->prepared)
         code = y->overrides->prepared(y->overrides->ctx, y, err);
     if (code == 0)
         code = orl_year_run_chunks(y, err);
@@ -210,15 +211,12 @@ static void free_year(struct orl_year *y)
 {
     orl_year_inputs_done(y);
     orl_lights_release(y->lights);
-    if (y->overrides && y->overrides->hours_of) {
-        free(y->hours.steps);
-        free(y->hours.step_of_column);
-    } else {
-        orl_hours_done(&y->hours);
-    }
+    if (y->overrides->hours_of) /* the rest is borrowed */
+        y->hours =
+            (struct orl_hours){.steps = y->hours.steps, .step_of_column = y->hours.step_of_column};
+    orl_hours_done(&y->hours);
     orl_sun_grid_done(&y->nodes);
-    free(y->node_frames);
-    orl_year_chunks_done(y);
+    orl_arrays_free(&y->arrays);
     free(y);
 }
 
@@ -226,6 +224,7 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
                  const struct orl_year_overrides *overrides, struct orl_annual_result *ret_result,
                  struct orl_error *err)
 {
+    static const struct orl_year_overrides no_overrides = {.sun_only = false};
     const uint32_t samples = request->samples > 0 ? request->samples : ORL_ANNUAL_SAMPLES;
     const uint32_t of_batch = (samples + ORL_ANNUAL_BATCHES - 1) / ORL_ANNUAL_BATCHES;
     struct orl_annual_result result = {.seed = request->seed,
@@ -235,14 +234,14 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
     struct orl_year *y = calloc(1, sizeof *y);
     if (!y)
         return orl_year_no_memory(err);
-    y->overrides = overrides;
+    y->overrides = overrides ? overrides : &no_overrides;
     y->request = request;
     y->env = env;
     y->result = &result;
     y->batch_samples = of_batch;
-    y->n_window_groups = overrides && overrides->window_groups
-                             ? (uint32_t)overrides->window_groups->n_groups + 1
-                             : 1;
+    y->n_window_groups = 1;
+    if (y->overrides->window_groups)
+        y->n_window_groups += (uint32_t)y->overrides->window_groups->n_groups;
     y->started_s = orl_year_now(y);
     orl_year_report_progress(y, ORL_STAGE_LOAD, 0);
     orl_thread_pool_set_cancel(env->run->pool, env->run->cancel);

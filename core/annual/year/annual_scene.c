@@ -7,16 +7,11 @@
 #include "annual/panes/bounding_rects.h"
 #include "scene/surfaces.h"
 
-static const struct orl_material *material_of(const struct orl_lit_scene *lit_scene, uint32_t facet)
-{
-    return &lit_scene->materials[orl_facet_material(lit_scene->geometry, facet)];
-}
-
 uint16_t orl_window_group_of_port(const struct orl_lit_scene *lit_scene, size_t port,
                                   size_t n_groups)
 {
     const uint32_t window_group =
-        material_of(lit_scene, lit_scene->ports[port].facet)->window_group;
+        orl_lit_scene_material_of(lit_scene, lit_scene->ports[port].facet)->window_group;
     return (uint16_t)(window_group == 0 || window_group == ORL_WINDOW_GROUP_NONE
                           ? n_groups
                           : window_group - 1);
@@ -62,7 +57,7 @@ static bool is_near(const struct orl_lit_scene *lit_scene, uint32_t window_group
 {
     for (size_t i = 0; i < lit_scene->n_ports; i++) {
         const uint32_t facet = lit_scene->ports[i].facet;
-        if (material_of(lit_scene, facet)->window_group != window_group)
+        if (orl_lit_scene_material_of(lit_scene, facet)->window_group != window_group)
             continue;
         const struct orl_bounding_rect w = orl_bounding_rect_of(lit_scene->geometry, facet);
         if (facet_is_by(lit_scene->geometry, f, &w))
@@ -78,7 +73,7 @@ int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t 
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_get_own(lit_scene->geometry, i, &own);
         const bool port = lit_scene->port_of_facet && lit_scene->port_of_facet[i] != ORL_NO_PORT;
-        if (port || material_of(lit_scene, (uint32_t)i)->window_group != window_group ||
+        if (port || orl_lit_scene_material_of(lit_scene, i)->window_group != window_group ||
             is_near(lit_scene, window_group, f))
             continue;
         const struct orl_surface_label s = orl_scene_label_of(lit_scene->scene, (uint32_t)i);
@@ -98,15 +93,12 @@ int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t 
 enum { PHOTONS = 300000, BSDF_PANE_PHOTONS = 800000, LEAST_PHOTONS = 512 };
 
 /* Returns true if some port is a BSDF pane. */
-static bool orl_annual_has_bsdf_panes(const struct orl_lit_scene *lit_scene)
+static bool has_bsdf_panes(const struct orl_lit_scene *lit_scene)
 {
-    for (size_t i = 0; i < lit_scene->n_ports; i++) {
-        struct orl_facet own;
-        const struct orl_facet *facet =
-            orl_facet_get_own(lit_scene->geometry, lit_scene->ports[i].facet, &own);
-        if (lit_scene->materials[facet->material].kind == ORL_MATERIAL_BSDF)
+    for (size_t i = 0; i < lit_scene->n_ports; i++)
+        if (orl_lit_scene_material_of(lit_scene, lit_scene->ports[i].facet)->kind ==
+            ORL_MATERIAL_BSDF)
             return true;
-    }
     return false;
 }
 
@@ -114,9 +106,7 @@ static bool orl_annual_has_bsdf_panes(const struct orl_lit_scene *lit_scene)
 static uint32_t photons_of_node(const struct orl_lit_scene *lit_scene, size_t n_nodes,
                                 uint32_t asked)
 {
-    const double all = asked > 0                              ? asked
-                       : orl_annual_has_bsdf_panes(lit_scene) ? BSDF_PANE_PHOTONS
-                                                              : PHOTONS;
+    const double all = asked > 0 ? asked : has_bsdf_panes(lit_scene) ? BSDF_PANE_PHOTONS : PHOTONS;
     return (uint32_t)fmax(all / fmax((double)n_nodes, 1), LEAST_PHOTONS);
 }
 

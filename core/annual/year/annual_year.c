@@ -21,28 +21,38 @@ void orl_year_warn(struct orl_year *y, const char *format, ...)
     va_end(args);
     if (y->env->run->warned)
         y->env->run->warned(y->env->run->ctx, text);
-    char **grown = realloc(r->warnings, (r->n_warnings + 1) * sizeof *grown);
-    if (!grown)
-        return;
-    r->warnings = grown;
-    grown[r->n_warnings] = strdup(text);
-    r->n_warnings += grown[r->n_warnings] != NULL;
+    orl_year_add_text(&r->warnings, &r->n_warnings, text); /* without memory it is not listed */
 }
 
-int orl_annual_add_scene_file(struct orl_annual_result *result, const char *name)
+bool orl_year_has_text(char *const *list, size_t count, const char *text)
 {
-    for (size_t i = 0; i < result->n_scene_read; i++)
-        if (strcmp(result->scene_read[i], name) == 0)
-            return 0;
-    char **grown = realloc(result->scene_read, (result->n_scene_read + 1) * sizeof *grown);
+    size_t i = 0;
+    while (i < count && strcmp(list[i], text) != 0)
+        i++;
+    return i < count;
+}
+
+int orl_year_add_text(char ***list, size_t *count, const char *text)
+{
+    char **grown = realloc(*list, (*count + 1) * sizeof *grown);
     if (!grown)
         return ORL_ERR_NOMEM;
-    result->scene_read = grown;
-    grown[result->n_scene_read] = strdup(name);
-    if (!grown[result->n_scene_read])
+    *list = grown;
+    grown[*count] = strdup(text);
+    if (!grown[*count])
         return ORL_ERR_NOMEM;
-    result->n_scene_read++;
+    ++*count;
     return 0;
+}
+
+struct orl_shading_point orl_year_place_of(const struct orl_year *y,
+                                           const struct orl_sensor *sensor)
+{
+    const struct orl_geometry *geometry = y->lit_scene->geometry;
+    const struct orl_vec3 normal = orl_normalize(sensor->direction);
+    const struct orl_vec3 at = orl_sub(sensor->position, geometry->center);
+    return (struct orl_shading_point){.point = orl_offset_from_surface(geometry, at, normal),
+                                      .normal = normal};
 }
 
 double orl_year_now(const struct orl_year *y)
@@ -131,9 +141,8 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err)
     if (code < 0)
         return code;
     weather.sun_method = request->sun_method;
-    y->result->latitude_deg = weather.latitude_deg;
-    y->result->longitude_deg = weather.longitude_deg;
-    y->result->time_zone_h = weather.time_zone_h;
+    y->result->site =
+        (struct orl_annual_site){weather.latitude_deg, weather.longitude_deg, weather.time_zone_h};
     y->result->first_weekday = weather.first_weekday;
     y->result->n_moved = weather.n_moved;
     code = orl_hours_init(&y->hours, &y->bins, &weather, request->weather_file, request->north_deg,
@@ -160,9 +169,7 @@ int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struc
     const size_t steps = r->n_steps * sizeof *r->steps;
     const size_t columns = r->n_columns * sizeof *r->step_of_column;
     y->hours = from->hours;
-    y->result->latitude_deg = r->latitude_deg;
-    y->result->longitude_deg = r->longitude_deg;
-    y->result->time_zone_h = r->time_zone_h;
+    y->result->site = r->site;
     y->result->first_weekday = r->first_weekday;
     y->result->n_moved = r->n_moved;
     y->hours.steps = malloc(steps + 1);

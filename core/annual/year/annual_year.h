@@ -17,6 +17,7 @@
 #include "annual/sun/sun_weights.h"
 #include "annual/year/annual_cache.h"
 #include "annual/year/annual_scene.h"
+#include "base/memory/memory.h"
 #include "light/lights.h"
 
 enum { ORL_YEAR_CHUNK = 64 }; /* most sensors of a chunk */
@@ -37,7 +38,7 @@ struct orl_year_window_groups {
     void *ctx; /* for sunlit */
 };
 
-/* Differences of a run from its request. All pointers are borrowed. */
+/* Differences of a run from its request; zeros: none. All pointers are borrowed. */
 struct orl_year_overrides {
     /* The year whose hours are used; NULL: the run reads its own. */
     const struct orl_year *hours_of;
@@ -56,11 +57,39 @@ struct orl_year_overrides {
     void *ctx; /* for prepared */
 };
 
+/* The current chunk of sensors. Arrays by sensor are indexed within the chunk. */
+struct orl_year_chunk {
+    /* True if runs share chunks: the one that computes a chunk also computes its hours. */
+    bool shares_rows;
+    size_t size; /* sensors of each chunk, except the last one */
+    size_t first, count;
+    atomic_size_t traced;   /* batches traced so far */
+    uint32_t traced_before; /* samples of each batch that the store already had */
+    struct orl_shading_point places[ORL_YEAR_CHUNK];
+    struct orl_chunk_sums sums;
+    unsigned char
+        *wanted_suns; /* [window group][sun]: true if some column needs it; NULL: all suns */
+    uint16_t *window_group_of_beam;
+    float *rows;                       /* [sensor][total, direct, se][column] */
+    float *interpolation_error;        /* [sensor][column]: relative error of interpolation
+                                          (apply_weather.h) */
+    struct orl_error_sums *error_sums; /* [tile][sensor][band] (apply_weather.h) */
+    struct orl_sun_cells cells;
+    bool *lit; /* by sensor and window group: true if it has coefficients */
+    struct orl_sparse_coefficients *sparse;    /* by sensor and window group */
+    double *node_values;                       /* node arrays of the coefficients */
+    struct orl_annual_beams *beams;            /* by sensor */
+    double *beam_values, *photon_batch_values; /* arrays of the beams */
+    uint32_t *beam_lists;       /* [sensor][beam]: the beams that have coefficients */
+    struct orl_health *healths; /* one per thread */
+};
+
 struct orl_year {
     const struct orl_annual_request *request;
     const struct orl_year_overrides *overrides;
     const struct orl_annual_env *env;
     struct orl_annual_result *result;
+    struct orl_arrays arrays; /* freed with the year: node_frames, and the arrays of the chunk */
     struct orl_bins bins;
     struct orl_overcast overcast;
     struct orl_hours hours;
@@ -82,31 +111,7 @@ struct orl_year {
     double reported_progress;   /* progress reported so far, 0..1; never decreases */
     size_t restored;            /* sensors whose rows were restored instead of computed */
     uint32_t n_window_groups;   /* window groups */
-    unsigned char
-        *wanted_suns; /* [window group][sun]: true if some column needs it; NULL: all suns */
-    uint16_t *window_group_of_beam;
-    /* The fields below describe the current chunk of sensors. */
-
-    /* True if runs share chunks: the one that computes a chunk also computes its hours. */
-    bool shares_rows;
-    size_t chunk_size; /* sensors of each chunk, except the last one */
-    size_t first, count;
-    atomic_size_t traced;   /* batches traced so far */
-    uint32_t traced_before; /* samples of each batch that the store already had */
-    struct orl_shading_point places[ORL_YEAR_CHUNK];
-    struct orl_chunk_sums sums;
-    float *rows;                       /* [sensor][total, direct, se][column] */
-    float *interpolation_error;        /* [sensor][column]: relative error of interpolation
-                                          (apply_weather.h) */
-    struct orl_error_sums *error_sums; /* [tile][sensor][band] (apply_weather.h) */
-    struct orl_sun_cells cells;
-    bool *lit; /* by sensor and window group: true if it has coefficients */
-    struct orl_sparse_coefficients *sparse;    /* by sensor and window group */
-    double *node_values;                       /* node arrays of the coefficients */
-    struct orl_annual_beams *beams;            /* by sensor */
-    double *beam_values, *photon_batch_values; /* arrays of the beams */
-    uint32_t *beam_lists;       /* [sensor][beam]: the beams that have coefficients */
-    struct orl_health *healths; /* one per thread */
+    struct orl_year_chunk chunk;
 };
 
 /* Does what orl_annual_run does, for one scene, and ignores the request's groups. overrides may be
@@ -115,9 +120,11 @@ int orl_year_run(const struct orl_annual_request *request, const struct orl_annu
                  const struct orl_year_overrides *overrides, struct orl_annual_result *ret_result,
                  struct orl_error *err);
 
-static inline bool orl_year_is_sun_only(const struct orl_year *y)
+/* Returns [column] of a window group: nonzero where its light is added up; NULL: in all columns. */
+static inline const unsigned char *orl_year_wanted(const struct orl_year *y, uint32_t window_group)
 {
-    return y->overrides && y->overrides->sun_only;
+    const struct orl_year_window_groups *const groups = y->overrides->window_groups;
+    return groups && groups->wanted ? groups->wanted + window_group * y->hours.n_columns : NULL;
 }
 
 /* Fill the year's hours: read them from its weather file, or borrow those of another year.
@@ -127,8 +134,13 @@ int orl_year_read_hours(struct orl_year *y, struct orl_error *err);
 int orl_year_borrow_hours(struct orl_year *y, const struct orl_year *from, struct orl_error *err);
 void orl_year_move_hours(struct orl_year *y);
 
-/* Adds the name of a scene file to scene_read, once per name. Returns 0 or ORL_ERR_NOMEM. */
-int orl_annual_add_scene_file(struct orl_annual_result *result, const char *name);
+/* Lists of texts in a result. Adding a copy of a text returns 0 or ORL_ERR_NOMEM. */
+bool orl_year_has_text(char *const *list, size_t count, const char *text);
+int orl_year_add_text(char ***list, size_t *count, const char *text);
+
+/* Returns the place of a sensor, moved clear of surfaces; the caller sets `outside`. */
+struct orl_shading_point orl_year_place_of(const struct orl_year *y,
+                                           const struct orl_sensor *sensor);
 
 void orl_year_warn(struct orl_year *y, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -144,7 +156,7 @@ void orl_year_report_progress(struct orl_year *y, enum orl_stage stage, double s
 /* Each sets err and returns its code. */
 int orl_year_no_memory(struct orl_error *err);
 int orl_year_cancelled(struct orl_error *err);
-/* Sets one of these two errors, ORL_ERR_CANCELLED or ORL_ERR_NOMEM, and returns its code. */
+/* Sets one of these two errors, and returns its code. */
 int orl_year_failed(const struct orl_year *y, int code, struct orl_error *err);
 
 /*

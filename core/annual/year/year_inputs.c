@@ -79,7 +79,7 @@ static int make_lit_scene(struct orl_year *y, struct orl_error *err)
         code = orl_annual_check_supported(y->lit_scene, err);
     if (code < 0 || !y->lit_scene)
         return code;
-    if (y->overrides && y->overrides->window_groups)
+    if (y->overrides->window_groups)
         code = check_window_groups(y, err);
     if (code < 0)
         return code;
@@ -116,8 +116,6 @@ static int make_map(struct orl_year *y, struct orl_error *err)
     struct orl_annual_cache_entry entry = {
         .data_kind = ORL_ANNUAL_CACHE_SUN_MAP,
         .core_s = orl_annual_scene_map_core_s(y->request, y->nodes.count)};
-    void *data = NULL;
-    size_t size = 0;
     y->scene.map_interreflection = y->request->technique == ORL_ANNUAL_PRECOMPUTED;
     const struct orl_sun_map_request request = orl_annual_scene_map_request(&y->scene, y->request);
     if (y->lit_scene->open || y->lit_scene->n_ports == 0)
@@ -128,12 +126,14 @@ static int make_map(struct orl_year *y, struct orl_error *err)
     if (code < 0)
         return code;
     if (entry.data)
-        code = orl_sun_map_load(&request, entry.data, &y->scene.map);
+        code = orl_sun_map_load(&request, entry.data, entry.size, &y->scene.map);
     else
         code = orl_sun_map_new(&request, y->env->run->pool, &y->scene.map);
-    if (code == 0 && entry.must_commit && orl_sun_map_save(y->scene.map, &data, &size) == 0)
+    if (code == 0 && entry.must_commit) {
+        size_t size = 0;
+        void *data = orl_sun_map_save(y->scene.map, &size);
         orl_annual_cache_put(&y->cache, &entry, data, size);
-    free(data);
+    }
     orl_annual_cache_release(&y->cache, &entry);
     return code == ORL_ERR_LIMIT ? refuse_large_map(err)
            : code < 0            ? orl_year_failed(y, code, err)
@@ -148,7 +148,7 @@ static int make_scene(struct orl_year *y, struct orl_error *err)
     code = orl_annual_scene_init(&y->scene, y->lit_scene, &y->bins,
                                  orl_sky_rotation_by_north(y->request->north_deg), y->node_frames,
                                  y->nodes.count, y->nodes.nodes_per_circle, y->env->run->pool);
-    if (code == 0 && y->overrides && y->overrides->window_groups)
+    if (code == 0 && y->overrides->window_groups)
         code = orl_annual_scene_split(&y->scene, y->overrides->window_groups->n_groups);
     if (code < 0)
         return orl_year_failed(y, code, err);
@@ -157,7 +157,7 @@ static int make_scene(struct orl_year *y, struct orl_error *err)
                       "flat mirrors and panes lie in too many planes: the sun's reflections in the "
                       "%zu smallest are left out",
                       y->scene.mirrors.n_left_out);
-    return orl_year_is_sun_only(y) ? 0 : make_map(y, err);
+    return y->overrides->sun_only ? 0 : make_map(y, err);
 }
 
 int orl_year_ensure_scene(struct orl_year *y, struct orl_error *err)
@@ -189,22 +189,17 @@ struct stored_weights {
     uint64_t n_beams, n_firsts, n_weights, n_warnings, text_bytes;
 };
 
-static size_t bytes_of(const struct stored_weights *k)
+/* Lists the parts of stored suns. text: the warnings; NULL: there are none to copy. */
+enum { STORED_PARTS = 6 };
+static void list_parts(struct stored_weights *k, const struct orl_sun_weights *w, char *text,
+                       struct orl_span ret_parts[STORED_PARTS])
 {
-    return sizeof *k + k->n_firsts * sizeof(uint32_t) +
-           k->n_weights * (sizeof(uint32_t) + 2 * sizeof(float)) + k->text_bytes;
-}
-
-static void *put_bytes(void *to, const void *from, size_t bytes)
-{
-    memcpy(to, from, bytes);
-    return (char *)to + bytes;
-}
-
-static const void *get_bytes(void *to, const void *from, size_t bytes)
-{
-    memcpy(to, from, bytes);
-    return (const char *)from + bytes;
+    ret_parts[0] = (struct orl_span){k, sizeof *k};
+    ret_parts[1] = (struct orl_span){w->first, k->n_firsts * sizeof *w->first};
+    ret_parts[2] = (struct orl_span){w->which, k->n_weights * sizeof *w->which};
+    ret_parts[3] = (struct orl_span){w->weights, k->n_weights * sizeof *w->weights};
+    ret_parts[4] = (struct orl_span){w->difference, k->n_weights * sizeof *w->difference};
+    ret_parts[5] = (struct orl_span){text, k->text_bytes};
 }
 
 /* first_warning: index in the result of the first warning about the light. */
@@ -212,53 +207,45 @@ static void store_sun_weights(struct orl_year *y, struct orl_annual_cache_entry 
                               size_t first_warning)
 {
     const struct orl_annual_result *r = y->result;
-    const struct orl_sun_weights *sun_weights = &y->sun_weights;
     struct stored_weights k = {.n_beams = y->n_beams,
                                .n_firsts =
-                                   y->hours.suns.count * (1 + sun_weights->n_window_groups) + 1,
+                                   y->hours.suns.count * (1 + y->sun_weights.n_window_groups) + 1,
                                .n_warnings = r->n_warnings - first_warning};
-    k.n_weights = sun_weights->first[k.n_firsts - 1];
+    struct orl_span parts[STORED_PARTS];
+    size_t size = 0;
+    k.n_weights = y->sun_weights.first[k.n_firsts - 1];
     for (size_t i = first_warning; i < r->n_warnings; i++)
         k.text_bytes += strlen(r->warnings[i]) + 1;
     k.text_bytes += (4 - k.text_bytes % 4) % 4;
-    void *data = calloc(1, bytes_of(&k));
-    if (!data)
-        return;
-    void *at = put_bytes(data, &k, sizeof k);
-    at = put_bytes(at, sun_weights->first, k.n_firsts * sizeof *sun_weights->first);
-    at = put_bytes(at, sun_weights->which, k.n_weights * sizeof *sun_weights->which);
-    at = put_bytes(at, sun_weights->weights, k.n_weights * sizeof *sun_weights->weights);
-    at = put_bytes(at, sun_weights->difference, k.n_weights * sizeof *sun_weights->difference);
-    for (size_t i = first_warning; i < r->n_warnings; i++)
-        at = put_bytes(at, r->warnings[i], strlen(r->warnings[i]) + 1);
-    orl_annual_cache_put(&y->cache, entry, data, bytes_of(&k));
-    free(data);
+    char *text = calloc(1, k.text_bytes + 1), *at = text;
+    for (size_t i = first_warning; text && i < r->n_warnings; i++)
+        at = stpcpy(at, r->warnings[i]) + 1;
+    list_parts(&k, &y->sun_weights, text, parts);
+    void *data = text ? orl_spans_join(parts, STORED_PARTS, &size) : NULL;
+    orl_annual_cache_put(&y->cache, entry, data, size);
+    free(text);
 }
 
 /* Reads stored suns. The file has passed its checks, so the data is as written. */
-static int load_sun_weights(struct orl_year *y, const void *data)
+static int load_sun_weights(struct orl_year *y, const struct orl_annual_cache_entry *entry)
 {
-    struct orl_sun_weights *sun_weights = &y->sun_weights;
+    struct orl_span parts[STORED_PARTS];
     struct stored_weights k;
-    const void *at = get_bytes(&k, data, sizeof k);
+    memcpy(&k, entry->data, sizeof k);
+    char *texts = malloc(k.text_bytes + 1);
     y->n_beams = k.n_beams;
-    sun_weights->n_window_groups = y->n_window_groups;
-    sun_weights->first = malloc((k.n_firsts + 1) * sizeof *sun_weights->first);
-    sun_weights->which = malloc((k.n_weights + 1) * sizeof *sun_weights->which);
-    sun_weights->weights = malloc((k.n_weights + 1) * sizeof *sun_weights->weights);
-    sun_weights->difference = malloc((k.n_weights + 1) * sizeof *sun_weights->difference);
-    if (!sun_weights->first || !sun_weights->which || !sun_weights->weights ||
-        !sun_weights->difference)
-        return ORL_ERR_NOMEM;
-    at = get_bytes(sun_weights->first, at, k.n_firsts * sizeof *sun_weights->first);
-    at = get_bytes(sun_weights->which, at, k.n_weights * sizeof *sun_weights->which);
-    at = get_bytes(sun_weights->weights, at, k.n_weights * sizeof *sun_weights->weights);
-    at = get_bytes(sun_weights->difference, at, k.n_weights * sizeof *sun_weights->difference);
-    const char *text = at;
-    for (size_t i = 0; i < k.n_warnings; i++, text += strlen(text) + 1)
+    y->sun_weights.n_window_groups = y->n_window_groups;
+    orl_sun_weights_allocate(&y->sun_weights, k.n_firsts, k.n_weights);
+    list_parts(&k, &y->sun_weights, texts, parts);
+    const bool room = texts && !y->sun_weights.arrays.failed;
+    if (room)
+        orl_spans_fill(parts, STORED_PARTS, entry->data, entry->size);
+    const char *text = texts;
+    for (size_t i = 0; room && i < k.n_warnings; i++, text += strlen(text) + 1)
         orl_year_warn(y, "%s", text);
+    free(texts);
     y->warnings_emitted = true;
-    return 0;
+    return room ? 0 : ORL_ERR_NOMEM;
 }
 
 static int compute_sun_weights(struct orl_year *y, struct orl_annual_cache_entry *entry,
@@ -296,11 +283,11 @@ int orl_year_find_sun_weights(struct orl_year *y, struct orl_error *err)
         .data_kind = ORL_ANNUAL_CACHE_SUN_WEIGHTS, /* their computation includes the map */
         .core_s = orl_annual_scene_map_core_s(y->request, y->nodes.count) +
                   sun_s * (double)y->hours.suns.count};
-    if (orl_year_is_sun_only(y))
+    if (y->overrides->sun_only)
         return 0;
     int code = orl_annual_cache_get(&y->cache, &entry, err);
     if (code == 0 && entry.data)
-        code = load_sun_weights(y, entry.data) < 0 ? orl_year_no_memory(err) : 0;
+        code = load_sun_weights(y, &entry) < 0 ? orl_year_no_memory(err) : 0;
     else if (code == 0)
         code = compute_sun_weights(y, &entry, err);
     orl_annual_cache_release(&y->cache, &entry);

@@ -204,6 +204,12 @@ static inline void orl_annual_cache_stats_add(struct orl_annual_cache_stats *sum
     sum->rays_saved += more->rays_saved;
 }
 
+/* Data reused from a store. */
+struct orl_annual_reuse {
+    bool asked;
+    struct orl_annual_cache_stats of[ORL_ANNUAL_CACHE_KINDS];
+};
+
 enum orl_annual_stage {
     ORL_ANNUAL_LOAD,  /* the scene, its hierarchy and ports */
     ORL_ANNUAL_SKIES, /* skies of all hours, and the sun's nodes */
@@ -214,11 +220,15 @@ enum orl_annual_stage {
 };
 const char *orl_annual_stage_name(enum orl_annual_stage stage); /* "load", "skies", ... */
 
+/* Site in the convention of weather files: degrees, east. */
+struct orl_annual_site {
+    double latitude_deg, longitude_deg, time_zone_h;
+};
+
 struct orl_annual_result {
     uint64_t seed;
     uint32_t threads, samples;
-    /* Site of the weather file; longitude and time zone east. */
-    double latitude_deg, longitude_deg, time_zone_h;
+    struct orl_annual_site site; /* of the weather file */
     int first_weekday; /* weekday of 1 January in the file: 0 Monday ... 6 Sunday; -1: not given */
     size_t n_moved;    /* steps from 1 January on that are the file's last rows (see
                           orl_annual_row_of_step) */
@@ -255,10 +265,7 @@ struct orl_annual_result {
     /* Shades: number of groups, and of runs that the year was combined from. */
     size_t n_groups, n_runs;
     bool summed; /* true: light of groups was added up (oriel/annual/annual_shades.h) */
-    struct {
-        bool asked;
-        struct orl_annual_cache_stats of[ORL_ANNUAL_CACHE_KINDS];
-    } reuse; /* data reused from a store */
+    struct orl_annual_reuse reuse;
     double timings_s[ORL_ANNUAL_STAGES], total_s;
     struct orl_health health; /* numerical health counters of this run */
     char **warnings;

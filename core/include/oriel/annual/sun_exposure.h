@@ -49,17 +49,13 @@ struct orl_exposure {
 };
 
 struct orl_annual_request;
+struct orl_annual_site;
 struct orl_run_env;
-
-/* Site in the convention of weather files: degrees, east. */
-struct orl_exposure_site {
-    double latitude_deg, longitude_deg, time_zone_h;
-};
 
 /* Computes the exposure of each point. Reads the request's scene, or finds it in the memory cache;
  * north is the request's. Returns 0, ORL_ERR_NOMEM, _CANCELLED, or the error of loading. */
 int orl_exposure_compute(const struct orl_exposure_request *exposure_request,
-                         const struct orl_exposure_site *site,
+                         const struct orl_annual_site *site,
                          const struct orl_annual_request *request, const struct orl_run_env *env,
                          struct orl_exposure *ret_exposures, struct orl_error *err);
 
