@@ -282,13 +282,6 @@ static double direct_illuminance(const struct orl_glare *glare, double eye_lx)
     return fmin(direct, eye_lx);
 }
 
-/* Returns DGP's correction for age: 1 / (1.1 - 0.5 age / 100), 1 for 20 years (evalglare 1.08 to
- * 1.16). */
-static double age_factor(double years)
-{
-    return years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
-}
-
 static int check_task(const struct orl_glare_area *task, const struct orl_view_field *field,
                       struct orl_error *err)
 {
@@ -310,7 +303,9 @@ static int compute_metrics(const struct orl_glare_settings *settings,
     values[ORL_GLARE_DGPS] = fmin(6.22e-5 * eye_lx + 0.184, 1);
     const int code =
         orl_dgp(eye_lx, glare->sources, glare->n_sources, &options, &values[ORL_GLARE_DGP], err);
-    values[ORL_GLARE_DGP] = fmin(values[ORL_GLARE_DGP] * age_factor(settings->age_years), 1);
+    /* DGP's correction for age is 1 for 20 years (evalglare 1.08 to 1.16). */
+    const double years = settings->age_years, age = years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
+    values[ORL_GLARE_DGP] = fmin(values[ORL_GLARE_DGP] * age, 1);
     for (int i = 0; i < ORL_GLARE_METRICS; i++)
         glare->values[i] = (struct orl_glare_value){values[i], NAN, {NAN, NAN}};
     glare->class_of = orl_glare_class_of(&glare->values[ORL_GLARE_DGP]);
@@ -353,15 +348,6 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
 
 /* ---- Several lines of sight ------------------------------------------------------------------ */
 
-/* Returns the rotation of a line of sight of the settings from the view's, degrees. */
-static double orl_glare_rotation_deg(const struct orl_glare_settings *settings, uint32_t direction)
-{
-    if (settings->directions < 2)
-        return 0;
-    const double step = settings->directions_deg / (settings->directions - 1);
-    return direction * step - settings->directions_deg / 2;
-}
-
 /* Share of the view's field that a line of sight must cover. */
 static const double enough = 0.98;
 
@@ -392,7 +378,9 @@ int orl_glare_worst_direction(const struct orl_glare_picture *glare_picture,
     int code = evaluate_direction(glare_picture, settings, 0, 0, &worst, &covered, err);
     const double least_sr = enough * worst.field_sr;
     for (uint32_t i = 0; i < settings->directions && code == 0; i++) {
-        const double turned = orl_glare_rotation_deg(settings, i);
+        const double span = settings->directions_deg;
+        const double turned =
+            settings->directions < 2 ? 0 : i * (span / (settings->directions - 1)) - span / 2;
         struct orl_glare glare = {0};
         code = evaluate_direction(glare_picture, settings, turned, least_sr, &glare, &covered, err);
         if (code == 0 && covered &&

@@ -129,24 +129,17 @@ static void compute_errors(const struct orl_view_batches *b, found_values found,
 /* Clamps intervals: no probability is below 0 or above 1, and no light below 0. */
 static void clamp_intervals(struct orl_glare_value values[ORL_GLARE_METRICS])
 {
-    static const double most[ORL_GLARE_METRICS] = {[ORL_GLARE_DGP] = 1,
+    static const double most[ORL_GLARE_METRICS] = {/* others have no upper end */
+                                                   [ORL_GLARE_DGP] = 1,
                                                    [ORL_GLARE_DGPS] = 1,
-                                                   [ORL_GLARE_DGI] = INFINITY,
-                                                   [ORL_GLARE_UGR] = INFINITY,
-                                                   [ORL_GLARE_VCP] = 100,
-                                                   [ORL_GLARE_CGI] = INFINITY,
-                                                   [ORL_GLARE_UGP] = INFINITY,
-                                                   [ORL_GLARE_ILLUMINANCE] = INFINITY,
-                                                   [ORL_GLARE_AVERAGE] = INFINITY,
-                                                   [ORL_GLARE_BACKGROUND] = INFINITY};
-    const bool from_zero[ORL_GLARE_METRICS] = {
-        [ORL_GLARE_DGP] = true,     [ORL_GLARE_DGPS] = true,        [ORL_GLARE_VCP] = true,
-        [ORL_GLARE_AVERAGE] = true, [ORL_GLARE_ILLUMINANCE] = true, [ORL_GLARE_BACKGROUND] = true};
+                                                   [ORL_GLARE_VCP] = 100};
     for (int m = 0; m < ORL_GLARE_METRICS; m++) {
         double *interval = values[m].interval_95;
-        if (from_zero[m] && interval[0] < 0)
+        const bool logarithmic =
+            m == ORL_GLARE_DGI || m == ORL_GLARE_UGR || m == ORL_GLARE_CGI || m == ORL_GLARE_UGP;
+        if (!logarithmic && interval[0] < 0)
             interval[0] = 0;
-        if (interval[1] > most[m])
+        if (most[m] > 0 && interval[1] > most[m])
             interval[1] = most[m];
     }
 }

@@ -44,6 +44,15 @@ static int poll_cancel(const struct orl_annual_rows *rows)
     return orl_is_cancelled(rows->cancel) ? ORL_ERR_CANCELLED : 0;
 }
 
+/* A figure to compute of all sensors. */
+struct figure_query {
+    const struct orl_annual_metric *metric;
+    double least; /* bound of a share */
+    const struct orl_annual_period *period;
+    const struct orl_annual_rows *rows;
+    struct orl_error *err;
+};
+
 /* ---- Shares ---------------------------------------------------------------------------------- */
 
 /* Lists the sensors whose side of the bound is undecided, and sums the area of the other sensors
@@ -121,9 +130,7 @@ int orl_annual_area_share(const double *crossing, const double *area, size_t n, 
 
 /* Crossings of the sensors of a share, evaluated in parallel. */
 struct crossings {
-    const struct orl_annual_figure *figure;
-    const struct orl_annual_period *period;
-    const struct orl_annual_rows *rows;
+    const struct figure_query *q;
     double *crossing; /* one per sensor */
     double *scratch;  /* for each thread of the pool: room for the period's columns */
     atomic_bool unknown, cancelled;
@@ -132,32 +139,32 @@ struct crossings {
 static void find_crossing(void *arg, size_t i, uint32_t member)
 {
     struct crossings *c = arg;
-    const struct orl_annual_light row = orl_annual_light_of(c->rows, i);
+    const struct figure_query *q = c->q;
+    const struct orl_annual_light row = orl_annual_light_of(q->rows, i);
     if (atomic_load(&c->cancelled))
         return;
-    if (!orl_annual_errors_known(&c->figure->metric, &row))
+    if (!orl_annual_errors_known(q->metric, &row))
         atomic_store(&c->unknown, true);
-    c->crossing[i] = orl_annual_crossing(&c->figure->metric, c->figure->least, c->period, &row,
-                                         c->scratch + member * c->period->n_columns);
-    if (poll_cancel(c->rows) < 0)
+    c->crossing[i] = orl_annual_crossing(q->metric, q->least, q->period, &row,
+                                         c->scratch + member * q->period->n_columns);
+    if (poll_cancel(q->rows) < 0)
         atomic_store(&c->cancelled, true);
 }
 
-static int compute_share(const struct orl_annual_figure *figure,
-                         const struct orl_annual_period *period, const struct orl_annual_rows *rows,
-                         struct orl_annual_area *ret_area, struct orl_error *err)
+static int compute_share(const struct figure_query *q, struct orl_annual_area *ret_area)
 {
+    const struct orl_annual_rows *rows = q->rows;
     const size_t n = rows->n_sensors;
     double *room =
-        calloc(n + orl_thread_pool_size(rows->pool) * period->n_columns + 1, sizeof *room);
+        calloc(n + orl_thread_pool_size(rows->pool) * q->period->n_columns + 1, sizeof *room);
     if (!room)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    struct crossings c = {figure, period, rows, .crossing = room, .scratch = room + n};
+        return report_failure(ORL_ERR_NOMEM, q->err);
+    struct crossings c = {.q = q, .crossing = room, .scratch = room + n};
     orl_parallel_for(rows->pool, n, find_crossing, &c);
     const int code = atomic_load(&c.cancelled)
-                         ? report_failure(ORL_ERR_CANCELLED, err)
+                         ? report_failure(ORL_ERR_CANCELLED, q->err)
                          : orl_annual_area_share(room, rows->area, n, !atomic_load(&c.unknown),
-                                                 rows->cancel, ret_area, err);
+                                                 rows->cancel, ret_area, q->err);
     free(room);
     return code;
 }
@@ -181,45 +188,42 @@ struct orl_annual_value orl_annual_average(const struct orl_annual_value *values
                                      value + sqrt(orl_sum_value(&above)) / total};
 }
 
-static int compute_average(const struct orl_annual_metric *metric,
-                           const struct orl_annual_period *period,
-                           const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                           struct orl_error *err)
+static int compute_average(const struct figure_query *q, struct orl_annual_value *ret_value)
 {
+    const struct orl_annual_rows *rows = q->rows;
     struct orl_annual_value *values = calloc(rows->n_sensors + 1, sizeof *values);
     int code = 0;
     if (!values)
-        return report_failure(ORL_ERR_NOMEM, err);
+        return report_failure(ORL_ERR_NOMEM, q->err);
     for (size_t i = 0; i < rows->n_sensors && code == 0; i++) {
         const struct orl_annual_light row = orl_annual_light_of(rows, i);
-        orl_annual_evaluate(metric, period, &row, &values[i]);
+        orl_annual_evaluate(q->metric, q->period, &row, &values[i]);
         code = poll_cancel(rows);
     }
     if (code == 0)
         *ret_value = orl_annual_average(values, rows->area, rows->n_sensors);
     free(values);
-    return code < 0 ? report_failure(code, err) : 0;
+    return code < 0 ? report_failure(code, q->err) : 0;
 }
 
 /* Computes the value of the worst sensor. Since any of n may be the worst, the lower end uses
  * bounds that hold for all sensors at once (Sidak 1967). */
-static int compute_worst(const struct orl_annual_metric *metric,
-                         const struct orl_annual_period *period, const struct orl_annual_rows *rows,
-                         struct orl_annual_value *ret_value, struct orl_error *err)
+static int compute_worst(const struct figure_query *q, struct orl_annual_value *ret_value)
 {
+    const struct orl_annual_rows *rows = q->rows;
     const double z = orl_student_t(-expm1(log(0.975) / (double)rows->n_sensors));
     struct orl_annual_value least = {INFINITY, INFINITY, INFINITY};
     bool known = true;
     for (size_t i = 0; i < rows->n_sensors; i++) {
         const struct orl_annual_light row = orl_annual_light_of(rows, i);
         struct orl_annual_value one;
-        orl_annual_evaluate(metric, period, &row, &one);
-        known = known && orl_annual_errors_known(metric, &row);
+        orl_annual_evaluate(q->metric, q->period, &row, &one);
+        known = known && orl_annual_errors_known(q->metric, &row);
         least.value = fmin(least.value, one.value);
         least.high = fmin(least.high, one.high);
-        least.low = fmin(least.low, orl_annual_within(metric, period, &row, z).low);
+        least.low = fmin(least.low, orl_annual_within(q->metric, q->period, &row, z).low);
         if (poll_cancel(rows) < 0)
-            return report_failure(ORL_ERR_CANCELLED, err);
+            return report_failure(ORL_ERR_CANCELLED, q->err);
     }
     if (!known)
         least.low = least.high = NAN;
@@ -262,11 +266,9 @@ static float mean_coherence(const struct orl_annual_rows *rows)
     return (float)sqrt(sum / whole);
 }
 
-static int compute_of_mean(const struct orl_annual_metric *metric,
-                           const struct orl_annual_period *period,
-                           const struct orl_annual_rows *rows, struct orl_annual_value *ret_value,
-                           struct orl_error *err)
+static int compute_of_mean(const struct figure_query *q, struct orl_annual_value *ret_value)
 {
+    const struct orl_annual_rows *rows = q->rows;
     const float *const given[4] = {rows->total_lx, rows->direct_lx, rows->total_error_lx,
                                    rows->direct_error_lx};
     const float *made[4] = {NULL};
@@ -286,11 +288,11 @@ static int compute_of_mean(const struct orl_annual_metric *metric,
                                              .direct_error_lx = made[3],
                                              .coherence = &coherence,
                                              .sunny = rows->sunny};
-        orl_annual_evaluate(metric, period, &row, ret_value);
+        orl_annual_evaluate(q->metric, q->period, &row, ret_value);
     }
     free(means);
     free(sums);
-    return code < 0 ? report_failure(code, err) : 0;
+    return code < 0 ? report_failure(code, q->err) : 0;
 }
 
 /* ---- Figures --------------------------------------------------------------------------------- */
@@ -315,27 +317,20 @@ int orl_annual_figure_of(const struct orl_annual_figure *figure,
                          const struct orl_annual_rows *rows, struct orl_annual_area *ret_result,
                          struct orl_error *err)
 {
-    const struct orl_annual_period *period = &periods[figure->metric.when];
+    const struct figure_query q = {&figure->metric, figure->least, &periods[figure->metric.when],
+                                   rows, err};
     struct orl_annual_area result = {.open = 0};
     int code = check_figure(figure, rows, err);
     if (code < 0)
         return code;
-    switch (figure->aggregate) {
-    case ORL_AGGREGATE_SHARE:
-        code = compute_share(figure, period, rows, &result, err);
-        break;
-    case ORL_AGGREGATE_AVERAGE:
-        code = compute_average(&figure->metric, period, rows, &result.value, err);
-        break;
-    case ORL_AGGREGATE_LEAST:
-        code = compute_worst(&figure->metric, period, rows, &result.value, err);
-        break;
-    case ORL_AGGREGATE_OF_MEAN: /* the mean of DFs is the DF of the mean */
-        code = figure->metric.kind == ORL_METRIC_DF
-                   ? compute_average(&figure->metric, period, rows, &result.value, err)
-                   : compute_of_mean(&figure->metric, period, rows, &result.value, err);
-        break;
-    }
+    if (figure->aggregate == ORL_AGGREGATE_SHARE)
+        code = compute_share(&q, &result);
+    else if (figure->aggregate == ORL_AGGREGATE_LEAST)
+        code = compute_worst(&q, &result.value);
+    else if (figure->aggregate == ORL_AGGREGATE_OF_MEAN && figure->metric.kind != ORL_METRIC_DF)
+        code = compute_of_mean(&q, &result.value);
+    else /* the mean of DFs is the DF of the mean */
+        code = compute_average(&q, &result.value);
     if (code == 0)
         *ret_result = result;
     return code;

@@ -154,8 +154,7 @@ struct occupancy_reader {
 
 static int report_line_error(const struct occupancy_reader *r, int code, const char *what)
 {
-    orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
-    return code;
+    return orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
 }
 
 /* Finds the resolution of the file from the hour of its first line: 0.5 for hours, 0.25 for half
@@ -251,13 +250,6 @@ static int read_line(struct occupancy_reader *r, struct orl_slice line)
     return code;
 }
 
-/* Copies hourly marks to the steps of each hour, from the last one on. */
-static void expand_hours(unsigned char *marks, const struct orl_annual_steps *steps)
-{
-    for (uint32_t i = steps->count; i-- > 0;)
-        marks[i] = marks[i / steps->per_hour];
-}
-
 static int report_line_count(const struct occupancy_reader *r)
 {
     orl_error_set(r->err, ORL_ERR_RANGE, "the file has %u lines, but the year has %u steps",
@@ -281,7 +273,8 @@ int orl_occupancy_read(const char *name, const char *text, size_t size,
         return code;
     if (r.count != steps->count && r.count * (uint64_t)steps->per_hour != steps->count)
         return report_line_count(&r);
-    if (r.count != steps->count)
-        expand_hours(ret_marks, steps);
+    /* Hourly marks are copied to the steps of each hour, from the last one on. */
+    for (uint32_t i = r.count != steps->count ? steps->count : 0; i-- > 0;)
+        ret_marks[i] = ret_marks[i / steps->per_hour];
     return 0;
 }

@@ -11,67 +11,42 @@
 
 #include "base/statistics/numeric.h"
 
+/* Names of metrics: a text, the metric's illuminances, and a text. */
+static const struct kind_text {
+    const char *before;
+    int numbers; /* 0, 1: the lower illuminance, 2: both */
+    const char *after, *unit;
+} kind_texts[] = {
+    [ORL_METRIC_DA] = {"DA", 1, "", "%"},
+    [ORL_METRIC_CDA] = {"cDA", 1, "", "%"},
+    [ORL_METRIC_UDI] = {"UDI", 2, "", "%"},
+    [ORL_METRIC_UDI_LOWER] = {"UDI below ", 1, " lx", "%"},
+    [ORL_METRIC_UDI_PART] = {"UDI supplementary ", 2, "", "%"},
+    [ORL_METRIC_UDI_UPPER] = {"UDI above ", 1, " lx", "%"},
+    [ORL_METRIC_MEAN] = {"mean illuminance", 0, "", "lx"},
+    [ORL_METRIC_CUMULATIVE] = {"cumulative illuminance", 0, "", "lx h"},
+    [ORL_METRIC_HOURS] = {"hours of ", 1, " lx or more", "h"},
+    [ORL_METRIC_DIRECT_HOURS] = {"hours of direct light above ", 1, " lx", "h"},
+    [ORL_METRIC_DF] = {"daylight factor", 0, "", "%"},
+};
+
 const char *orl_annual_unit(enum orl_metric_kind kind)
 {
-    switch (kind) {
-    case ORL_METRIC_MEAN:
-        return "lx";
-    case ORL_METRIC_CUMULATIVE:
-        return "lx h";
-    case ORL_METRIC_HOURS:
-    case ORL_METRIC_DIRECT_HOURS:
-        return "h";
-    default:
-        return "%";
-    }
+    return kind_texts[kind].unit;
 }
 
 void orl_annual_metric_name(const struct orl_annual_metric *metric, char *ret_text, size_t size)
 {
-    const double low = metric->low_lx, high = metric->high_lx;
-    switch (metric->kind) {
-    case ORL_METRIC_DA:
-        snprintf(ret_text, size, "DA%g", low);
-        break;
-    case ORL_METRIC_CDA:
-        snprintf(ret_text, size, "cDA%g", low);
-        break;
-    case ORL_METRIC_UDI:
-        snprintf(ret_text, size, "UDI%g-%g", low, high);
-        break;
-    case ORL_METRIC_UDI_LOWER:
-        snprintf(ret_text, size, "UDI below %g lx", low);
-        break;
-    case ORL_METRIC_UDI_PART:
-        snprintf(ret_text, size, "UDI supplementary %g-%g", low, high);
-        break;
-    case ORL_METRIC_UDI_UPPER:
-        snprintf(ret_text, size, "UDI above %g lx", low);
-        break;
-    case ORL_METRIC_MEAN:
-        snprintf(ret_text, size, "mean illuminance");
-        break;
-    case ORL_METRIC_CUMULATIVE:
-        snprintf(ret_text, size, "cumulative illuminance");
-        break;
-    case ORL_METRIC_HOURS:
-        snprintf(ret_text, size, "hours of %g lx or more", low);
-        break;
-    case ORL_METRIC_DF:
-        snprintf(ret_text, size, "daylight factor");
-        break;
-    default:
-        snprintf(ret_text, size, "hours of direct light above %g lx", low);
-        break;
-    }
+    const struct kind_text *of = &kind_texts[metric->kind];
+    char numbers[64] = "";
+    if (of->numbers == 1)
+        snprintf(numbers, sizeof numbers, "%g", metric->low_lx);
+    else if (of->numbers == 2)
+        snprintf(numbers, sizeof numbers, "%g-%g", metric->low_lx, metric->high_lx);
+    snprintf(ret_text, size, "%s%s%s", of->before, numbers, of->after);
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
-
-static bool is_direct(enum orl_metric_kind kind)
-{
-    return kind == ORL_METRIC_DIRECT_HOURS;
-}
 
 /* Part of a row that a metric uses. */
 struct light {
@@ -94,7 +69,7 @@ static struct light light_of(const struct orl_annual_metric *metric,
 {
     if (metric->kind == ORL_METRIC_DF)
         return (struct light){.value = row->overcast_lx, .error = row->overcast_error_lx};
-    if (is_direct(metric->kind))
+    if (metric->kind == ORL_METRIC_DIRECT_HOURS)
         return (struct light){.value = row->direct_lx, .error = row->direct_error_lx};
     return light_of_total(row);
 }

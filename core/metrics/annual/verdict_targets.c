@@ -143,18 +143,11 @@ static int read_numbers(struct target_parser *r, struct orl_annual_figure *figur
     return 0;
 }
 
-static bool is_relation(char c)
-{
-    return c == '<' || c == '>' || c == '=';
-}
-
 /* Reads all words up to the relation, since names may contain spaces. */
 static int read_grid(struct target_parser *r, char ret_grid[ORL_TARGET_GRID])
 {
-    size_t length = 0;
     skip_space(r);
-    while (r->at[length] && !is_relation(r->at[length]))
-        length++;
+    size_t length = strcspn(r->at, "<>=");
     const char *end = r->at + length;
     while (length > 0 && isspace((unsigned char)r->at[length - 1]))
         length--;
@@ -245,14 +238,11 @@ static int read_relation(struct target_parser *r, enum orl_relation *ret_relatio
     return report_wanted(r, "'>=', '<=', '>' or '<'");
 }
 
-static const char *unit_of(const struct orl_annual_figure *figure)
-{
-    return figure->aggregate == ORL_AGGREGATE_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
-}
-
 static int read_bound(struct target_parser *r, struct orl_annual_target *target)
 {
-    const char *unit = unit_of(&target->figure);
+    const struct orl_annual_figure *figure = &target->figure;
+    const char *unit =
+        figure->aggregate == ORL_AGGREGATE_SHARE ? "%" : orl_annual_unit(figure->metric.kind);
     char what[64];
     if (!take_number(r, &target->bound))
         return report_wanted(r, "a number");
