@@ -28,12 +28,6 @@ static struct segment segment_to(struct orl_vec3 origin, struct orl_vec3 directi
                             .target = no_target};
 }
 
-static bool is_hidden(const struct segment *segment, const struct orl_material *m,
-                      const struct orl_hit *hit)
-{
-    return segment->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit->front;
-}
-
 static struct orl_rgb panes_transmittance(const struct orl_lit_scene *lit_scene,
                                           const struct segment *segment)
 {
@@ -47,7 +41,8 @@ static struct orl_rgb panes_transmittance(const struct orl_lit_scene *lit_scene,
         if (hit.facet == segment->target)
             return path.weight;
         const struct orl_material *m = orl_lit_scene_material(lit_scene, &hit);
-        if (is_hidden(segment, m, &hit) || !orl_path_transmit_straight(&path, m, &hit) ||
+        const bool hidden = segment->to_surface && m->kind == ORL_MATERIAL_ILLUM && hit.front;
+        if (hidden || !orl_path_transmit_straight(&path, m, &hit) ||
             (!segment->through_ports &&
              orl_lit_scene_crossing(lit_scene, &hit) != ORL_CROSSING_NONE))
             return orl_gray(0);
@@ -449,24 +444,33 @@ struct orl_rgb orl_direct_by_virtual_suns(const struct orl_lit_scene *lit_scene,
     return sum;
 }
 
+struct orl_rgb orl_direct_by_lobes_of_side(const struct orl_lit_scene *lit_scene,
+                                           const struct orl_hit *hit,
+                                           const struct orl_material *material, struct orl_vec3 eye,
+                                           struct orl_vec3 side, bool through_ports,
+                                           struct orl_random *random)
+{
+    const struct orl_direct_query query = {.point =
+                                               orl_hit_ray_origin(lit_scene->geometry, hit, side),
+                                           .normal = side,
+                                           .through_ports = through_ports,
+                                           .lobes = material,
+                                           .hit = hit,
+                                           .eye = eye,
+                                           .mirrored = true};
+    return orl_direct_light(lit_scene, &query, random);
+}
+
 struct orl_rgb orl_direct_by_lobes(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random)
 {
     const struct orl_vec3 seen = orl_hit_facing(hit);
-    struct orl_rgb sum = orl_gray(0);
-    for (int side = 0; side < (orl_material_transmits_lobes(material) ? 2 : 1); side++) {
-        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
-        const struct orl_direct_query query = {
-            .point = orl_hit_ray_origin(lit_scene->geometry, hit, normal),
-            .normal = normal,
-            .through_ports = true,
-            .lobes = material,
-            .hit = hit,
-            .eye = eye,
-            .mirrored = true};
-        sum = orl_rgb_add(sum, orl_direct_light(lit_scene, &query, random));
-    }
+    struct orl_rgb sum =
+        orl_direct_by_lobes_of_side(lit_scene, hit, material, eye, seen, true, random);
+    if (orl_material_transmits_lobes(material))
+        sum = orl_rgb_add(sum, orl_direct_by_lobes_of_side(lit_scene, hit, material, eye,
+                                                           orl_neg(seen), true, random));
     return sum;
 }
 

@@ -16,15 +16,9 @@ struct exterior_path {
 static struct orl_rgb lobes_of_side(const struct exterior_path *o, const struct orl_hit *hit,
                                     struct orl_vec3 eye, struct orl_vec3 side)
 {
-    const struct orl_direct_query query = {
-        .point = orl_hit_ray_origin(o->eye.lit_scene->geometry, hit, side),
-        .normal = side,
-        .through_ports = o->ret_entry != NULL,
-        .lobes = orl_lit_scene_material(o->eye.lit_scene, hit),
-        .hit = hit,
-        .eye = eye,
-        .mirrored = true};
-    return orl_direct_light(o->eye.lit_scene, &query, o->eye.random);
+    const struct orl_lit_scene *lit_scene = o->eye.lit_scene;
+    return orl_direct_by_lobes_of_side(lit_scene, hit, orl_lit_scene_material(lit_scene, hit), eye,
+                                       side, o->ret_entry != NULL, o->eye.random);
 }
 
 /* Returns the light of suns and lamps that a surface of that albedo reflects diffusely, on the

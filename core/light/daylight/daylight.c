@@ -204,13 +204,6 @@ static void normalise(struct orl_daylight *daylight, double diffuse, double refl
     *sky = fmax(*sky, 0.0);
 }
 
-/* Gives the sun the disc of our conventions with the same flux; gensky's is smaller. */
-static void widen_sun(struct orl_daylight *daylight)
-{
-    daylight->sun_radiance *= disc_sr(daylight->sun_angle_deg) / disc_sr(ORL_SUN_DIAMETER_DEG);
-    daylight->sun_angle_deg = ORL_SUN_DIAMETER_DEG;
-}
-
 /* ---- Horizon --------------------------------------------------------------------------------- */
 
 static double altitude_of(struct orl_vec3 sun)
@@ -382,36 +375,35 @@ static int find_unbalanced(const struct orl_sky_request *request, struct orl_tex
         daylight->black = true;
     }
     if (!daylight->black && by_flux) {
-        daylight->sun_radiance = numbers.sun_measured;
-        widen_sun(daylight);
+        /* The disc of our conventions, with the same flux; gensky's is smaller. */
+        daylight->sun_radiance =
+            numbers.sun_measured * (disc_sr(numbers.sun_angle_deg) / disc_sr(ORL_SUN_DIAMETER_DEG));
+        daylight->sun_angle_deg = ORL_SUN_DIAMETER_DEG;
         cut_by_horizon(daylight);
     }
     return 0;
 }
 
-static int find_daylight(const struct orl_sky_request *request, struct orl_text *text,
-                         struct orl_daylight *daylight, struct orl_error *err)
+/* Sets time and site of a request to those of a weather row. */
+static void set_time_of_row(const struct orl_weather *weather, const struct orl_weather_row *row,
+                            struct orl_sky_request *request)
 {
-    double diffuse;
-    const int code = find_unbalanced(request, text, daylight, &diffuse, err);
-    if (code == 0 && !daylight->black && request->normalise == ORL_SKY_FLUX)
-        normalise(daylight, diffuse, request->ground_reflectance);
-    return code;
+    request->time_given = true;
+    request->year = row->year;
+    request->month = row->month;
+    request->day = row->day;
+    request->hour = row->hour;
+    request->interval_h = weather->interval_h;
+    request->latitude_deg = weather->latitude_deg;
+    request->longitude_deg = weather->longitude_deg;
+    request->time_zone_h = weather->time_zone_h;
 }
 
 double orl_daylight_altitude_of_row(const struct orl_weather *weather,
                                     const struct orl_weather_row *row)
 {
-    const struct orl_sky_request request = {.time_given = true,
-                                            .sun_method = weather->sun_method,
-                                            .year = row->year,
-                                            .month = row->month,
-                                            .day = row->day,
-                                            .hour = row->hour,
-                                            .interval_h = weather->interval_h,
-                                            .latitude_deg = weather->latitude_deg,
-                                            .longitude_deg = weather->longitude_deg,
-                                            .time_zone_h = weather->time_zone_h};
+    struct orl_sky_request request = {.sun_method = weather->sun_method};
+    set_time_of_row(weather, row, &request);
     return sun_of(&request).altitude_rad / ORL_DEG_TO_RAD;
 }
 
@@ -451,15 +443,7 @@ static int fill_request_from_row(const struct orl_weather *weather,
         orl_text_warn(text, "line %d of the weather file: a negative value is read as 0",
                       row->line);
     request->model = ORL_SKY_BY_PEREZ;
-    request->time_given = true;
-    request->year = row->year;
-    request->interval_h = weather->interval_h;
-    request->month = row->month;
-    request->day = row->day;
-    request->hour = row->hour;
-    request->latitude_deg = weather->latitude_deg;
-    request->longitude_deg = weather->longitude_deg;
-    request->time_zone_h = weather->time_zone_h;
+    set_time_of_row(weather, row, request);
     request->input = inputs[weather->units];
     request->first = fmax(row->direct, 0.0);
     request->second = fmax(row->diffuse, 0.0);
@@ -538,14 +522,17 @@ int orl_daylight_from_request(const struct orl_sky_request *request,
     struct orl_text text = {0};
     struct orl_daylight daylight = {0};
     struct orl_sky_request row;
+    double diffuse;
     int code = 0;
     if (request->model == ORL_SKY_BY_WEATHER) {
         code = request_of_row(request, weather, &row, &text, err);
         request = &row;
     }
     if (code == 0)
-        code = find_daylight(request, &text, &daylight, err);
+        code = find_unbalanced(request, &text, &daylight, &diffuse, err);
     if (code == 0) {
+        if (!daylight.black && request->normalise == ORL_SKY_FLUX)
+            normalise(&daylight, diffuse, request->ground_reflectance);
         snprintf(daylight.warnings, sizeof daylight.warnings, "%s", text.warnings);
         *ret_daylight = daylight;
     }

@@ -57,6 +57,20 @@ static int read_number(struct reader *reader, struct orl_slice field, const char
     return 0;
 }
 
+struct number {
+    struct orl_slice field;
+    const char *what;
+    double low, high, *ret_value;
+};
+
+static int read_numbers(struct reader *reader, const struct number *numbers, size_t count)
+{
+    int code = 0;
+    for (const struct number *n = numbers; n < numbers + count && code == 0; n++)
+        code = read_number(reader, n->field, n->what, n->low, n->high, n->ret_value);
+    return code;
+}
+
 /* ---- Rows ------------------------------------------------------------------------------------ */
 
 static const double missing = 9999; /* marks missing values in both formats */
@@ -72,14 +86,13 @@ static int read_row(struct reader *reader, const struct orl_slice fields[5], dou
     double month = 0, day = 0;
     struct orl_weather_row row = {.line = reader->scanner.line, .global = NAN};
     int code = read_number(reader, fields[0], "the month", 1, 12, &month);
+    const struct number numbers[] = {
+        {fields[1], "the day", 1, code < 0 ? 0 : days[(int)month - 1], &day},
+        {fields[2], "the hour", first_hour, last_hour, &row.hour},
+        {fields[3], "direct light", -1e6, 1e6, &row.direct},
+        {fields[4], "diffuse light", -1e6, 1e6, &row.diffuse}};
     if (code == 0)
-        code = read_number(reader, fields[1], "the day", 1, days[(int)month - 1], &day);
-    if (code == 0)
-        code = read_number(reader, fields[2], "the hour", first_hour, last_hour, &row.hour);
-    if (code == 0)
-        code = read_number(reader, fields[3], "direct light", -1e6, 1e6, &row.direct);
-    if (code == 0)
-        code = read_number(reader, fields[4], "diffuse light", -1e6, 1e6, &row.diffuse);
+        code = read_numbers(reader, numbers, 4);
     if (code < 0)
         return code;
     if (month != floor(month) || day != floor(day))
@@ -126,16 +139,14 @@ static int read_location(struct reader *reader, struct orl_slice line)
 {
     struct orl_weather *weather = &reader->weather;
     struct orl_slice fields[9] = {0};
-    int code;
     for (int i = 0; i < 9; i++)
         if (!orl_slice_take_cell(&line, ',', &fields[i]))
             return fail_at_line(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
-    code = read_number(reader, fields[6], "the latitude", -90, 90, &weather->latitude_deg);
-    if (code == 0)
-        code = read_number(reader, fields[7], "the longitude", -180, 180, &weather->longitude_deg);
-    if (code == 0)
-        code = read_number(reader, fields[8], "the time zone", -14, 14, &weather->time_zone_h);
-    return code;
+    const struct number numbers[] = {
+        {fields[6], "the latitude", -90, 90, &weather->latitude_deg},
+        {fields[7], "the longitude", -180, 180, &weather->longitude_deg},
+        {fields[8], "the time zone", -14, 14, &weather->time_zone_h}};
+    return read_numbers(reader, numbers, 3);
 }
 
 /* Returns the index of the name that the field begins with, or n. */
@@ -274,12 +285,6 @@ static int check_fields(struct reader *reader, struct orl_slice rest)
     return 0;
 }
 
-static bool is_zero(struct orl_slice field)
-{
-    double value = 1;
-    return orl_number_read(field.text, field.length, &value) == ORL_NUMBER_OK && value == 0;
-}
-
 static int read_epw_row(struct reader *reader, struct orl_slice line)
 {
     struct orl_slice fields[EPW_FIELDS_READ] = {0};
@@ -295,7 +300,9 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
         return code;
     const struct orl_slice five[5] = {fields[1], fields[2], fields[3], fields[14], fields[15]};
     code = read_row(reader, five, 1, 24, &row);
-    if (code < 0 && is_zero(fields[3]))
+    double hour = 1;
+    if (code < 0 && orl_number_read(fields[3].text, fields[3].length, &hour) == ORL_NUMBER_OK &&
+        hour == 0)
         orl_error_hint(reader->err, "rows of an EPW file have hours from 1 to 24, the ends of "
                                     "their intervals: add 1 to the hours");
     if (code < 0)
@@ -415,20 +422,15 @@ static double find_interval(const struct orl_weather *weather)
 
 /* ---- Years ----------------------------------------------------------------------------------- */
 
-/* Returns the weekday of 1 January in the Gregorian calendar; that of year 1 was a Monday. */
-static int weekday_of_year(int year)
-{
-    const int before = year - 1;
-    return (365 * before + before / 4 - before / 100 + before / 400) % 7;
-}
-
 /* Sets the weekday of 1 January. If the file continues over 31 December, the header's date is in
  * the year before. */
 static void set_first_weekday(struct reader *reader)
 {
     struct orl_weather *weather = &reader->weather;
+    const int before = reader->year - 1;
+    /* In the Gregorian calendar 1 January of year 1 was a Monday. */
     if (reader->year != 0 && reader->first_year != reader->last_year)
-        weather->first_weekday = weekday_of_year(reader->year);
+        weather->first_weekday = (365 * before + before / 4 - before / 100 + before / 400) % 7;
     if (weather->n_moved == 0 || weather->first_weekday < 0)
         return;
     const struct orl_weather_row *first = &weather->rows[weather->n_moved];

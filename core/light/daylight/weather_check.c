@@ -177,18 +177,14 @@ bool orl_time_shift_describe(const struct orl_time_shift *shift, char *text, siz
 /* The altitude of the centre at which the last of the disc sets. */
 static const double set_deg = -0.5 * ORL_SUN_DIAMETER_DEG;
 
-static double light_of(const struct orl_weather_row *row)
-{
-    return row->missing ? 0 : fmax(row->direct, 0) + fmax(row->diffuse, 0);
-}
-
 /* Sums up the rows with the sun below the horizon, with all times shifted by shift_h. */
 static struct orl_night_light sum_night_light(const struct orl_weather *weather, double shift_h)
 {
     struct orl_night_light night = {.units = weather->units, .shift_h = shift_h};
     for (size_t i = 0; i < weather->n_rows; i++) {
         struct orl_weather_row row = weather->rows[i];
-        const double light = light_of(&row) * weather->interval_h;
+        const double light =
+            row.missing ? 0 : (fmax(row.direct, 0) + fmax(row.diffuse, 0)) * weather->interval_h;
         night.total += light;
         row.hour += shift_h;
         if (!(light > 0) || orl_daylight_altitude_of_row(weather, &row) > set_deg)

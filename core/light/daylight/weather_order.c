@@ -34,14 +34,6 @@ static void go_to_next_day(struct orl_weather_row *row, bool leap)
     row->month = row->month % MONTHS + 1;
 }
 
-static void carry_hours(struct orl_weather *weather)
-{
-    const bool leap = orl_weather_has_leap_day(weather);
-    for (size_t i = 0; i < weather->n_rows; i++)
-        if (weather->rows[i].hour >= day_h)
-            go_to_next_day(&weather->rows[i], leap);
-}
-
 /* ---- Order ----------------------------------------------------------------------------------- */
 
 /* Returns the hours since the year began, counted as in a leap year. */
@@ -115,8 +107,11 @@ static int check_times(const struct orl_weather *weather, const char *name, stru
 
 int orl_weather_sort_rows(struct orl_weather *weather, const char *name, struct orl_error *err)
 {
+    const bool leap = orl_weather_has_leap_day(weather);
     size_t back = 0;
-    carry_hours(weather);
+    for (size_t i = 0; i < weather->n_rows; i++)
+        if (weather->rows[i].hour >= day_h)
+            go_to_next_day(&weather->rows[i], leap);
     const size_t steps_back = count_steps_back(weather, &back);
     if (steps_back == 0)
         return 0;
