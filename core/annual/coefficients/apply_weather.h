@@ -1,7 +1,4 @@
-/*
- * Coefficients of a sensor (trace_sensor.h) under skies and suns: its hours, the coherence of
- * their errors, and the CIE overcast sky.
- */
+/* Coefficients of a sensor (trace_sensor.h) under the skies and suns of a year. */
 #ifndef ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
 #define ORL_ANNUAL_COEFFICIENTS_APPLY_WEATHER_H
 

@@ -1,7 +1,4 @@
-/*
- * Chunks of a year's sensors, computed here or distributed among processes: paths, direct
- * sunlight, and their products with all hours.
- */
+/* Chunks of a year's sensors, computed here or distributed among processes. */
 #include "annual/coefficients/sensor_chunks.h"
 
 #include <stdlib.h>
@@ -20,30 +17,12 @@
 
 static int compute_chunk(struct orl_year *y, struct orl_error *err);
 
-/* Returns the number of sensors per chunk: small enough to give each of a thousand processes
- * several chunks, at least 8 and at most `most`. Results do not depend on it. */
-static size_t chunk_of_tasks(size_t n_sensors, size_t most)
-{
-    enum { CHUNKS = 2000, LEAST = 8 };
-    const size_t size = n_sensors / CHUNKS;
-    return size < LEAST ? LEAST : size < most ? size : most;
-}
-
 static void select_chunk(struct orl_year *y, size_t index)
 {
     struct orl_year_chunk *c = &y->chunk;
     const size_t n = y->request->n_sensors;
     c->first = index * c->size;
     c->count = n - c->first < c->size ? n - c->first : c->size;
-}
-
-/* Time of a path with its sunlight, in a room of a dozen surfaces. */
-static const double path_s = 1e-5;
-
-/* Estimated time of the current chunk, in seconds of one core. */
-static double chunk_core_s(const struct orl_year *y)
-{
-    return path_s * (double)y->chunk.count * (double)y->batch_samples * ORL_ANNUAL_BATCHES;
 }
 
 /* Memory of the sums of all batches of the current chunk. */
@@ -71,6 +50,7 @@ static struct orl_annual_cache_entry entry_of(const struct orl_year *y, unsigned
  * paths. */
 static bool is_stored(struct orl_year *y, struct orl_job_task *ret_piece)
 {
+    static const double path_s = 1e-5; /* with its sunlight, in a room of a dozen surfaces */
     struct orl_annual_cache_entry sun = entry_of(y, ORL_ANNUAL_CACHE_SUNLIGHT);
     struct orl_annual_cache_entry paths =
         entry_of(y, y->chunk.shares_rows ? ORL_ANNUAL_CACHE_ROWS : ORL_ANNUAL_CACHE_PATHS);
@@ -78,7 +58,8 @@ static bool is_stored(struct orl_year *y, struct orl_job_task *ret_piece)
     const bool has_sun = y->chunk.shares_rows || orl_annual_cache_has(&y->cache, &sun);
     *ret_piece = (struct orl_job_task){.kind = "rows",
                                        .work = (double)y->chunk.count,
-                                       .core_s = chunk_core_s(y),
+                                       .core_s = path_s * (double)y->chunk.count *
+                                                 (double)y->batch_samples * ORL_ANNUAL_BATCHES,
                                        .bytes = chunk_bytes(y)};
     memcpy(ret_piece->key, paths.key, sizeof ret_piece->key);
     return has_paths && has_sun;
@@ -143,8 +124,6 @@ static int run_chunk_tasks(struct orl_year *y, struct orl_error *err)
                               .here = orl_arrays_new(&y->arrays, n, sizeof *w.here)};
     return y->arrays.failed ? orl_year_no_memory(err) : divide_missing(y, n, &w, err);
 }
-
-/* Rows of a chunk of sensors: paths, direct sunlight, and their products with all hours. */
 
 #define TRACING 0.85 /* approximate share of a chunk's time */
 
@@ -466,19 +445,24 @@ static int compute_chunk(struct orl_year *y, struct orl_error *err)
 /* ---- All chunks ------------------------------------------------------------------------------ */
 
 /* Number of sensors per chunk, such that a tile has at most LIGHTS pairs of a window group and a
- * sensor. */
-static size_t most_sensors_per_chunk(const struct orl_year *y)
+ * sensor. If processes share chunks, it is small enough to give each of a thousand several chunks.
+ * Results do not depend on it. */
+static size_t sensors_per_chunk(const struct orl_year *y, bool shared)
 {
-    enum { LIGHTS = 256, LEAST = 8 };
-    const size_t most = LIGHTS / y->n_window_groups;
-    return most < LEAST ? LEAST : most < ORL_YEAR_CHUNK ? most : ORL_YEAR_CHUNK;
+    enum { LIGHTS = 256, LEAST = 8, CHUNKS = 2000 };
+    size_t size = LIGHTS / y->n_window_groups;
+    if (size > ORL_YEAR_CHUNK)
+        size = ORL_YEAR_CHUNK;
+    if (shared && size > y->request->n_sensors / CHUNKS)
+        size = y->request->n_sensors / CHUNKS;
+    return size < LEAST ? LEAST : size;
 }
 
 int orl_year_run_chunks(struct orl_year *y, struct orl_error *err)
 {
-    const size_t n = y->request->n_sensors, most = most_sensors_per_chunk(y);
+    const size_t n = y->request->n_sensors;
     const bool shared = y->env->run->tasks && y->cache.store && !y->overrides->sun_only;
-    y->chunk.size = shared ? chunk_of_tasks(n, most) : most;
+    y->chunk.size = sensors_per_chunk(y, shared);
     int code = allocate_result(y) < 0 ? orl_year_no_memory(err) : 0;
     if (code == 0 && y->env->begins)
         code = y->env->begins(y->env->ctx, y->result, err);

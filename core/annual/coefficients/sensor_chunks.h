@@ -4,11 +4,6 @@
 
 #include "annual/year/annual_year.h"
 
-/*
- * Rows of a chunk of sensors: the product of coefficients (chunk_sums.h) with the skies and suns of
- * all hours, and direct sunlight.
- */
-
 enum orl_year_row { ORL_YEAR_TOTAL, ORL_YEAR_DIRECT, ORL_YEAR_SE, ORL_YEAR_ROWS };
 
 static inline float *orl_year_row_of(const struct orl_year *y, size_t sensor, enum orl_year_row row)

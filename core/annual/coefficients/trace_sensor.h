@@ -11,11 +11,6 @@
 #include "annual/year/annual_scene.h"
 #include "bsdf/matrix/matrix.h"
 
-/*
- * Sums over the paths of one batch of a sensor: luma, by the window group
- * through which the light comes in (annual_scene.h).
- */
-
 /* Accumulators for paths that end at the inner side of windows, instead of passing them: by window,
  * and by cell of directions about the window's inward axis. */
 struct orl_annual_exits {
@@ -27,7 +22,8 @@ struct orl_annual_exits {
     float *all, *straight;
 };
 
-/* Without nodes sunlight is not computed. */
+/* Sums over the paths of one batch of a sensor: luma, by the window group through which the light
+ * comes in (annual_scene.h). Without nodes sunlight is not computed. */
 struct orl_path_sums {
     /* By window group: 1 if its bins and nodes are set; those of other window groups are undefined.
      * NULL: there is one window group, which is set. */
@@ -77,9 +73,6 @@ static inline void orl_path_sums_add_node(const struct orl_path_sums *sums, uint
  * or by one flat mirror. Sunlight directly at the sensor is computed separately (sunlight.h). At
  * diffuse surfaces paths continue by cosine sampling and port sampling, as in the backward
  * technique (render/gather/direction_sampling.h), but without virtual lights.
- *
- * Light belongs to the window group by which its path, followed from the sensor, first
- * leaves the building.
  *
  * Samples are keyed by seed, sensor, batch and number. Immutable but for the sums, which belong to
  * one batch; threads share nothing else.

@@ -1,7 +1,4 @@
-/*
- * A year by matrices that others made: Radiance's matrix files, the terms of a request, and the
- * run.
- */
+/* A year by matrices that others made. */
 #ifndef ORL_ANNUAL_MATRICES_IMPORTED_MATRICES_H
 #define ORL_ANNUAL_MATRICES_IMPORTED_MATRICES_H
 
@@ -38,22 +35,14 @@ int orl_rgb_matrix_multiply(const struct orl_rgb_matrix *a, const struct orl_rgb
                             struct orl_thread_pool *pool, struct orl_rgb_matrix *ret_product,
                             struct orl_error *err);
 
-/* Matrix terms of a request (struct orl_matrix_term), checked before their files are read.
- */
-
 /* Returns the term's grid. If the term names no grid, fills room with all sensors and returns it.
  * Returns NULL if the named grid does not exist. */
 const struct orl_annual_grid *orl_matrix_term_grid(const struct orl_annual_request *request,
                                                    const struct orl_matrix_term *term,
                                                    struct orl_annual_grid *room);
 
-/*
- * A year by imported matrices: light is the sum of products that the request names; direct sunlight
- * alone is computed by Oriel.
- */
-
-/* Does what orl_annual_run does, for a request that names matrices. Rows are not delivered one by
- * one. */
+/* Does what orl_annual_run does, for a request that names matrices: light is the sum of products;
+ * direct sunlight alone is computed by Oriel. Rows are not delivered one by one. */
 int orl_annual_run_matrices(const struct orl_annual_request *request,
                             const struct orl_annual_env *env, struct orl_annual_result *ret_result,
                             struct orl_error *err);

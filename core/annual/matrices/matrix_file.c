@@ -25,16 +25,13 @@ int orl_rgb_matrix_init(struct orl_rgb_matrix *matrix, size_t rows, size_t colum
 {
     *matrix = (struct orl_rgb_matrix){.rows = rows, .columns = columns};
     if (rows == 0 || columns == 0 || rows > ORL_LIMIT_MATRIX_CELLS / columns) {
-        orl_error_set(err, ORL_ERR_LIMIT,
-                      "a matrix of %zu rows and %zu columns is too large: the limit is %lu values",
-                      rows, columns, ORL_LIMIT_MATRIX_CELLS);
-        return ORL_ERR_LIMIT;
+        return orl_error_set(
+            err, ORL_ERR_LIMIT,
+            "a matrix of %zu rows and %zu columns is too large: the limit is %lu values", rows,
+            columns, ORL_LIMIT_MATRIX_CELLS);
     }
     matrix->values = calloc(rows * columns, 3 * sizeof *matrix->values);
-    if (matrix->values)
-        return 0;
-    orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
-    return ORL_ERR_NOMEM;
+    return matrix->values ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
 }
 
 void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix)
@@ -78,11 +75,6 @@ static int read_format(struct reader *r, struct orl_slice word)
     return fail_in_matrix(r, ORL_ERR_UNSUPPORTED, "FORMAT must be ascii, float or double");
 }
 
-static bool is_count(double value)
-{
-    return value >= 1 && value <= 1e9 && value == floor(value);
-}
-
 static int read_line(struct reader *r, struct orl_slice line)
 {
     static const char format[] = "FORMAT=";
@@ -111,7 +103,7 @@ static int read_line(struct reader *r, struct orl_slice line)
     static const char *const keys[] = {"NROWS=", "NCOLS=", "NCOMP="};
     for (int i = 0; i < 3; i++)
         if (read_key(r, line, keys[i], value, 1)) {
-            if (!is_count(value[0]))
+            if (!(value[0] >= 1 && value[0] <= 1e9 && value[0] == floor(value[0])))
                 return fail_in_matrix(r, ORL_ERR_SYNTAX,
                                       "NROWS, NCOLS and NCOMP must be whole numbers of at least 1");
             *counts[i] = (size_t)value[0];

@@ -289,8 +289,6 @@ static int orl_phase_windows_compute(const struct orl_phase_windows *windows, st
     return code == 0 && atomic_load(&l.failed) ? ORL_ERR_NOMEM : code;
 }
 
-/* Matrices of the three- and five-phase methods, computed by a year's scene and paths. */
-
 /* State of the computation while its year runs. */
 struct matrices {
     struct orl_annual_request request; /* the request without its sensors, which are below */

@@ -275,21 +275,17 @@ struct beam {
     double cosine, sine; /* cosine and sine of the half angle */
 };
 
-/* Returns true if the beam may overlap a cone from the same origin, of at most a right angle. */
-static bool cones_overlap(const struct beam *beam, struct orl_vec3 axis, double cosine, double sine)
-{
-    return orl_dot(axis, beam->axis) >= beam->cosine * cosine - beam->sine * sine - 1e-9;
-}
-
-/* Returns true if rays of the beam may meet the node's sphere. */
+/* Returns true if rays of the beam may meet the node's sphere: the cone around the sphere may
+ * overlap the beam. */
 static bool beam_meets(const struct orl_pane_bvh_node *node, const struct beam *beam)
 {
     const struct orl_vec3 way = orl_sub(node->center, beam->origin);
     const double distance = orl_length(way);
     if (distance <= node->radius)
         return true;
-    const double sine = node->radius / distance;
-    return cones_overlap(beam, orl_scale(way, 1 / distance), sqrt(1 - sine * sine), sine);
+    const double sine = node->radius / distance, cosine = sqrt(1 - sine * sine);
+    return orl_dot(orl_scale(way, 1 / distance), beam->axis) >=
+           beam->cosine * cosine - beam->sine * sine - 1e-9;
 }
 
 bool orl_pane_bvh_passed(const struct orl_pane_bvh *tree, const struct orl_bounding_rect *panes,
@@ -404,11 +400,6 @@ size_t orl_pane_bvh_sample(const struct orl_pane_bvh *tree, struct orl_vec3 poin
     return looked;
 }
 
-static bool transmits_straight(const struct orl_material *m)
-{
-    return m->kind != ORL_MATERIAL_BSDF || m->peak;
-}
-
 static void add_port_rect(struct orl_port_rects *windows, const struct orl_lit_scene *lit_scene,
                           uint32_t facet)
 {
@@ -417,8 +408,9 @@ static void add_port_rect(struct orl_port_rects *windows, const struct orl_lit_s
         return;
     }
     const struct orl_bounding_rect window = orl_bounding_rect_of(lit_scene->geometry, facet);
+    const struct orl_material *m = orl_lit_scene_material_of(lit_scene, facet);
     windows->at[windows->count++] = window;
-    if (transmits_straight(orl_lit_scene_material_of(lit_scene, facet)))
+    if (m->kind != ORL_MATERIAL_BSDF || m->peak) /* it transmits straight */
         windows->clear[windows->n_clear++] = window;
 }
 

@@ -1,7 +1,4 @@
-/*
- * Sunlight at sensors through BSDF panes: BSDF samples of each hour's sun, and points of the
- * panes.
- */
+/* Sunlight at sensors through BSDF panes. */
 #ifndef ORL_ANNUAL_PANES_BSDF_PANES_H
 #define ORL_ANNUAL_PANES_BSDF_PANES_H
 

@@ -236,14 +236,6 @@ static bool has_more_than_room(const struct orl_shaded_year *s)
     return false;
 }
 
-static int run_combinations(struct orl_shaded_year *s, double share)
-{
-    int code = 0;
-    for (size_t i = 1; i < s->n_combinations && code == 0; i++)
-        code = run_combination(s, i, share / (double)(s->n_combinations - 1));
-    return code;
-}
-
 /* ---- By window groups
  * -------------------------------------------------------------------------------- */
 
@@ -358,18 +350,9 @@ static int begin_sums(struct orl_shaded_year *s)
     return 0;
 }
 
-static size_t most_states(const struct orl_shaded_year *s)
-{
-    size_t most = 1;
-    for (size_t g = 0; g < s->request->n_groups; g++)
-        if (s->request->groups[g].n_states > most)
-            most = s->request->groups[g].n_states;
-    return most;
-}
-
 static int run_by_window_group(struct orl_shaded_year *s, double share)
 {
-    const size_t n = most_states(s);
+    const size_t n = orl_shades_most_states(s->request);
     orl_year_warn(s->reader, "window groups have many combinations of states: light was computed "
                              "for each group and added up. Meanwhile the panes of other groups "
                              "reflected as if in the same state as that group");
@@ -439,7 +422,8 @@ static bool has_sun_control(const struct orl_shaded_year *s)
 static int run_all(struct orl_shaded_year *s)
 {
     const double direct = has_sun_control(s) ? cost_of_direct : 0;
-    const double others = fmin(most_combinations(s) - 1, (double)most_states(s));
+    const double others =
+        fmin(most_combinations(s) - 1, (double)orl_shades_most_states(s->request));
     const double all = 1 + direct + others;
     int code = needs_open_first(s) ? run_open(s, 1 / all) : 0;
     if (code == 0)
@@ -451,9 +435,12 @@ static int run_all(struct orl_shaded_year *s)
     if (!s->summed && !s->opened)
         code = run_open(s, (1 - s->reported_progress) / (double)s->n_combinations);
     drop_open_coherence(s);
+    const double left = fmax(1 - s->reported_progress, 0);
     if (s->summed)
-        return run_by_window_group(s, fmax(1 - s->reported_progress, 0));
-    return code == 0 ? run_combinations(s, fmax(1 - s->reported_progress, 0)) : code;
+        return run_by_window_group(s, left);
+    for (size_t i = 1; i < s->n_combinations && code == 0; i++)
+        code = run_combination(s, i, left / (double)(s->n_combinations - 1));
+    return code;
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */

@@ -125,13 +125,13 @@ void orl_shaded_scene_done(struct orl_shaded_scene *v)
  * combination has no more than the scene's own files and the largest state of each group.
  */
 
-static size_t count_rounds(const struct orl_annual_request *request)
+size_t orl_shades_most_states(const struct orl_annual_request *request)
 {
-    size_t rounds = 1;
+    size_t most = 1;
     for (size_t g = 0; g < request->n_groups; g++)
-        if (request->groups[g].n_states > rounds)
-            rounds = request->groups[g].n_states;
-    return rounds;
+        if (request->groups[g].n_states > most)
+            most = request->groups[g].n_states;
+    return most;
 }
 
 /* Counts groups whose states have files. If there are several, all may be in their largest state at
@@ -199,7 +199,7 @@ static uint64_t excess_over(uint64_t all, uint64_t own)
 int orl_shades_measure(const struct orl_annual_request *request, const struct orl_files *files,
                        struct orl_scene_size *ret_largest, struct orl_error *err)
 {
-    const size_t rounds = count_rounds(request);
+    const size_t rounds = orl_shades_most_states(request);
     const bool several = count_groups_with_files(request) > 1;
     struct orl_scene_size own = {0}, sum = {0}, most = {0};
     if (request->n_groups > ORL_SHADES_MOST_GROUPS)

@@ -1,7 +1,4 @@
-/*
- * A year with shades: the states of its window groups in every hour, the scene in given states,
- * and the runs that the year is composed of.
- */
+/* A year with shades: the scene in given states, the states in every hour, and the runs. */
 #ifndef ORL_ANNUAL_SHADES_SHADED_YEAR_H
 #define ORL_ANNUAL_SHADES_SHADED_YEAR_H
 
@@ -29,6 +26,9 @@ int orl_shaded_scene_init(struct orl_shaded_scene *shaded_scene,
                           const struct orl_annual_request *request, const unsigned char *states,
                           bool by_window_group, struct orl_error *err);
 void orl_shaded_scene_done(struct orl_shaded_scene *shaded_scene);
+
+/* Returns the largest number of states of a window group; 1 without groups. */
+size_t orl_shades_most_states(const struct orl_annual_request *request);
 
 /* State of each window group of a year at every row of the weather file
  * (oriel/annual/annual_shades.h has the rules). */

@@ -66,11 +66,6 @@ static struct orl_annual_step step_of(const struct reader *r, size_t index)
     return step;
 }
 
-static bool is_lit(const struct orl_annual_step *step)
-{
-    return step->diffuse_lx > 0 || step->direct_normal_lx > 0;
-}
-
 /* Fills the steps, and numbers the lit ones as columns. */
 static int make_steps(struct orl_hours *hours, const struct reader *r, struct orl_error *err)
 {
@@ -82,7 +77,7 @@ static int make_steps(struct orl_hours *hours, const struct reader *r, struct or
         }
         *step = step_of(r, i);
         hours->n_missing += step->missing;
-        if (!is_lit(step))
+        if (!(step->diffuse_lx > 0 || step->direct_normal_lx > 0))
             continue;
         if (r->daylights[i].warnings[0] && hours->n_warned++ == 0)
             snprintf(hours->warning, sizeof hours->warning, "%s", r->daylights[i].warnings);
@@ -112,12 +107,6 @@ static void place_suns(struct orl_hours *hours, const struct reader *r, double n
                                   .angle_rad = r->suns[i].angle_deg * ORL_DEG_TO_RAD,
                                   .wanted = step->direct_normal_lx > 0};
     }
-}
-
-void orl_hours_want_all(struct orl_hours *hours)
-{
-    for (size_t i = 0; i < hours->suns.count; i++)
-        hours->suns.at[i].wanted = true;
 }
 
 /* ---- Skies ----------------------------------------------------------------------------------- */

@@ -69,8 +69,6 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
                    const struct orl_weather *weather, const char *weather_name, double north_deg,
                    double ground_reflectance, struct orl_thread_pool *pool, struct orl_error *err);
 void orl_hours_done(struct orl_hours *hours);
-/* Marks every sun as wanted, as if each had a column with sunlight. */
-void orl_hours_want_all(struct orl_hours *hours);
 
 /* Rotation between scene and sky axes, which differ by the direction of true north. */
 struct orl_sky_rotation {

@@ -1,7 +1,4 @@
-/*
- * Interpolation of the sun: nodes on a grid of declination and hour angle, and the weights of
- * each sun over nodes and beams.
- */
+/* Interpolation of the sun: its nodes, and the weights of each sun over nodes and beams. */
 #ifndef ORL_ANNUAL_SUN_SUN_WEIGHTS_H
 #define ORL_ANNUAL_SUN_SUN_WEIGHTS_H
 

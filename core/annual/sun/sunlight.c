@@ -197,19 +197,16 @@ static void add_by_pane(void *ctx, uint32_t item, double probability)
     orl_direction_tree_find(tree_of(m->sun_sample), &cone, add_mirrored_node, m);
 }
 
-/* Russian roulette with a probability proportional to the vertex's weight. */
-static double survival_of(const struct orl_sunlight_query *query)
-{
-    return query->all ? 1 : fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_survival), 1);
-}
-
 void orl_sunlight_add(const struct orl_annual_scene *scene, const struct orl_sunlight_query *query,
                       struct orl_random *random, const struct orl_path_sums *sums)
 {
     const struct sun_sample sun_sample = draw_sun_sample(scene, query, random, sums);
     struct mirrored m = {.sun_sample = &sun_sample,
                          .set = query->mapped ? &scene->mirrors.beyond : &scene->mirrors.everywhere,
-                         .survival = survival_of(query)};
+                         .survival = 1};
+    /* Russian roulette with a probability proportional to the vertex's weight. */
+    if (!query->all)
+        m.survival = fmin(fmax(ORL_PI * orl_rgb_max(query->weight), least_survival), 1);
     if (!query->mapped)
         add_straight(&sun_sample);
     if (m.set->count > 0 && (m.survival >= 1 || orl_random_uniform(random) < m.survival))
@@ -428,15 +425,6 @@ static void find_mirrored(struct mirrored_hours *m)
     }
 }
 
-/* Returns true if some point of the disc may be visible. */
-static bool may_see(const struct orl_annual_scene *scene, const struct orl_shading_point *place,
-                    const struct orl_hour_sun *sun)
-{
-    const double slack = sin(0.5 * sun->angle_rad) * 1.01;
-    return orl_dot(sun->towards, place->normal) > -slack &&
-           may_come_from(scene, place, sun->towards, slack);
-}
-
 void orl_sunlight_find_hours(const struct orl_annual_scene *scene, const struct orl_year_suns *suns,
                              const struct orl_shading_point *place, uint64_t name,
                              const struct orl_thread_pool *pool,
@@ -444,7 +432,9 @@ void orl_sunlight_find_hours(const struct orl_annual_scene *scene, const struct 
 {
     for (size_t c = 0; c < suns->count && !orl_thread_pool_cancelled(pool); c++) {
         const struct orl_hour_sun *sun = &suns->at[c];
-        if (!sun->wanted || !may_see(scene, place, sun))
+        const double slack = sin(0.5 * sun->angle_rad) * 1.01;
+        if (!sun->wanted || !(orl_dot(sun->towards, place->normal) > -slack) ||
+            !may_come_from(scene, place, sun->towards, slack)) /* no point of the disc is visible */
             continue;
         const struct disc disc = disc_of(suns, c, name, sunlight);
         add_disc(scene, place, &disc, c, sunlight);

@@ -1,7 +1,4 @@
-/*
- * Sunlight at a place: for paths by the sun's nodes; for sensors by the sun of every hour, with
- * the arrays that hold it.
- */
+/* Sunlight at a place, and the arrays that hold it. */
 #ifndef ORL_ANNUAL_SUN_SUNLIGHT_H
 #define ORL_ANNUAL_SUN_SUNLIGHT_H
 

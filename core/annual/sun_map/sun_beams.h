@@ -1,7 +1,4 @@
-/*
- * Beams of sunlight through kinds of ports, the shadows of outdoor surfaces on these ports, and
- * the photons of beams.
- */
+/* Beams of sunlight through kinds of ports, and their photons. */
 #ifndef ORL_ANNUAL_SUN_MAP_SUN_BEAMS_H
 #define ORL_ANNUAL_SUN_MAP_SUN_BEAMS_H
 

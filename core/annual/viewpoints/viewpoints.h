@@ -1,7 +1,4 @@
-/*
- * Glare at viewpoints over a year: the terms of a pixel, the visible points, the image of a
- * viewpoint, and glare by hour.
- */
+/* Glare at viewpoints over a year. */
 #ifndef ORL_ANNUAL_VIEWPOINTS_VIEWPOINTS_H
 #define ORL_ANNUAL_VIEWPOINTS_VIEWPOINTS_H
 

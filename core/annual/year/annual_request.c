@@ -27,8 +27,6 @@ void orl_annual_request_done(struct orl_annual_request *request)
 {
     if (!request)
         return;
-    for (size_t i = 0; request->scene_files && i < request->n_scene_files; i++)
-        free(request->scene_files[i]);
     for (size_t i = 0; request->grids && i < request->n_grids; i++)
         free(request->grids[i].name);
     for (size_t i = 0; request->groups && i < request->n_groups; i++)
@@ -37,7 +35,7 @@ void orl_annual_request_done(struct orl_annual_request *request)
         orl_matrix_term_done(&request->terms[i]);
     free(request->groups);
     free(request->terms);
-    free(request->scene_files);
+    orl_texts_free(request->scene_files, request->n_scene_files);
     free(request->weather_file);
     free(request->sensors);
     free(request->grids);
@@ -177,12 +175,8 @@ void orl_annual_done(struct orl_annual_result *result)
 {
     if (!result)
         return;
-    for (size_t i = 0; result->warnings && i < result->n_warnings; i++)
-        free(result->warnings[i]);
-    free(result->warnings);
-    for (size_t i = 0; result->scene_read && i < result->n_scene_read; i++)
-        free(result->scene_read[i]);
-    free(result->scene_read);
+    orl_texts_free(result->warnings, result->n_warnings);
+    orl_texts_free(result->scene_read, result->n_scene_read);
     free(result->steps);
     free(result->step_of_column);
     free(result->states);

@@ -1,7 +1,4 @@
-/*
- * Scene data that all paths of a year read, the window groups of its ports, and the check that
- * a year of the scene is supported.
- */
+/* Scene data of a year, the window groups of its ports, and the scenes that a year supports. */
 #ifndef ORL_ANNUAL_YEAR_ANNUAL_SCENE_H
 #define ORL_ANNUAL_YEAR_ANNUAL_SCENE_H
 
@@ -48,13 +45,8 @@ uint16_t orl_window_group_of_port(const struct orl_lit_scene *lit_scene, size_t 
 int orl_window_group_check_near(const struct orl_lit_scene *lit_scene, uint32_t window_group,
                                 const char *name, struct orl_error *err);
 
-/*
- * Scene data that all paths of a year read: the lit scene without light sources, and nodes of the
- * sun.
- *
- * Immutable once made, and shared by all threads.
- */
-
+/* Data that all paths of a year read: the lit scene without light sources, and nodes of the sun.
+ * Immutable once made, and shared by all threads. */
 struct orl_annual_scene {
     const struct orl_lit_scene
         *lit_scene; /* borrowed, like bins and nodes; has no suns, domes and lamps */
