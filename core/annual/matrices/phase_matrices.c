@@ -114,18 +114,24 @@ static int orl_phase_windows_init(struct orl_phase_windows *w,
 
 /* ---- Cells ----------------------------------------------------------------------------------- */
 
-struct matrix_context {
-    const struct orl_phase_windows *windows;
-    struct orl_year *year;
-    struct orl_phase_matrices *result;
-    struct orl_health *healths;
+/* State of the computation while its year runs. */
+struct matrices {
+    struct orl_annual_request request; /* the request without its sensors, which are below */
+    const struct orl_sensor *sensors;
+    size_t n_sensors;
+    struct orl_phase_windows windows;
     bool exact[ORL_PHASES_MOST_WINDOWS]; /* windows whose transmission is the BSDF's own matrix */
-    atomic_bool failed;
+    struct orl_phase_matrices *result;
+    struct orl_year *year;
+    struct orl_year_suns suns;
+    struct orl_bsdf_panes bsdf_panes;
+    struct orl_health *healths; /* one per thread */
+    atomic_bool failed;         /* true after an allocation failure */
 };
 
-static struct orl_random random_of(const struct matrix_context *l, size_t cell, uint64_t kind)
+static struct orl_random random_of(const struct matrices *p, size_t cell, uint64_t kind)
 {
-    return orl_random_stream(l->year->request->seed, ORL_PURPOSE_ANNUAL,
+    return orl_random_stream(p->year->request->seed, ORL_PURPOSE_ANNUAL,
                              ~(uint64_t)0 - 4 * cell - kind);
 }
 
@@ -139,16 +145,16 @@ static void jitter_in_part(uint32_t i, uint32_t side, struct orl_random *random,
 
 /* Estimates a row of the transmission as means over cells, by sampling the material with rays from
  * inside. */
-static void draw_row(const struct matrix_context *l, size_t window, size_t cell, float *row)
+static void draw_row(const struct matrices *p, size_t window, size_t cell, float *row)
 {
-    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
-    const struct orl_port *port = &lit_scene->ports[l->windows->panes[window]];
-    const struct orl_material *material = material_of(lit_scene, l->windows->panes[window]);
-    const struct orl_frame *frame = &l->windows->frames[window];
-    const struct orl_basis *basis = &l->windows->basis;
+    const struct orl_lit_scene *lit_scene = p->year->lit_scene;
+    const struct orl_port *port = &lit_scene->ports[p->windows.panes[window]];
+    const struct orl_material *material = material_of(lit_scene, p->windows.panes[window]);
+    const struct orl_frame *frame = &p->windows.frames[window];
+    const struct orl_basis *basis = &p->windows.basis;
     const struct orl_hit hit = orl_hit_surface_mean(
         port->outside_is_front ? port->outward : frame->n, !port->outside_is_front);
-    struct orl_random random = random_of(l, window * CELLS + cell, 0);
+    struct orl_random random = random_of(p, window * CELLS + cell, 0);
     const float share = 1.0F / (DRAWS_SIDE * DRAWS_SIDE);
     for (uint32_t i = 0; i < DRAWS_SIDE * DRAWS_SIDE; i++) {
         double u[2];
@@ -167,11 +173,11 @@ static void draw_row(const struct matrix_context *l, size_t window, size_t cell,
 }
 
 /* Copies the BSDF's own matrix, and returns true, if it has this basis and its front is inside. */
-static bool copy_matrix(const struct matrix_context *l, size_t window)
+static bool copy_matrix(const struct matrices *p, size_t window)
 {
-    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
-    const struct orl_port *port = &lit_scene->ports[l->windows->panes[window]];
-    const struct orl_material *material = material_of(lit_scene, l->windows->panes[window]);
+    const struct orl_lit_scene *lit_scene = p->year->lit_scene;
+    const struct orl_port *port = &lit_scene->ports[p->windows.panes[window]];
+    const struct orl_material *material = material_of(lit_scene, p->windows.panes[window]);
     struct orl_error err = {0};
     size_t rows, columns;
     float *values;
@@ -181,7 +187,7 @@ static bool copy_matrix(const struct matrix_context *l, size_t window)
         return false;
     const bool fits = rows == CELLS && columns == CELLS;
     for (size_t i = 0; fits && i < (size_t)CELLS * CELLS; i++)
-        l->result->windows[window].transmission[i] = (float)orl_luma((struct orl_rgb){
+        p->result->windows[window].transmission[i] = (float)orl_luma((struct orl_rgb){
             (double)values[3 * i], (double)values[3 * i + 1], (double)values[3 * i + 2]});
     free(values);
     return fits;
@@ -189,25 +195,25 @@ static bool copy_matrix(const struct matrix_context *l, size_t window)
 
 static void draw_cell(void *arg, size_t index, uint32_t member)
 {
-    const struct matrix_context *l = arg;
+    const struct matrices *p = arg;
     const size_t window = index / CELLS, cell = index % CELLS;
     (void)member;
-    if (!l->exact[window])
-        draw_row(l, window, cell, l->result->windows[window].transmission + cell * CELLS);
+    if (!p->exact[window])
+        draw_row(p, window, cell, p->result->windows[window].transmission + cell * CELLS);
 }
 
 /* ---- The sky --------------------------------------------------------------------------------- */
 
 /* Returns a port of the window, sampled by area. */
-static uint32_t port_by_area(const struct matrix_context *l, uint32_t window, double u)
+static uint32_t port_by_area(const struct matrices *p, uint32_t window, double u)
 {
-    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
+    const struct orl_lit_scene *lit_scene = p->year->lit_scene;
     double all = 0;
     uint32_t last = 0;
     for (uint32_t i = 0; i < lit_scene->n_ports; i++)
-        all += l->windows->of_port[i] == window ? lit_scene->ports[i].area : 0;
+        all += p->windows.of_port[i] == window ? lit_scene->ports[i].area : 0;
     for (uint32_t i = 0; i < lit_scene->n_ports; i++) {
-        if (l->windows->of_port[i] != window)
+        if (p->windows.of_port[i] != window)
             continue;
         last = i;
         u -= lit_scene->ports[i].area / all;
@@ -228,12 +234,12 @@ static void fill_patches(const float *bins, float *ret_patches)
         ret_patches[bin + 1] = bins[bin] * share;
 }
 
-static void trace_rays_out(struct matrix_context *l, uint32_t window, size_t cell, bool straight,
+static void trace_rays_out(struct matrices *p, uint32_t window, size_t cell, bool straight,
                            float *bins, struct orl_health *health)
 {
-    const struct orl_lit_scene *lit_scene = l->year->lit_scene;
-    const struct orl_frame *frame = &l->windows->frames[window];
-    struct orl_random random = random_of(l, (size_t)window * CELLS + cell, straight ? 2 : 1);
+    const struct orl_lit_scene *lit_scene = p->year->lit_scene;
+    const struct orl_frame *frame = &p->windows.frames[window];
+    struct orl_random random = random_of(p, (size_t)window * CELLS + cell, straight ? 2 : 1);
     struct orl_path_sums sums = {.bins = bins};
     memset(bins, 0, ORL_BINS * sizeof *bins);
     for (uint32_t i = 0; i < RAYS_SIDE * RAYS_SIDE; i++) {
@@ -241,16 +247,16 @@ static void trace_rays_out(struct matrix_context *l, uint32_t window, size_t cel
         jitter_in_part(i, RAYS_SIDE, &random, u);
         at[0] = orl_random_uniform(&random);
         at[1] = orl_random_uniform(&random);
-        const uint32_t which = port_by_area(l, window, orl_random_uniform(&random));
+        const uint32_t which = port_by_area(p, window, orl_random_uniform(&random));
         const struct orl_port *port = &lit_scene->ports[which];
         struct orl_vec3 point, normal;
         orl_facet_sample(lit_scene->geometry, port->facet, at, &point, &normal);
         const struct orl_vec3 towards = orl_neg(
-            orl_to_world(frame, orl_basis_direction(&l->windows->basis, (int)cell, u[0], u[1])));
+            orl_to_world(frame, orl_basis_direction(&p->windows.basis, (int)cell, u[0], u[1])));
         orl_annual_trace_outdoors(
-            &l->year->scene, orl_offset_from_surface(lit_scene->geometry, point, port->outward),
+            &p->year->scene, orl_offset_from_surface(lit_scene->geometry, point, port->outward),
             towards,
-            orl_random_stream(l->year->request->seed, ORL_PURPOSE_ANNUAL,
+            orl_random_stream(p->year->request->seed, ORL_PURPOSE_ANNUAL,
                               orl_mix64(orl_random_bits(&random))),
             straight, &sums, health);
     }
@@ -258,50 +264,31 @@ static void trace_rays_out(struct matrix_context *l, uint32_t window, size_t cel
 
 static void trace_cell(void *arg, size_t index, uint32_t member)
 {
-    struct matrix_context *l = arg;
+    struct matrices *p = arg;
     const size_t window = index / CELLS, cell = index % CELLS;
-    struct orl_phase_window *of = &l->result->windows[window];
+    struct orl_phase_window *of = &p->result->windows[window];
     float *bins = malloc(ORL_BINS * sizeof *bins);
     if (!bins) {
-        atomic_store(&l->failed, true);
+        atomic_store(&p->failed, true);
         return;
     }
-    trace_rays_out(l, (uint32_t)window, cell, false, bins, &l->healths[member]);
+    trace_rays_out(p, (uint32_t)window, cell, false, bins, &p->healths[member]);
     fill_patches(bins, of->daylight + cell * PATCHES);
-    trace_rays_out(l, (uint32_t)window, cell, true, bins, &l->healths[member]);
+    trace_rays_out(p, (uint32_t)window, cell, true, bins, &p->healths[member]);
     fill_patches(bins, of->direct_daylight + cell * PATCHES);
     free(bins);
 }
 
-/* Fills transmission and daylight, which are allocated. healths: one per thread. Returns 0,
- * ORL_ERR_NOMEM or _CANCELLED. */
-static int orl_phase_windows_compute(const struct orl_phase_windows *windows, struct orl_year *year,
-                                     struct orl_phase_matrices *result, struct orl_health *healths)
+/* Fills transmission and daylight, which are allocated. Returns 0, ORL_ERR_NOMEM or _CANCELLED. */
+static int compute_windows(struct matrices *p)
 {
-    struct matrix_context l = {
-        .windows = windows, .year = year, .result = result, .healths = healths};
-    struct orl_thread_pool *pool = year->env->run->pool;
-    int code = orl_parallel_try(pool, result->n_windows * CELLS, trace_cell, &l);
-    for (size_t w = 0; w < result->n_windows; w++)
-        l.exact[w] = copy_matrix(&l, w);
-    if (code == 0)
-        code = orl_parallel_try(pool, result->n_windows * CELLS, draw_cell, &l);
-    return code == 0 && atomic_load(&l.failed) ? ORL_ERR_NOMEM : code;
+    const size_t cells = p->result->n_windows * CELLS;
+    struct orl_thread_pool *pool = p->year->env->run->pool;
+    int code = orl_parallel_try(pool, cells, trace_cell, p);
+    for (size_t w = 0; w < p->result->n_windows; w++)
+        p->exact[w] = copy_matrix(p, w);
+    return code == 0 ? orl_parallel_try(pool, cells, draw_cell, p) : code;
 }
-
-/* State of the computation while its year runs. */
-struct matrices {
-    struct orl_annual_request request; /* the request without its sensors, which are below */
-    const struct orl_sensor *sensors;
-    size_t n_sensors;
-    struct orl_phase_windows windows;
-    struct orl_phase_matrices *result;
-    struct orl_year *year;
-    struct orl_year_suns suns;
-    struct orl_bsdf_panes bsdf_panes;
-    struct orl_health *healths; /* one per thread */
-    atomic_bool failed;         /* true after an allocation failure */
-};
 
 void orl_phase_matrices_done(struct orl_phase_matrices *matrices)
 {
@@ -459,7 +446,7 @@ static int make_all(struct matrices *p)
     struct orl_thread_pool *pool = y->env->run->pool;
     int code = allocate_matrices(p);
     if (code == 0)
-        code = orl_phase_windows_compute(&p->windows, y, p->result, p->healths);
+        code = compute_windows(p);
     if (code == 0)
         code = orl_parallel_try(pool, p->n_sensors, compute_view, p);
     if (code == 0)

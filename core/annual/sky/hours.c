@@ -6,15 +6,20 @@
 #include "annual/sky/bins.h"
 #include "light/daylight/daylight.h"
 
+/* Sky of a weather file's row. */
+struct row_sky {
+    struct orl_daylight daylight;
+    double diffuse_w;
+    struct orl_daylight_sun sun;
+    struct orl_error error; /* code 0 if the row is valid */
+};
+
 /* State of reading the weather file's rows. */
 struct reader {
     const struct orl_weather *weather;
     const char *name;
     double reflectance;
-    struct orl_daylight *daylights;
-    double *diffuse_w;
-    struct orl_daylight_sun *suns; /* by row */
-    struct orl_error *errors;      /* by row: code 0 if the row is valid */
+    struct row_sky *skies; /* by row */
 };
 
 /* Returns the sun of a row. If no sunlight was measured, the position is computed, unless the sun
@@ -23,7 +28,7 @@ static struct orl_daylight_sun sun_of(const struct reader *r, size_t index)
 {
     static const double well_set = -0.02; /* sine of altitude, well below that of half the disc */
     const struct orl_weather_row *row = &r->weather->rows[index];
-    const struct orl_daylight *d = &r->daylights[index];
+    const struct orl_daylight *d = &r->skies[index].daylight;
     if (!row->missing && !d->black && d->sun_radiance > 0)
         return (struct orl_daylight_sun){d->sun, d->sun_angle_deg};
     if (!row->missing && d->sun.z < well_set)
@@ -35,18 +40,19 @@ static void read_row(void *arg, size_t index, uint32_t member)
 {
     struct reader *r = arg;
     const struct orl_weather_row *row = &r->weather->rows[index];
+    struct row_sky *sky = &r->skies[index];
     (void)member;
-    if (!row->missing && orl_daylight_from_row(r->weather, row, &r->daylights[index],
-                                               &r->diffuse_w[index], &r->errors[index]) < 0)
-        orl_error_at(&r->errors[index], r->name, row->line, NULL);
+    if (!row->missing &&
+        orl_daylight_from_row(r->weather, row, &sky->daylight, &sky->diffuse_w, &sky->error) < 0)
+        orl_error_at(&sky->error, r->name, row->line, NULL);
     else
-        r->suns[index] = sun_of(r, index);
+        sky->sun = sun_of(r, index);
 }
 
 static struct orl_annual_step step_of(const struct reader *r, size_t index)
 {
     const struct orl_weather_row *row = &r->weather->rows[index];
-    const struct orl_daylight *d = &r->daylights[index];
+    const struct orl_daylight *d = &r->skies[index].daylight;
     struct orl_annual_step step = {.month = row->month,
                                    .day = row->day,
                                    .hour = row->hour,
@@ -61,7 +67,7 @@ static struct orl_annual_step step_of(const struct reader *r, size_t index)
     if (d->black)
         return step;
     step.direct_normal_lx = ORL_EFFICACY_LM_PER_W * orl_daylight_direct_normal(d);
-    step.diffuse_lx = ORL_EFFICACY_LM_PER_W * r->diffuse_w[index];
+    step.diffuse_lx = ORL_EFFICACY_LM_PER_W * r->skies[index].diffuse_w;
     step.global_lx = step.diffuse_lx + step.direct_normal_lx * fmax(0, d->sun.z);
     return step;
 }
@@ -71,16 +77,17 @@ static int make_steps(struct orl_hours *hours, const struct reader *r, struct or
 {
     for (size_t i = 0; i < hours->n_steps; i++) {
         struct orl_annual_step *step = &hours->steps[i];
-        if (r->errors[i].code < 0) {
-            *err = r->errors[i];
+        if (r->skies[i].error.code < 0) {
+            *err = r->skies[i].error;
             return err->code;
         }
         *step = step_of(r, i);
         hours->n_missing += step->missing;
         if (!(step->diffuse_lx > 0 || step->direct_normal_lx > 0))
             continue;
-        if (r->daylights[i].warnings[0] && hours->n_warned++ == 0)
-            snprintf(hours->warning, sizeof hours->warning, "%s", r->daylights[i].warnings);
+        const char *warnings = r->skies[i].daylight.warnings;
+        if (warnings[0] && hours->n_warned++ == 0)
+            snprintf(hours->warning, sizeof hours->warning, "%s", warnings);
         step->column = (uint32_t)hours->n_columns;
         hours->step_of_column[hours->n_columns++] = (uint32_t)i;
     }
@@ -94,17 +101,17 @@ static void place_suns(struct orl_hours *hours, const struct reader *r, double n
     struct orl_year_suns *suns = &hours->suns;
     for (size_t i = 0; i < hours->n_steps; i++) {
         const struct orl_annual_step *step = &hours->steps[i];
-        const bool is_up = r->suns[i].angle_deg > 0;
+        const bool is_up = r->skies[i].sun.angle_deg > 0;
         if (step->column != ORL_ANNUAL_DARK)
             hours->sun_of_column[step->column] =
                 (struct orl_column_sun){(uint32_t)suns->count, is_up ? step->direct_normal_lx : 0};
         if (!is_up)
             continue;
-        const struct orl_vec3 sun = orl_normalize(r->suns[i].towards);
+        const struct orl_vec3 sun = orl_normalize(r->skies[i].sun.towards);
         suns->in_sky[suns->count] = sun;
         suns->at[suns->count++] =
             (struct orl_hour_sun){.towards = orl_sky_rotation_to_scene(turn, sun),
-                                  .angle_rad = r->suns[i].angle_deg * ORL_DEG_TO_RAD,
+                                  .angle_rad = r->skies[i].sun.angle_deg * ORL_DEG_TO_RAD,
                                   .wanted = step->direct_normal_lx > 0};
     }
 }
@@ -127,8 +134,8 @@ static void compute_tile(void *arg, size_t index, uint32_t member)
     (void)member;
     for (size_t c = index * ORL_HOURS_TILE; c < hours->n_columns && n < ORL_HOURS_TILE; c++, n++) {
         const size_t step = hours->step_of_column[c];
-        skies[n] = &p->reader->daylights[step];
-        diffuse_w[n] = p->reader->diffuse_w[step];
+        skies[n] = &p->reader->skies[step].daylight;
+        diffuse_w[n] = p->reader->skies[step].diffuse_w;
     }
     orl_sky_tile_compute(p->rows, skies, diffuse_w, n, p->reader->reflectance,
                          hours->fine + index * ORL_BINS * ORL_HOURS_TILE,
@@ -191,23 +198,19 @@ int orl_hours_init(struct orl_hours *hours, const struct orl_bins *bins,
             err, ORL_ERR_LIMIT,
             "the weather file has %zu rows, but a year has at most %d (10-minute steps)", n,
             ORL_HOURS_MOST);
-    struct orl_arrays arrays = {.failed = false};
     int code = ORL_ERR_NOMEM;
     hours->steps = calloc(n + 1, sizeof *hours->steps);
     hours->step_of_column = calloc(n + 1, sizeof *hours->step_of_column);
-    r.daylights = orl_arrays_new(&arrays, n, sizeof *r.daylights);
-    r.diffuse_w = orl_arrays_new(&arrays, n, sizeof *r.diffuse_w);
-    r.suns = orl_arrays_new(&arrays, n, sizeof *r.suns);
-    r.errors = orl_arrays_new(&arrays, n, sizeof *r.errors);
+    r.skies = calloc(n + 1, sizeof *r.skies);
     struct orl_error why = {0};
-    if (hours->steps && hours->step_of_column && !arrays.failed)
+    if (hours->steps && hours->step_of_column && r.skies)
         code = make_all(hours, bins, &r, north_deg, pool, &why);
     if (code < 0 && why.code == code && err)
         *err = why;
     else if (code < 0)
         orl_error_set(err, code, "%s",
                       code == ORL_ERR_CANCELLED ? "cancelled" : "out of memory for skies");
-    orl_arrays_free(&arrays);
+    free(r.skies);
     return code;
 }
 

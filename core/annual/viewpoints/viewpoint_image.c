@@ -60,22 +60,26 @@ static int add_sky(struct orl_viewpoint_rays *r, const struct branch *b)
                                r->share * orl_luma(b->path.weight));
 }
 
-static int add_spot(struct orl_viewpoint_rays *r, const struct orl_viewpoint_spot *spot)
+/* Adds a spot on the side of the normal. */
+static int add_spot(struct orl_viewpoint_rays *r, const struct orl_hit *hit, struct orl_vec3 normal,
+                    struct orl_viewpoint_spot spot)
 {
     struct orl_viewpoint_image *view = r->view;
     if (!orl_array_reserve(&view->spots, &r->spots_room, view->n_spots, sizeof *view->spots))
         return ORL_ERR_NOMEM;
-    view->spots[view->n_spots++] = *spot;
+    spot.place.point = orl_hit_ray_origin(r->scene->lit_scene->geometry, hit, normal);
+    spot.place.normal = normal;
+    spot.hit = *hit;
+    spot.pixel = r->pixel;
+    view->spots[view->n_spots++] = spot;
     return 0;
 }
 
 static int add_diffuse(struct orl_viewpoint_rays *r, const struct branch *b,
                        const struct orl_hit *hit, struct orl_rgb albedo)
 {
-    const struct orl_geometry *geometry = r->scene->lit_scene->geometry;
     const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(b->path.weight, albedo), 1 / ORL_PI);
     const double luma = r->share * orl_luma(weight);
-    const struct orl_vec3 facing = orl_hit_facing(hit);
     uint32_t found = 0;
     int code = orl_visible_points_add(&r->view->visible_points, hit,
                                       luma * (double)r->view->field.solid_angle[r->pixel],
@@ -84,37 +88,26 @@ static int add_diffuse(struct orl_viewpoint_rays *r, const struct branch *b,
         code = orl_pixel_terms_add(&r->terms, ORL_BINS + 2 * found + b->scattered, luma);
     if (code < 0 || !r->spots || b->scattered)
         return code;
-    const struct orl_viewpoint_spot spot = {
-        .place = {.point = orl_hit_ray_origin(geometry, hit, facing),
-                  .normal = facing,
-                  .outside = b->outside},
-        .hit = *hit,
-        .weight = weight,
-        .pixel = r->pixel};
-    return add_spot(r, &spot);
+    return add_spot(
+        r, hit, orl_hit_facing(hit),
+        (struct orl_viewpoint_spot){.place = {.outside = b->outside}, .weight = weight});
 }
 
 /* Adds spots on the visible side of a surface, and if it transmits, on the far side. */
 static int add_lobe_spots(struct orl_viewpoint_rays *r, const struct branch *b,
                           const struct orl_hit *hit, const struct orl_material *m)
 {
-    const struct orl_lit_scene *lit_scene = r->scene->lit_scene;
     const struct orl_vec3 seen = orl_hit_facing(hit);
     const int sides = orl_material_transmits_lobes(m) ? 2 : 1;
     int code = 0;
     for (int side = 0; side < sides && code == 0; side++) {
-        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
         const struct orl_viewpoint_spot spot = {
-            .place = {.point = orl_hit_ray_origin(lit_scene->geometry, hit, normal),
-                      .normal = normal,
-                      .outside =
-                          orl_lit_scene_outside_after(lit_scene, hit, side == 1, b->outside)},
-            .hit = *hit,
+            .place = {.outside = orl_lit_scene_outside_after(r->scene->lit_scene, hit, side == 1,
+                                                             b->outside)},
             .eye = orl_path_back(&b->path),
             .material = m,
-            .weight = b->path.weight,
-            .pixel = r->pixel};
-        code = add_spot(r, &spot);
+            .weight = b->path.weight};
+        code = add_spot(r, hit, side == 0 ? seen : orl_neg(seen), spot);
     }
     return code;
 }
