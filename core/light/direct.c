@@ -218,32 +218,29 @@ struct orl_mis_pdf orl_mis_pdf_update(const struct orl_lit_scene *lit_scene,
  * the mean for others. */
 static struct orl_rgb radiance_of(const struct orl_emitter *emitter,
                                   const struct orl_material *material,
-                                  const struct orl_light_sample *light_sample, struct orl_vec3 from)
+                                  const struct orl_light_sample *sample, struct orl_vec3 from)
 {
     if (!orl_material_radiance_varies(material))
         return emitter->radiance;
-    const struct orl_hit hit = {.point =
-                                    orl_madd(from, light_sample->light, light_sample->distance),
-                                .normal = light_sample->normal,
+    const struct orl_hit hit = {.point = orl_madd(from, sample->light, sample->distance),
+                                .normal = sample->normal,
                                 .facet = emitter->facet,
                                 .front = true};
-    return orl_material_emission(material, &hit, orl_neg(light_sample->light));
+    return orl_material_emission(material, &hit, orl_neg(sample->light));
 }
 
 /* Returns radiance times solid angle for a sampled point of a lamp, without occlusion. */
 static struct orl_rgb lamp_radiance(const struct orl_lit_scene *lit_scene,
                                     const struct orl_emitter *emitter, struct orl_vec3 from,
-                                    const struct orl_light_sample *light_sample)
+                                    const struct orl_light_sample *sample)
 {
     struct orl_facet own;
     const struct orl_facet *facet = orl_facet_get_own(lit_scene->geometry, emitter->facet, &own);
     const struct orl_material *m = &lit_scene->materials[facet->material];
-    if (!orl_spotlight_covers(m, orl_neg(light_sample->light)))
+    if (!orl_spotlight_covers(m, orl_neg(sample->light)))
         return orl_gray(0);
-    const double spread =
-        m->focus > 0 ? orl_spotlight_falloff(m->focus, light_sample->distance) : 1;
-    return orl_rgb_scale(radiance_of(emitter, m, light_sample, from),
-                         light_sample->measure_sr * spread);
+    const double spread = m->focus > 0 ? orl_spotlight_falloff(m->focus, sample->distance) : 1;
+    return orl_rgb_scale(radiance_of(emitter, m, sample, from), sample->measure_sr * spread);
 }
 
 /* Returns the transmittance to a point of a lamp at a distance. */
@@ -261,15 +258,14 @@ static struct orl_rgb transmittance_to_lamp(const struct orl_lit_scene *lit_scen
 
 struct orl_rgb orl_light_sample_radiance(const struct orl_lit_scene *lit_scene,
                                          const struct orl_emitter *emitter, struct orl_vec3 from,
-                                         const struct orl_light_sample *light_sample,
-                                         bool through_ports)
+                                         const struct orl_light_sample *sample, bool through_ports)
 {
-    const struct orl_rgb shining = lamp_radiance(lit_scene, emitter, from, light_sample);
+    const struct orl_rgb shining = lamp_radiance(lit_scene, emitter, from, sample);
     if (!(orl_rgb_max(shining) > 0))
         return shining;
-    return orl_rgb_mul(shining, transmittance_to_lamp(lit_scene, from, light_sample->light,
-                                                      light_sample->distance, emitter->facet,
-                                                      through_ports));
+    return orl_rgb_mul(shining,
+                       transmittance_to_lamp(lit_scene, from, sample->light, sample->distance,
+                                             emitter->facet, through_ports));
 }
 
 /* Returns the shadow ray's MIS weight for a lamp in that direction. The rest is left to rays
@@ -277,13 +273,12 @@ struct orl_rgb orl_light_sample_radiance(const struct orl_lit_scene *lit_scene,
 static double shadow_ray_weight(const struct orl_lit_scene *lit_scene,
                                 const struct orl_direct_query *query,
                                 const struct orl_emitter *emitter,
-                                const struct orl_light_sample *light_sample,
-                                struct orl_vec3 direction)
+                                const struct orl_light_sample *sample, struct orl_vec3 direction)
 {
     if (!query->lobes || !rays_count_lamp(orl_lit_scene_material_of(lit_scene, emitter->facet)))
         return 1;
-    return orl_light_sample_pdf(light_sample) /
-           (orl_light_sample_pdf(light_sample) +
+    return orl_light_sample_pdf(sample) /
+           (orl_light_sample_pdf(sample) +
             lobe_pdf(query->lobes, query->hit, query->eye, direction));
 }
 
@@ -291,17 +286,16 @@ static struct orl_rgb light_from_emitter(const struct orl_lit_scene *lit_scene,
                                          const struct orl_emitter *emitter,
                                          const struct orl_direct_query *query, const double u[2])
 {
-    struct orl_light_sample light_sample;
-    if (!orl_light_sample(lit_scene, emitter, query->point, u, &light_sample))
+    struct orl_light_sample sample;
+    if (!orl_light_sample(lit_scene, emitter, query->point, u, &sample))
         return orl_gray(0);
-    const struct orl_rgb seen = response(query, light_sample.light);
+    const struct orl_rgb seen = response(query, sample.light);
     if (!(orl_rgb_max(seen) > 0))
         return orl_gray(0);
-    const struct orl_rgb arriving = orl_light_sample_radiance(lit_scene, emitter, query->point,
-                                                              &light_sample, query->through_ports);
-    return orl_rgb_scale(
-        orl_rgb_mul(arriving, seen),
-        shadow_ray_weight(lit_scene, query, emitter, &light_sample, light_sample.light));
+    const struct orl_rgb arriving =
+        orl_light_sample_radiance(lit_scene, emitter, query->point, &sample, query->through_ports);
+    return orl_rgb_scale(orl_rgb_mul(arriving, seen),
+                         shadow_ray_weight(lit_scene, query, emitter, &sample, sample.light));
 }
 
 /* Returns the transmittance from the query's point in that direction, by the mirror, to the
@@ -309,7 +303,7 @@ static struct orl_rgb light_from_emitter(const struct orl_lit_scene *lit_scene,
 static struct orl_rgb mirrored_transmittance(const struct orl_lit_scene *lit_scene,
                                              const struct orl_direct_query *query,
                                              const struct orl_virtual_lamp *image,
-                                             const struct orl_light_sample *light_sample,
+                                             const struct orl_light_sample *sample,
                                              struct orl_vec3 direction)
 {
     struct orl_hit hit;
@@ -321,16 +315,15 @@ static struct orl_rgb mirrored_transmittance(const struct orl_lit_scene *lit_sce
     struct orl_rgb share =
         orl_rgb_mul(before, orl_material_mirrored(orl_lit_scene_material(lit_scene, &hit), &hit,
                                                   orl_neg(direction)));
-    if (!(orl_rgb_max(share) > 0) || !(distance < light_sample->distance))
+    if (!(orl_rgb_max(share) > 0) || !(distance < sample->distance))
         return orl_gray(0);
     if (lit_scene->scene->mist)
         share = orl_rgb_mul(
             share, orl_volume_transmittance(lit_scene->scene, query->point, direction, distance));
     return orl_rgb_mul(
         share, transmittance_to_lamp(
-                   lit_scene, orl_hit_ray_origin(lit_scene->geometry, &hit, light_sample->light),
-                   light_sample->light, light_sample->distance - distance, image->lamp,
-                   query->through_ports));
+                   lit_scene, orl_hit_ray_origin(lit_scene->geometry, &hit, sample->light),
+                   sample->light, sample->distance - distance, image->lamp, query->through_ports));
 }
 
 /* Returns the light of a lamp in a mirror, sampled from the mirror image of the query's point
@@ -342,24 +335,24 @@ static struct orl_rgb light_of_virtual_lamp(const struct orl_lit_scene *lit_scen
     const struct orl_emitter *emitter = &lit_scene->emitters[image->emitter];
     const struct orl_vec3 from = orl_virtual_lamp_mirror_point(image, query->point);
     const double height = orl_virtual_lamp_height(image, query->point);
-    struct orl_light_sample light_sample;
-    if (!orl_light_sample(lit_scene, emitter, from, u, &light_sample))
+    struct orl_light_sample sample;
+    if (!orl_light_sample(lit_scene, emitter, from, u, &sample))
         return orl_gray(0);
-    const double along = height / orl_dot(light_sample.light, image->normal);
-    if (!(along > 0) || !(along < light_sample.distance))
+    const double along = height / orl_dot(sample.light, image->normal);
+    if (!(along > 0) || !(along < sample.distance))
         return orl_gray(0);
-    const struct orl_vec3 off = orl_sub(orl_madd(from, light_sample.light, along), image->center);
-    const struct orl_vec3 direction = orl_virtual_lamp_reflect(image, light_sample.light);
+    const struct orl_vec3 off = orl_sub(orl_madd(from, sample.light, along), image->center);
+    const struct orl_vec3 direction = orl_virtual_lamp_reflect(image, sample.light);
     const struct orl_rgb seen = response(query, direction);
     if (!(orl_rgb_max(seen) > 0) || orl_dot(off, off) > image->radius * image->radius)
         return orl_gray(0);
-    const struct orl_rgb shining = lamp_radiance(lit_scene, emitter, from, &light_sample);
+    const struct orl_rgb shining = lamp_radiance(lit_scene, emitter, from, &sample);
     if (!(orl_rgb_max(shining) > 0))
         return orl_gray(0);
     const struct orl_rgb share =
-        mirrored_transmittance(lit_scene, query, image, &light_sample, direction);
+        mirrored_transmittance(lit_scene, query, image, &sample, direction);
     return orl_rgb_scale(orl_rgb_mul(orl_rgb_mul(shining, share), seen),
-                         shadow_ray_weight(lit_scene, query, emitter, &light_sample, direction));
+                         shadow_ray_weight(lit_scene, query, emitter, &sample, direction));
 }
 
 /* Computes the random numbers for the n-th light. Those of the caller are shifted by n times the
