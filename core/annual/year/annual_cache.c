@@ -36,8 +36,7 @@ static bool may_store(const struct orl_year *year)
     return year->env->reuse && (most == 0 || year->request->n_sensors <= most);
 }
 
-void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year,
-                           const unsigned char *scene)
+void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year)
 {
     const struct orl_year_suns *suns = &year->hours.suns;
     const double numbers[] = {year->request->north_deg,
@@ -52,7 +51,7 @@ void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year
     cache->disabled = cache->store == NULL;
     orl_sha256_init(&hash);
     orl_sha256_add(&hash, recipe, sizeof recipe);
-    orl_sha256_add(&hash, scene, ORL_SHA256_BYTES);
+    orl_sha256_add(&hash, year->digest, ORL_SHA256_BYTES);
     orl_sha256_add(&hash, &year->request->seed, sizeof year->request->seed);
     orl_sha256_add(&hash, numbers, sizeof numbers);
     for (size_t i = 0; i < suns->count; i++) {

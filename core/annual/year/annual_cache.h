@@ -35,10 +35,8 @@ struct orl_annual_cache {
     char site[ORL_DIGEST_HEX + 1];            /* digest of the data on which all entries depend */
 };
 
-/* Starts the cache of a year whose scene is loaded and whose hours are read. scene: the scene's
- * digest. */
-void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year,
-                           const unsigned char *scene);
+/* Starts the cache of a year whose scene is loaded and whose hours are read. */
+void orl_annual_cache_init(struct orl_annual_cache *cache, struct orl_year *year);
 
 /* A requested entry. first and count select its sensors; both are 0 for suns and map. */
 struct orl_annual_cache_entry {

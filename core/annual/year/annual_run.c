@@ -181,7 +181,7 @@ static int prepare_year(struct orl_year *y, struct orl_error *err)
         return code;
     if (place_nodes(y) < 0)
         return orl_year_no_memory(err);
-    orl_annual_cache_init(&y->cache, y, y->digest);
+    orl_annual_cache_init(&y->cache, y);
     for (size_t i = 0; y->cache.store && i < y->hours.suns.count; i++)
         y->hours.suns.at[i].wanted = true; /* later jobs may have sunlight there */
     code = orl_year_find_sun_weights(y, err);

@@ -120,18 +120,9 @@ double orl_annual_scene_map_core_s(const struct orl_annual_request *request, siz
     return photons * (request->technique == ORL_ANNUAL_PRECOMPUTED ? whole_s : first_s);
 }
 
-int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_lit_scene *lit_scene,
-                          const struct orl_bins *bins, struct orl_sky_rotation north,
-                          const struct orl_frame *nodes, size_t n_nodes, uint32_t nodes_per_circle,
-                          struct orl_thread_pool *pool)
+int orl_annual_scene_init(struct orl_annual_scene *scene, struct orl_thread_pool *pool)
 {
-    *scene = (struct orl_annual_scene){.lit_scene = lit_scene,
-                                       .bins = bins,
-                                       .north = north,
-                                       .nodes = nodes,
-                                       .n_nodes = n_nodes,
-                                       .nodes_per_circle = nodes_per_circle,
-                                       .n_window_groups = 1};
+    const struct orl_lit_scene *lit_scene = scene->lit_scene;
     orl_sobol_init(&scene->sobol);
     int code = orl_direction_sampler_init(&scene->sampler, lit_scene, &scene->sobol, pool);
     if (code == 0)
@@ -139,21 +130,15 @@ int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_lit_s
     if (code == 0)
         code = orl_mirrors_init(&scene->mirrors, lit_scene, &scene->ports);
     if (code == 0)
-        code = orl_sun_grid_subsets_init(&scene->subsets, nodes, n_nodes, nodes_per_circle);
-    return code;
-}
-
-int orl_annual_scene_split(struct orl_annual_scene *scene, size_t n_groups)
-{
-    const struct orl_lit_scene *lit_scene = scene->lit_scene;
-    scene->n_window_groups = (uint32_t)n_groups + 1;
-    scene->window_group_of_port =
-        malloc((lit_scene->n_ports + 1) * sizeof *scene->window_group_of_port);
-    if (!scene->window_group_of_port)
-        return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < lit_scene->n_ports; i++)
-        scene->window_group_of_port[i] = orl_window_group_of_port(lit_scene, i, n_groups);
-    return 0;
+        code = orl_sun_grid_subsets_init(&scene->subsets, scene->nodes, scene->n_nodes,
+                                         scene->nodes_per_circle);
+    if (code < 0 || scene->n_window_groups == 1)
+        return code;
+    uint16_t *of_port = malloc((lit_scene->n_ports + 1) * sizeof *of_port);
+    for (size_t i = 0; of_port && i < lit_scene->n_ports; i++)
+        of_port[i] = orl_window_group_of_port(lit_scene, i, scene->n_window_groups - 1);
+    scene->window_group_of_port = of_port;
+    return of_port ? 0 : ORL_ERR_NOMEM;
 }
 
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,

@@ -76,14 +76,10 @@ static inline uint32_t orl_annual_window_group_of(const struct orl_annual_scene 
     return port == ORL_NO_PORT ? scene->n_window_groups - 1 : scene->window_group_of_port[port];
 }
 
-/* Returns 0, ORL_ERR_NOMEM or _CANCELLED; the caller calls orl_annual_scene_done in either case. */
-int orl_annual_scene_init(struct orl_annual_scene *scene, const struct orl_lit_scene *lit_scene,
-                          const struct orl_bins *bins, struct orl_sky_rotation north,
-                          const struct orl_frame *nodes, size_t n_nodes, uint32_t nodes_per_circle,
-                          struct orl_thread_pool *pool);
-/* Splits light by window group; the last window group holds the windows of no group. Returns 0 or
- * ORL_ERR_NOMEM. */
-int orl_annual_scene_split(struct orl_annual_scene *scene, size_t n_groups);
+/* Makes the rest of a scene whose borrowed fields, north, nodes_per_circle and n_window_groups are
+ * set. Returns 0, ORL_ERR_NOMEM or _CANCELLED; the caller calls orl_annual_scene_done in either
+ * case. */
+int orl_annual_scene_init(struct orl_annual_scene *scene, struct orl_thread_pool *pool);
 /* Returns the request with which the caller makes the scene's sun map. */
 struct orl_sun_map_request orl_annual_scene_map_request(const struct orl_annual_scene *scene,
                                                         const struct orl_annual_request *request);

@@ -145,11 +145,14 @@ static int make_scene(struct orl_year *y, struct orl_error *err)
     int code = make_lit_scene(y, err);
     if (code < 0)
         return code;
-    code = orl_annual_scene_init(&y->scene, y->lit_scene, &y->bins,
-                                 orl_sky_rotation_by_north(y->request->north_deg), y->node_frames,
-                                 y->nodes.count, y->nodes.nodes_per_circle, y->env->run->pool);
-    if (code == 0 && y->overrides->window_groups)
-        code = orl_annual_scene_split(&y->scene, y->overrides->window_groups->n_groups);
+    y->scene = (struct orl_annual_scene){.lit_scene = y->lit_scene,
+                                         .bins = &y->bins,
+                                         .north = orl_sky_rotation_by_north(y->request->north_deg),
+                                         .nodes = y->node_frames,
+                                         .n_nodes = y->nodes.count,
+                                         .nodes_per_circle = y->nodes.nodes_per_circle,
+                                         .n_window_groups = y->n_window_groups};
+    code = orl_annual_scene_init(&y->scene, y->env->run->pool);
     if (code < 0)
         return orl_year_failed(y, code, err);
     if (y->scene.mirrors.n_left_out > 0)
