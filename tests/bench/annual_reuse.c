@@ -17,7 +17,7 @@ static char *make_other(const struct orl_annual_result *year, size_t *ret_size)
     fprintf(file,
             "place other\nlatitude %.9g\nlongitude %.9g\ntime_zone %.9g\nsite_elevation 0\n"
             "weather_data_file_units 1\n",
-            year->latitude_deg, -year->longitude_deg, -15 * year->time_zone_h);
+            year->site.latitude_deg, -year->site.longitude_deg, -15 * year->site.time_zone_h);
     for (size_t i = 0; i < year->n_steps; i++) {
         const struct orl_annual_step *s = &year->steps[i];
         const bool lit = s->column != ORL_ANNUAL_DARK;
