@@ -19,12 +19,13 @@ static void decide(const struct orl_annual_request *request,
                    bool *ret_closed)
 {
     struct orl_shade_count count;
-    assert_int_equal(orl_shade_count_init(&count, columns), 0);
+    struct orl_arrays arrays = {.failed = false};
+    assert_int_equal(orl_shade_count_init(&count, &arrays, columns), 0);
     for (size_t i = 0; i < request->n_sensors; i++)
         orl_shade_count_add(&count, request, control, i, lx + i * columns);
     orl_shade_count_end(&count, request, control);
     memcpy(ret_closed, count.closed, columns * sizeof *ret_closed);
-    orl_shade_count_done(&count);
+    orl_arrays_free(&arrays);
 }
 
 /* LM-83's trigger: more than 2 % of the points have 1000 lx or more; both bounds are met exactly.

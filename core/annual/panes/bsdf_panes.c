@@ -49,7 +49,8 @@ static int find_panes(struct orl_bsdf_panes *bsdf_panes, const struct orl_annual
 {
     const struct orl_lit_scene *lit_scene = bsdf_panes->lit_scene;
     int code = 0;
-    bsdf_panes->at = calloc(lit_scene->n_ports + 1, sizeof *bsdf_panes->at);
+    bsdf_panes->at =
+        orl_arrays_new(&bsdf_panes->arrays, lit_scene->n_ports, sizeof *bsdf_panes->at);
     if (!bsdf_panes->at)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < lit_scene->n_ports && code == 0; i++) {
@@ -162,15 +163,6 @@ static void sample_sun(void *arg, size_t which, uint32_t member)
                 &bsdf_panes->samples[(size_t)kind * bsdf_panes->suns->count + which]);
 }
 
-static int allocate_probes(struct orl_bsdf_panes *bsdf_panes)
-{
-    const size_t n = bsdf_panes->count * bsdf_panes->suns->count;
-    bsdf_panes->sunlit = malloc((n + 1) * sizeof *bsdf_panes->sunlit);
-    for (size_t i = 0; bsdf_panes->sunlit && i < n; i++)
-        atomic_init(&bsdf_panes->sunlit[i], NOT_PROBED);
-    return bsdf_panes->sunlit ? 0 : ORL_ERR_NOMEM;
-}
-
 int orl_bsdf_panes_init(struct orl_bsdf_panes *bsdf_panes, const struct orl_annual_scene *scene,
                         const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
                         struct orl_thread_pool *pool)
@@ -180,23 +172,20 @@ int orl_bsdf_panes_init(struct orl_bsdf_panes *bsdf_panes, const struct orl_annu
         (struct orl_bsdf_panes){.lit_scene = scene->lit_scene, .suns = suns, .seed = seed};
     if (scene->lit_scene->open || scene->lit_scene->n_ports == 0)
         return 0;
-    int code = find_panes(bsdf_panes, scene);
+    const int code = find_panes(bsdf_panes, scene);
     if (code < 0 || bsdf_panes->count == 0)
         return code;
-    bsdf_panes->samples = malloc(bsdf_panes->n_kinds * suns->count * sizeof *bsdf_panes->samples);
-    if (!bsdf_panes->samples)
+    bsdf_panes->samples = orl_arrays_new(&bsdf_panes->arrays, bsdf_panes->n_kinds * suns->count,
+                                         sizeof *bsdf_panes->samples);
+    const size_t n =
+        n_sensors < ORL_BSDF_PANE_PROBING_SENSORS ? 0 : bsdf_panes->count * suns->count;
+    if (n > 0)
+        bsdf_panes->sunlit = orl_arrays_new(&bsdf_panes->arrays, n, sizeof *bsdf_panes->sunlit);
+    if (bsdf_panes->arrays.failed)
         return ORL_ERR_NOMEM;
-    if (n_sensors >= ORL_BSDF_PANE_PROBING_SENSORS)
-        code = allocate_probes(bsdf_panes);
-    return code < 0 ? code : orl_parallel_try(pool, suns->count, sample_sun, &builder);
-}
-
-void orl_bsdf_panes_done(struct orl_bsdf_panes *bsdf_panes)
-{
-    free(bsdf_panes->at);
-    free(bsdf_panes->samples);
-    free(bsdf_panes->sunlit);
-    *bsdf_panes = (struct orl_bsdf_panes){.at = NULL};
+    for (size_t i = 0; i < n; i++)
+        atomic_init(&bsdf_panes->sunlit[i], NOT_PROBED);
+    return orl_parallel_try(pool, suns->count, sample_sun, &builder);
 }
 
 /* ---- A sensor -------------------------------------------------------------------------------- */

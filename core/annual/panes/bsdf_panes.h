@@ -6,6 +6,7 @@
 #include "annual/sky/hours.h"
 #include "annual/sun/sunlight.h"
 #include "annual/year/annual_scene.h"
+#include "base/memory/memory.h"
 #include "base/sampling/sampling.h"
 #include "bsdf/loaded_bsdf.h"
 #include "light/direct.h"
@@ -102,6 +103,7 @@ struct orl_bsdf_pane {
 struct orl_bsdf_panes {
     const struct orl_lit_scene *lit_scene; /* borrowed, like suns */
     const struct orl_year_suns *suns;
+    struct orl_arrays arrays; /* owns all arrays */
     struct orl_bsdf_pane *at;
     size_t count;
     struct orl_bsdf_pane_kind kinds[ORL_BSDF_PANE_MOST_KINDS];
@@ -118,7 +120,10 @@ struct orl_bsdf_panes {
 int orl_bsdf_panes_init(struct orl_bsdf_panes *bsdf_panes, const struct orl_annual_scene *scene,
                         const struct orl_year_suns *suns, size_t n_sensors, uint64_t seed,
                         struct orl_thread_pool *pool);
-void orl_bsdf_panes_done(struct orl_bsdf_panes *bsdf_panes);
+static inline void orl_bsdf_panes_done(struct orl_bsdf_panes *bsdf_panes)
+{
+    orl_arrays_free(&bsdf_panes->arrays);
+}
 
 /* Adds the direct sunlight through BSDF panes for every wanted sun, and the square of its standard
  * error. name: number of the sensor, for random numbers. The cancel flag of the pool is polled

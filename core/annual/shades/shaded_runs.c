@@ -95,28 +95,30 @@ static void count_sunlit(void *ctx, size_t sensor, uint32_t window_group, const 
 
 static int begin_count(struct orl_shaded_year *s, size_t g)
 {
-    return orl_shade_count_init(&s->counts[g], s->result->n_columns) < 0
+    return orl_shade_count_init(&s->counts[g], &s->arrays, s->result->n_columns) < 0
                ? orl_year_no_memory(s->err)
                : 0;
 }
 
-static bool is_by_sun(const struct orl_shaded_year *s, size_t g)
+static size_t count_controls(const struct orl_shaded_year *s, enum orl_shade_control_kind kind)
 {
-    return s->request->groups[g].control.kind == ORL_SHADES_BY_SUN;
+    size_t n = 0;
+    for (size_t g = 0; g < s->request->n_groups; g++)
+        n += s->request->groups[g].control.kind == kind;
+    return n;
 }
 
 /* Counts sensors in direct sunlight, by the windows of each group whose control is by sun. */
 static int count_direct(struct orl_shaded_year *s, double share)
 {
     const size_t groups = s->request->n_groups;
-    bool used[ORL_SHADES_MOST_GROUPS] = {false}, any = false;
+    bool used[ORL_SHADES_MOST_GROUPS] = {false};
     for (size_t g = 0; g < groups; g++) {
-        used[g] = is_by_sun(s, g);
-        any = any || used[g];
+        used[g] = s->request->groups[g].control.kind == ORL_SHADES_BY_SUN;
         if (used[g] && begin_count(s, g) < 0)
             return ORL_ERR_NOMEM;
     }
-    if (!any)
+    if (count_controls(s, ORL_SHADES_BY_SUN) == 0)
         return 0;
     const struct orl_year_window_groups window_groups = {
         .n_groups = groups, .used = used, .sunlit = count_sunlit, .ctx = s};
@@ -132,7 +134,6 @@ static int count_direct(struct orl_shaded_year *s, double share)
         return code;
     /* Light through openings, or through windows inside a building, belongs to no group. If there
      * is only one group, all direct sunlight counts instead. */
-    orl_shade_count_done(&s->counts[0]);
     code = begin_count(s, 0);
     for (size_t i = 0; i < s->result->n_sensors && code == 0; i++) {
         count_sunlit(s, i, 0, orl_annual_row(s->result, s->result->direct, i));
@@ -376,10 +377,8 @@ static const double cost_of_direct = 0.1;
 static double most_combinations(struct orl_shaded_year *s)
 {
     find_combinations(s);
-    double most = (double)s->n_combinations;
-    for (size_t g = 0; g < s->request->n_groups; g++)
-        if (s->request->groups[g].control.kind != ORL_SHADES_NO_CONTROL)
-            most *= 2;
+    const size_t controlled = s->request->n_groups - count_controls(s, ORL_SHADES_NO_CONTROL);
+    const double most = ldexp((double)s->n_combinations, (int)controlled);
     s->n_combinations = 1;
     return has_more_than_room(s) ? INFINITY : most;
 }
@@ -403,25 +402,13 @@ static size_t count_group_states(const struct orl_shaded_year *s)
 /* Returns true if a control needs light that only the run of all open computes. */
 static bool needs_open_first(const struct orl_shaded_year *s)
 {
-    for (size_t g = 0; g < s->request->n_groups; g++) {
-        const enum orl_shade_control_kind kind = s->request->groups[g].control.kind;
-        if (kind == ORL_SHADES_BY_LIGHT || kind == ORL_SHADES_BY_GLARE)
-            return true;
-    }
-    return s->request->n_groups == 1;
-}
-
-static bool has_sun_control(const struct orl_shaded_year *s)
-{
-    for (size_t g = 0; g < s->request->n_groups; g++)
-        if (is_by_sun(s, g))
-            return true;
-    return false;
+    return count_controls(s, ORL_SHADES_BY_LIGHT) > 0 ||
+           count_controls(s, ORL_SHADES_BY_GLARE) > 0 || s->request->n_groups == 1;
 }
 
 static int run_all(struct orl_shaded_year *s)
 {
-    const double direct = has_sun_control(s) ? cost_of_direct : 0;
+    const double direct = count_controls(s, ORL_SHADES_BY_SUN) > 0 ? cost_of_direct : 0;
     const double others =
         fmin(most_combinations(s) - 1, (double)orl_shades_most_states(s->request));
     const double all = 1 + direct + others;

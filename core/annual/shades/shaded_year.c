@@ -70,19 +70,13 @@ static bool grid_closes(const struct orl_shade_control *control, uint32_t lit, s
                : 100.0 * lit > control->share_percent * (double)sensors;
 }
 
-int orl_shade_count_init(struct orl_shade_count *count, size_t columns)
+int orl_shade_count_init(struct orl_shade_count *count, struct orl_arrays *arrays, size_t columns)
 {
-    *count = (struct orl_shade_count){.lit = calloc(columns + 1, sizeof *count->lit),
-                                      .closed = calloc(columns + 1, sizeof *count->closed),
-                                      .columns = columns};
-    return count->lit && count->closed ? 0 : ORL_ERR_NOMEM;
-}
-
-void orl_shade_count_done(struct orl_shade_count *count)
-{
-    free(count->lit);
-    free(count->closed);
-    *count = (struct orl_shade_count){.lit = NULL};
+    *count =
+        (struct orl_shade_count){.lit = orl_arrays_new(arrays, columns, sizeof *count->lit),
+                                 .closed = orl_arrays_new(arrays, columns, sizeof *count->closed),
+                                 .columns = columns};
+    return arrays->failed ? ORL_ERR_NOMEM : 0;
 }
 
 /* Records the decision of the current grid, and advances to the next one. */
@@ -145,11 +139,12 @@ int orl_shaded_year_begin(struct orl_shaded_year *s)
     orl_year_move_hours(s->reader);
     orl_year_add_timing(s->reader, ORL_ANNUAL_SKIES, &since);
     s->states = calloc(s->request->n_groups * s->result->n_steps + 1, 1);
-    s->combination_of = calloc(s->result->n_columns + 1, 1);
-    s->combinations = calloc(ORL_SHADES_MOST_COMBINATIONS, sizeof *s->combinations);
+    s->combination_of = orl_arrays_new(&s->arrays, s->result->n_columns, 1);
+    s->combinations =
+        orl_arrays_new(&s->arrays, ORL_SHADES_MOST_COMBINATIONS, sizeof *s->combinations);
     s->n_combinations = 1;
-    s->counts = calloc(s->request->n_groups + 1, sizeof *s->counts);
-    if (!s->states || !s->combination_of || !s->combinations || !s->counts)
+    s->counts = orl_arrays_new(&s->arrays, s->request->n_groups, sizeof *s->counts);
+    if (!s->states || s->arrays.failed)
         return orl_year_no_memory(s->err);
     return orl_shades_schedule(s->request, s->result, s->states, s->err);
 }
@@ -233,9 +228,5 @@ void orl_shaded_year_done(struct orl_shaded_year *s)
         orl_hours_done(&s->reader->hours);
     free(s->reader);
     free(s->states);
-    free(s->combination_of);
-    free(s->combinations);
-    for (size_t g = 0; s->counts && g < s->request->n_groups; g++)
-        orl_shade_count_done(&s->counts[g]);
-    free(s->counts);
+    orl_arrays_free(&s->arrays);
 }

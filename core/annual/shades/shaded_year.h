@@ -52,9 +52,8 @@ struct orl_shade_count {
     size_t columns;
 };
 
-/* Returns 0 or ORL_ERR_NOMEM; the caller calls orl_shade_count_done in either case. */
-int orl_shade_count_init(struct orl_shade_count *count, size_t columns);
-void orl_shade_count_done(struct orl_shade_count *count);
+/* Starts a count, with arrays owned by `arrays`. Returns 0 or ORL_ERR_NOMEM. */
+int orl_shade_count_init(struct orl_shade_count *count, struct orl_arrays *arrays, size_t columns);
 /* Counts a sensor. lx: its light by column with all groups open: total light, or direct light
  * through the group's own windows. Sensors without light may be skipped. */
 void orl_shade_count_add(struct orl_shade_count *count, const struct orl_annual_request *request,
@@ -71,6 +70,7 @@ struct orl_shaded_year {
     /* Result of the run with all groups open, then of the whole year. */
     struct orl_annual_result *result;
     struct orl_year *reader;                               /* a year used only for its hours */
+    struct orl_arrays arrays;                              /* the arrays below but `states` */
     unsigned char *states;                                 /* [group * n_steps + step] */
     unsigned char (*combinations)[ORL_SHADES_MOST_GROUPS]; /* the first one: all open */
     size_t n_combinations;

@@ -94,34 +94,30 @@ static bool is_gray(struct orl_rgb color)
     return color.r == color.g && color.g == color.b;
 }
 
-static bool is_gray_bsdf(const struct orl_material *m)
-{
-    struct orl_bsdf_info info;
-    orl_bsdf_describe(m->bsdf, &info);
-    return !info.colored && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
-}
-
 /* Returns true if light that the material sends on, other than diffusely, keeps its colour. */
 static bool is_colourless(const struct orl_material *m)
 {
+    const bool patterned = m->pattern && m->pattern->coloured;
+    const bool gray_sides = is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
+    struct orl_bsdf_info info;
     switch (m->kind) {
     case ORL_MATERIAL_BSDF:
-        return is_gray_bsdf(m);
+        orl_bsdf_describe(m->bsdf, &info);
+        return !info.colored && gray_sides;
     case ORL_MATERIAL_GLASS:
-        return is_gray(m->transmissivity) && !(m->pattern && m->pattern->coloured);
+        return is_gray(m->transmissivity) && !patterned;
     case ORL_MATERIAL_ASHIKHMIN:
-        return is_gray(m->color) && is_gray(m->gloss) && !(m->pattern && m->pattern->coloured);
+        return is_gray(m->color) && is_gray(m->gloss) && !patterned;
     case ORL_MATERIAL_GLAZING:
-        return !m->angles->coloured && is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
+        return !m->angles->coloured && gray_sides;
     case ORL_MATERIAL_MIXTURE:
         return is_colourless(&m->mixed[0]) && is_colourless(&m->mixed[1]);
     case ORL_MATERIAL_FUNCTION_LOBES:
-        return is_gray(m->color) && !(m->pattern && m->pattern->coloured);
+        return is_gray(m->color) && !patterned;
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_MIRROR:
-        return (is_gray(m->color) && !(m->pattern && m->pattern->coloured)) ||
-               orl_material_is_matt(m);
+        return (is_gray(m->color) && !patterned) || orl_material_is_matt(m);
     default: /* plastic's specular reflection is white */
         return true;
     }
