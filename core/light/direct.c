@@ -437,17 +437,16 @@ struct orl_rgb orl_direct_by_virtual_suns(const struct orl_lit_scene *lit_scene,
     return sum;
 }
 
-struct orl_rgb orl_direct_by_lobes_of_side(const struct orl_lit_scene *lit_scene,
-                                           const struct orl_hit *hit,
-                                           const struct orl_material *material, struct orl_vec3 eye,
-                                           struct orl_vec3 side, bool through_ports,
-                                           struct orl_random *random)
+struct orl_rgb orl_direct_on_side(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
+                                  const struct orl_material *lobes, struct orl_vec3 eye,
+                                  struct orl_vec3 side, bool through_ports,
+                                  struct orl_random *random)
 {
     const struct orl_direct_query query = {.point =
                                                orl_hit_ray_origin(lit_scene->geometry, hit, side),
                                            .normal = side,
                                            .through_ports = through_ports,
-                                           .lobes = material,
+                                           .lobes = lobes,
                                            .hit = hit,
                                            .eye = eye,
                                            .mirrored = true};
@@ -459,12 +458,12 @@ struct orl_rgb orl_direct_by_lobes(const struct orl_lit_scene *lit_scene, const 
                                    struct orl_random *random)
 {
     const struct orl_vec3 seen = orl_hit_facing(hit);
-    struct orl_rgb sum =
-        orl_direct_by_lobes_of_side(lit_scene, hit, material, eye, seen, true, random);
-    if (orl_material_transmits_lobes(material))
-        sum = orl_rgb_add(sum, orl_direct_by_lobes_of_side(lit_scene, hit, material, eye,
-                                                           orl_neg(seen), true, random));
-    return sum;
+    const struct orl_rgb front =
+        orl_direct_on_side(lit_scene, hit, material, eye, seen, true, random);
+    if (!orl_material_transmits_lobes(material))
+        return front;
+    return orl_rgb_add(
+        front, orl_direct_on_side(lit_scene, hit, material, eye, orl_neg(seen), true, random));
 }
 
 struct orl_rgb orl_direct_in_volume(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,

@@ -11,28 +11,14 @@ struct exterior_path {
     struct orl_health *health;
 };
 
-/* Returns the light of suns and lamps on one side of the surface that its lobes scatter towards
- * the eye. */
-static struct orl_rgb lobes_of_side(const struct exterior_path *o, const struct orl_hit *hit,
-                                    struct orl_vec3 eye, struct orl_vec3 side)
+/* Returns the light of suns and lamps on one side of the surface: irradiance, or what lobes scatter
+ * towards the eye. */
+static struct orl_rgb direct_on_side(const struct exterior_path *o, const struct orl_hit *hit,
+                                     const struct orl_material *lobes, struct orl_vec3 eye,
+                                     struct orl_vec3 side)
 {
-    const struct orl_lit_scene *lit_scene = o->eye.lit_scene;
-    return orl_direct_by_lobes_of_side(lit_scene, hit, orl_lit_scene_material(lit_scene, hit), eye,
-                                       side, o->ret_entry != NULL, o->eye.random);
-}
-
-/* Returns the light of suns and lamps that a surface of that albedo reflects diffusely, on the
- * eye's side. */
-static struct orl_rgb diffuse_direct(const struct exterior_path *o, const struct orl_hit *hit,
-                                     struct orl_vec3 normal, struct orl_rgb albedo)
-{
-    const struct orl_direct_query query = {
-        .point = orl_hit_ray_origin(o->eye.lit_scene->geometry, hit, normal),
-        .normal = normal,
-        .through_ports = o->ret_entry != NULL,
-        .mirrored = true};
-    return orl_rgb_mul(orl_rgb_scale(albedo, 1 / ORL_PI),
-                       orl_direct_light(o->eye.lit_scene, &query, o->eye.random));
+    return orl_direct_on_side(o->eye.lit_scene, hit, lobes, eye, side, o->ret_entry != NULL,
+                              o->eye.random);
 }
 
 /*
@@ -53,11 +39,12 @@ static struct orl_rgb scattered_direct(const struct exterior_path *o, const stru
     const struct orl_rgb diffuse = orl_material_diffuse(m, hit);
     struct orl_rgb sum = orl_gray(0);
     if (orl_rgb_max(diffuse) > 0)
-        sum = diffuse_direct(o, hit, normal, diffuse);
+        sum = orl_rgb_mul(orl_rgb_scale(diffuse, 1 / ORL_PI),
+                          direct_on_side(o, hit, NULL, eye, normal));
     if (orl_material_has_lobes(m))
-        sum = orl_rgb_add(sum, lobes_of_side(o, hit, eye, normal));
+        sum = orl_rgb_add(sum, direct_on_side(o, hit, m, eye, normal));
     if (orl_material_transmits_lobes(m) && counts_light_behind(o, hit))
-        sum = orl_rgb_add(sum, lobes_of_side(o, hit, eye, orl_neg(normal)));
+        sum = orl_rgb_add(sum, direct_on_side(o, hit, m, eye, orl_neg(normal)));
     return sum;
 }
 

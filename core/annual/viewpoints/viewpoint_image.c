@@ -410,16 +410,6 @@ static int init_view(struct orl_viewpoint_image *view, const struct orl_lit_scen
     return code < 0 ? orl_error_set(err, code, "out of memory for the image of a seat") : 0;
 }
 
-/* Frees the unused capacity of the arrays. */
-static void trim_arrays(struct orl_viewpoint_image *view)
-{
-    const size_t n_terms = view->first[ORL_VIEWPOINT_PIXELS];
-    struct orl_pixel_term *terms = realloc(view->terms, (n_terms + 1) * sizeof *terms);
-    struct orl_viewpoint_spot *spots = realloc(view->spots, (view->n_spots + 1) * sizeof *spots);
-    view->terms = terms ? terms : view->terms;
-    view->spots = spots ? spots : view->spots;
-}
-
 int orl_viewpoint_image_init(struct orl_viewpoint_image *view, const struct orl_annual_scene *scene,
                              const struct orl_viewpoint *viewpoint, uint64_t name,
                              const struct orl_thread_pool *pool, struct orl_error *err)
@@ -437,7 +427,6 @@ int orl_viewpoint_image_init(struct orl_viewpoint_image *view, const struct orl_
     if (code == 0) {
         renumber_terms(view);
         orl_visible_points_trim(&view->visible_points);
-        trim_arrays(view);
     }
     return code == ORL_ERR_CANCELLED ? orl_error_set(err, code, "cancelled")
            : code < 0 ? orl_error_set(err, code, "out of memory for the view of a seat")
