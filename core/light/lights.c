@@ -16,17 +16,6 @@ static const double widest_sun_deg = 10.0;
 
 enum { OF_A_SKY = 2 }; /* number of domes: the sky and the ground */
 
-/* A distant light of the scene or of a job's sky. */
-struct distant {
-    enum orl_material_kind kind; /* LIGHT or GLOW */
-    struct orl_rgb radiance;
-    const struct orl_sky *sky; /* multiplies radiance; NULL for none */
-    const struct orl_pattern *pattern;
-    struct orl_vec3 direction;
-    double angle_deg;
-    bool views_only;
-};
-
 struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 direction)
 {
     if (dome->pattern)
@@ -35,28 +24,21 @@ struct orl_rgb orl_dome_radiance(const struct orl_dome *dome, struct orl_vec3 di
     return orl_rgb_scale(dome->radiance, pattern);
 }
 
-static void add_distant(struct orl_lights *lights, const struct distant *d)
+/* Adds a distant light of that full angle: a dome, or a sun if it is a small light. */
+static void add_distant(struct orl_lights *lights, struct orl_dome distant, double angle_deg)
 {
-    const double half = 0.5 * d->angle_deg * ORL_DEG_TO_RAD;
-    if (d->kind != ORL_MATERIAL_LIGHT || d->angle_deg > widest_sun_deg) {
-        lights->domes[lights->n_domes++] = (struct orl_dome){.direction = d->direction,
-                                                             .cos_half_angle = cos(half),
-                                                             .radiance = d->radiance,
-                                                             .sky = d->sky,
-                                                             .pattern = d->pattern,
-                                                             .light = d->kind == ORL_MATERIAL_LIGHT,
-                                                             .views_only = d->views_only};
+    const double half = 0.5 * angle_deg * ORL_DEG_TO_RAD;
+    distant.cos_half_angle = cos(half);
+    if (!distant.light || angle_deg > widest_sun_deg) {
+        lights->domes[lights->n_domes++] = distant;
         return;
     }
     /* 1 - cos without cancellation: the sun's disc is only half a degree wide. */
     const double solid = 4 * ORL_PI * sin(0.5 * half) * sin(0.5 * half);
-    const double pattern = d->sky ? orl_sky_brightness(d->sky, d->direction) : 1.0;
-    struct orl_sun sun = {.frame = orl_frame_about(d->direction),
-                          .cos_half_angle = cos(half),
+    struct orl_sun sun = {.frame = orl_frame_about(distant.direction),
+                          .cos_half_angle = distant.cos_half_angle,
                           .solid_angle_sr = solid,
-                          .radiance = orl_rgb_scale(d->radiance, pattern)};
-    if (d->pattern)
-        sun.radiance = orl_rgb_mul(sun.radiance, orl_pattern_of_sky(d->pattern, d->direction));
+                          .radiance = orl_dome_radiance(&distant, distant.direction)};
     sun.irradiance = orl_rgb_scale(sun.radiance, solid);
     if (orl_luma(sun.radiance) > 0)
         lights->suns[lights->n_suns++] = sun;
@@ -67,36 +49,32 @@ static void add_scene_lights(struct orl_lights *lights)
     const struct orl_parsed_scene *d = &lights->scene->parsed_scene;
     for (size_t i = 0; i < d->n_distant_sources; i++) {
         const struct orl_material *m = &d->materials[d->distant_sources[i].material];
-        add_distant(lights, &(struct distant){.kind = m->kind,
-                                              .radiance = m->color,
-                                              .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
-                                              .pattern = m->pattern,
-                                              .direction = d->distant_sources[i].direction,
-                                              .angle_deg = d->distant_sources[i].angle_deg,
-                                              .views_only = m->kind == ORL_MATERIAL_GLOW &&
-                                                            !orl_material_glows(m)});
+        const struct orl_dome distant = {.direction = d->distant_sources[i].direction,
+                                         .radiance = m->color,
+                                         .sky = m->sky >= 0 ? &d->skies[m->sky] : NULL,
+                                         .pattern = m->pattern,
+                                         .light = m->kind == ORL_MATERIAL_LIGHT,
+                                         .views_only = m->kind == ORL_MATERIAL_GLOW &&
+                                                       !orl_material_glows(m)};
+        add_distant(lights, distant, d->distant_sources[i].angle_deg);
     }
 }
 
 static void add_sky_lights(struct orl_lights *lights, const struct orl_daylight *sky)
 {
-    const struct orl_vec3 up = {0, 0, 1};
-    struct distant d = {.kind = ORL_MATERIAL_GLOW,
-                        .radiance = orl_gray(1),
-                        .sky = &lights->pattern,
-                        .direction = up,
-                        .angle_deg = 180};
+    const struct orl_dome sun = {.direction = orl_normalize(sky->sun),
+                                 .radiance = orl_gray(sky->sun_radiance),
+                                 .light = true};
+    struct orl_dome half = {
+        .direction = {0, 0, 1}, .radiance = orl_gray(1), .sky = &lights->pattern};
     if (sky->black)
         return;
     lights->pattern = sky->pattern;
     if (sky->sun_radiance > 0)
-        add_distant(lights, &(struct distant){.kind = ORL_MATERIAL_LIGHT,
-                                              .radiance = orl_gray(sky->sun_radiance),
-                                              .direction = orl_normalize(sky->sun),
-                                              .angle_deg = sky->sun_angle_deg});
-    add_distant(lights, &d);
-    d.direction = orl_neg(up);
-    add_distant(lights, &d);
+        add_distant(lights, sun, sky->sun_angle_deg);
+    add_distant(lights, half, 180);
+    half.direction = orl_neg(half.direction);
+    add_distant(lights, half, 180);
 }
 
 /* Limits for sampling glows as lamps: their number, and the area of each as a share of that of a

@@ -14,15 +14,12 @@ enum {
     CHANCE = ORL_PATHS_BY_CHANCE
 };
 
-/* A cell whose strategies are the same for both receivers, and one whose strategies differ. */
-#define BOTH(found)                                                                                \
-    {                                                                                              \
-        found, found                                                                               \
-    }
+/* A cell whose strategies differ between receivers, and one whose strategies are the same. */
 #define AIR_SURFACE(air, surface)                                                                  \
     {                                                                                              \
         air, surface                                                                               \
     }
+#define BOTH(found) AIR_SURFACE(found, found)
 
 /*
  * Strategies by class, then technique: plain path tracing, backward, gather, direct, precomputed.

@@ -33,11 +33,8 @@ struct shade_point {
 struct path_state {
     struct orl_eye_path eye; /* must come first: callbacks receive it */
     struct tracer *tracer;
-    uint32_t depth;
-    int32_t port; /* from the shading point where the path started, or set at the first crossing
-                     outwards */
-    bool interreflection_added; /* interreflection_added of the shading point where the path started
-                                 */
+    const struct shade_point *from; /* where the path started */
+    int32_t port; /* from the shading point, or set at the first crossing outwards */
     const double *evenly;
     bool bent;          /* true once the path has left its initial direction */
     bool straight_only; /* true if the path ends at surfaces */
@@ -67,7 +64,7 @@ static void add_diffuse(struct path_state *w, struct orl_rgb albedo)
     const struct orl_vec3 lit = orl_hit_facing(&p->hit);
     const struct orl_rgb weight = orl_rgb_scale(orl_rgb_mul(p->path.weight, albedo), 1 / ORL_PI);
     const bool mapped = w->tracer->scene->map && !p->outside;
-    if (mapped && !w->interreflection_added)
+    if (mapped && !w->from->interreflection_added)
         orl_sun_map_add(w->tracer->scene->map, &p->hit, weight, w->tracer->sums->beams,
                         w->tracer->sums->photon_batches);
     struct shade_point shade_point = {
@@ -77,8 +74,8 @@ static void add_diffuse(struct path_state *w, struct orl_rgb albedo)
         .weight = weight,
         .mapped = mapped,
         .interreflection_added =
-            w->interreflection_added || (mapped && w->tracer->scene->map_interreflection),
-        .depth = w->depth + 1,
+            w->from->interreflection_added || (mapped && w->tracer->scene->map_interreflection),
+        .depth = w->from->depth + 1,
         .port = w->port,
         .evenly = p->bounce == 0 ? w->evenly : NULL};
     const double chance = fmin(orl_rgb_max(shade_point.weight) / dimmest_place, 1);
@@ -105,7 +102,7 @@ static void add_lobes(struct path_state *w, const struct orl_material *m, int si
                                                              p->outside)},
             .weight = p->path.weight,
             .port = w->port,
-            .all = w->depth == 0,
+            .all = w->from->depth == 0,
             .lobes = m,
             .hit = &p->hit,
             .eye = orl_path_back(&p->path)};
@@ -124,7 +121,7 @@ static void add_sun_by_lobes(struct path_state *w, const struct orl_material *m)
     const bool is_bsdf = m->kind == ORL_MATERIAL_BSDF;
     if (!w->tracer->sums->nodes)
         return;
-    if (!w->eye.outside && w->tracer->scene->map && w->depth > 0)
+    if (!w->eye.outside && w->tracer->scene->map && w->from->depth > 0)
         return;
     add_lobes(w, m, orl_material_transmits_lobes(m) && (!is_bsdf || w->bent) ? 2 : 1);
 }
@@ -154,7 +151,7 @@ static bool record_exit(const struct path_state *w)
     const size_t at = (size_t)window * (size_t)exits->basis->n_cells + (size_t)cell;
     const float luma = (float)orl_luma(p->path.weight);
     exits->all[at] += luma;
-    if (w->depth == 0 && !w->bent)
+    if (w->from->depth == 0 && !w->bent)
         exits->straight[at] += luma;
     return true;
 }
@@ -210,9 +207,8 @@ static void trace_ray(struct tracer *t, const struct shade_point *shade_point,
                 .path = orl_path_from(shade_point->place.point, ray_sample.direction),
                 .outside = shade_point->place.outside},
         .tracer = t,
-        .depth = shade_point->depth,
+        .from = shade_point,
         .port = shade_point->port,
-        .interreflection_added = shade_point->interreflection_added,
         .evenly = evenly ? u + 3 : NULL};
     w.eye.path.weight = orl_rgb_scale(shade_point->weight, ray_sample.weight);
     orl_eye_path_set_next_hit(&w.eye, ray_sample.met ? &ray_sample.hit : NULL);
@@ -281,12 +277,14 @@ void orl_annual_trace_outdoors(const struct orl_annual_scene *scene, struct orl_
                                struct orl_vec3 direction, struct orl_random random, bool straight,
                                struct orl_path_sums *sums, struct orl_health *health)
 {
+    static const struct shade_point anywhere = {.depth = 0};
     struct tracer tracer = {.scene = scene, .sums = sums, .random = random, .health = health};
     struct path_state w = {.eye = {.lit_scene = scene->lit_scene,
                                    .random = &tracer.random,
                                    .path = orl_path_from(from, direction),
                                    .outside = true},
                            .tracer = &tracer,
+                           .from = &anywhere,
                            .port = ORL_NO_PORT,
                            .straight_only = straight};
     health->paths++;

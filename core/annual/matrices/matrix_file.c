@@ -86,11 +86,11 @@ static int read_line(struct reader *r, struct orl_slice line)
     }
     if (read_key(r, line, "EXPOSURE=", value, 1) || read_key(r, line, "COLORCORR=", value, 3)) {
         const bool all = line.text[0] == 'E';
-        for (int i = 0; i < 3; i++)
-            r->exposure[i] *= value[all ? 0 : i];
         bool sound = true;
-        for (int i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++) {
+            r->exposure[i] *= value[all ? 0 : i];
             sound = sound && r->exposure[i] > 0 && isfinite(r->exposure[i]);
+        }
         return sound ? 0
                      : fail_in_matrix(r, ORL_ERR_RANGE, "an exposure must be finite and above 0");
     }

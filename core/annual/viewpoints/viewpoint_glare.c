@@ -10,6 +10,7 @@
 
 /* Columns of a tile are rated in strips; memory holds the pictures of one strip. */
 enum { TILE = ORL_HOURS_TILE, STRIP = 16, STRIPS = TILE / STRIP, MOST_IMAGES = 8 };
+enum { ROOM = ORL_VIEWPOINT_PIXELS * (STRIP + 1) };
 
 /* The default rule of glare pictures. */
 static const struct orl_glare_source_rule rule = {
@@ -20,7 +21,7 @@ struct glare_context {
     const struct orl_viewpoint_light *light;
     const struct orl_viewpoint_hours *ret;
     const struct orl_thread_pool *pool;
-    float **room; /* by thread: luminances of a strip, and of one hour */
+    float *room; /* by thread, ROOM each: luminances of a strip, and of one hour */
     atomic_bool failed;
 };
 
@@ -213,8 +214,9 @@ static void rate_strip(void *arg, size_t strip, uint32_t member)
     struct glare_context *r = arg;
     const struct orl_hours *hours = &r->light->year->hours;
     const size_t first = strip * STRIP;
-    float(*pixels)[STRIP] = (float(*)[STRIP])(void *)r->room[member];
-    float *picture = r->room[member] + (size_t)ORL_VIEWPOINT_PIXELS * STRIP;
+    float *room = r->room + member * (size_t)ROOM;
+    float(*pixels)[STRIP] = (float(*)[STRIP])(void *)room;
+    float *picture = room + (size_t)ORL_VIEWPOINT_PIXELS * STRIP;
     uint32_t n = 0, wanted = 0;
     for (; n < STRIP && first + n < hours->n_columns; n++)
         wanted += r->light->wanted[first + n];
@@ -237,19 +239,12 @@ int orl_viewpoint_glare_compute(const struct orl_viewpoint_image *view,
                                 const struct orl_viewpoint_hours *ret)
 {
     struct orl_thread_pool *pool = light->year->env->run->pool;
-    const uint32_t members = orl_thread_pool_size(pool);
     struct glare_context r = {.view = view, .light = light, .ret = ret, .pool = pool};
-    bool room = (r.room = calloc(members, sizeof *r.room)) != NULL;
-    for (uint32_t i = 0; room && i < members; i++) {
-        r.room[i] = malloc((size_t)ORL_VIEWPOINT_PIXELS * (STRIP + 1) * sizeof **r.room);
-        room = r.room[i] != NULL;
-    }
-    int code = room ? orl_parallel_try(pool, light->year->hours.n_tiles * STRIPS, rate_strip, &r)
-                    : ORL_ERR_NOMEM;
+    r.room = malloc(orl_thread_pool_size(pool) * (size_t)ROOM * sizeof *r.room);
+    int code = r.room ? orl_parallel_try(pool, light->year->hours.n_tiles * STRIPS, rate_strip, &r)
+                      : ORL_ERR_NOMEM;
     if (code == 0 && atomic_load(&r.failed))
         code = ORL_ERR_NOMEM;
-    for (uint32_t i = 0; r.room && i < members; i++)
-        free(r.room[i]);
     free(r.room);
     return code;
 }

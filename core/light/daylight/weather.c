@@ -130,6 +130,15 @@ static int keep_row(struct reader *reader, const struct orl_weather_row *row)
     return 0;
 }
 
+/* Takes up to n cells off an EPW's line; returns their number. */
+static int take_cells(struct orl_slice *line, struct orl_slice *ret_cells, int n)
+{
+    int i = 0;
+    while (i < n && orl_slice_take_cell(line, ',', &ret_cells[i]))
+        i++;
+    return i;
+}
+
 /* ---- EPW ------------------------------------------------------------------------------------- */
 
 enum { EPW_FIELDS_READ = 16, EPW_FIELDS = 35, EPW_HEADER_LINES = 8 };
@@ -139,9 +148,8 @@ static int read_location(struct reader *reader, struct orl_slice line)
 {
     struct orl_weather *weather = &reader->weather;
     struct orl_slice fields[9] = {0};
-    for (int i = 0; i < 9; i++)
-        if (!orl_slice_take_cell(&line, ',', &fields[i]))
-            return fail_at_line(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
+    if (take_cells(&line, fields, 9) < 9)
+        return fail_at_line(reader, ORL_ERR_SYNTAX, "LOCATION ends before the time zone");
     const struct number numbers[] = {
         {fields[6], "the latitude", -90, 90, &weather->latitude_deg},
         {fields[7], "the longitude", -180, 180, &weather->longitude_deg},
@@ -199,17 +207,17 @@ static int weekday_of_new_year(struct orl_slice name, struct orl_slice date, int
  * date,last date */
 static int read_periods(struct reader *reader, struct orl_slice line)
 {
-    struct orl_slice field, name, weekday = {NULL, 0}, date = {NULL, 0};
+    struct orl_slice cells[6] = {0};
     double an_hour = 0;
-    int code;
-    if (!orl_slice_take_cell(&line, ',', &field) || !orl_slice_take_cell(&line, ',', &field) ||
-        !orl_slice_take_cell(&line, ',', &field))
+    const int n = take_cells(&line, cells, 6);
+    if (n < 3)
         return fail_at_line(reader, ORL_ERR_SYNTAX,
                             "DATA PERIODS ends before the number of records per hour");
-    if (orl_slice_take_cell(&line, ',', &name) && orl_slice_take_cell(&line, ',', &weekday) &&
-        orl_slice_take_cell(&line, ',', &date))
-        reader->weather.first_weekday = weekday_of_new_year(weekday, date, &reader->first_date);
-    code = read_number(reader, field, "the number of records per hour", 1, 60, &an_hour);
+    if (n == 6)
+        reader->weather.first_weekday =
+            weekday_of_new_year(cells[4], cells[5], &reader->first_date);
+    const int code =
+        read_number(reader, cells[2], "the number of records per hour", 1, 60, &an_hour);
     if (code == 0 && an_hour != floor(an_hour))
         return fail_at_line(reader, ORL_ERR_RANGE,
                             "the number of records per hour is not a whole number");
@@ -290,11 +298,10 @@ static int read_epw_row(struct reader *reader, struct orl_slice line)
     struct orl_slice fields[EPW_FIELDS_READ] = {0};
     struct orl_weather_row row;
     int code;
-    for (int i = 0; i < EPW_FIELDS_READ; i++)
-        if (!orl_slice_take_cell(&line, ',', &fields[i]))
-            return fail_at_line(
-                reader, ORL_ERR_SYNTAX,
-                "the row ends before the diffuse horizontal irradiance, its 16th field");
+    if (take_cells(&line, fields, EPW_FIELDS_READ) < EPW_FIELDS_READ)
+        return fail_at_line(
+            reader, ORL_ERR_SYNTAX,
+            "the row ends before the diffuse horizontal irradiance, its 16th field");
     code = check_fields(reader, line);
     if (code < 0)
         return code;
