@@ -437,33 +437,25 @@ struct orl_rgb orl_direct_by_virtual_suns(const struct orl_lit_scene *lit_scene,
     return sum;
 }
 
-struct orl_rgb orl_direct_on_side(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
-                                  const struct orl_material *lobes, struct orl_vec3 eye,
-                                  struct orl_vec3 side, bool through_ports,
-                                  struct orl_random *random)
-{
-    const struct orl_direct_query query = {.point =
-                                               orl_hit_ray_origin(lit_scene->geometry, hit, side),
-                                           .normal = side,
-                                           .through_ports = through_ports,
-                                           .lobes = lobes,
-                                           .hit = hit,
-                                           .eye = eye,
-                                           .mirrored = true};
-    return orl_direct_light(lit_scene, &query, random);
-}
-
 struct orl_rgb orl_direct_by_lobes(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random)
 {
     const struct orl_vec3 seen = orl_hit_facing(hit);
-    const struct orl_rgb front =
-        orl_direct_on_side(lit_scene, hit, material, eye, seen, true, random);
-    if (!orl_material_transmits_lobes(material))
-        return front;
-    return orl_rgb_add(
-        front, orl_direct_on_side(lit_scene, hit, material, eye, orl_neg(seen), true, random));
+    struct orl_rgb sum = orl_gray(0);
+    for (int side = 0; side < (orl_material_transmits_lobes(material) ? 2 : 1); side++) {
+        const struct orl_vec3 normal = side == 0 ? seen : orl_neg(seen);
+        const struct orl_direct_query query = {
+            .point = orl_hit_ray_origin(lit_scene->geometry, hit, normal),
+            .normal = normal,
+            .through_ports = true,
+            .lobes = material,
+            .hit = hit,
+            .eye = eye,
+            .mirrored = true};
+        sum = orl_rgb_add(sum, orl_direct_light(lit_scene, &query, random));
+    }
+    return sum;
 }
 
 struct orl_rgb orl_direct_in_volume(const struct orl_lit_scene *lit_scene, struct orl_vec3 point,

@@ -119,12 +119,6 @@ struct orl_rgb orl_direct_in_volume(const struct orl_lit_scene *lit_scene, struc
 struct orl_rgb orl_direct_by_lobes(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
                                    const struct orl_material *material, struct orl_vec3 eye,
                                    struct orl_random *random);
-/* Returns the light of suns and lamps on one side of a hit, given by its unit normal: irradiance,
- * or with lobes their part of orl_direct_by_lobes. If through_ports is false, ports block. */
-struct orl_rgb orl_direct_on_side(const struct orl_lit_scene *lit_scene, const struct orl_hit *hit,
-                                  const struct orl_material *lobes, struct orl_vec3 eye,
-                                  struct orl_vec3 side, bool through_ports,
-                                  struct orl_random *random);
 
 /*
  * The pdf with which a ray's direction was sampled, for the MIS weight of lamps that the ray hits:

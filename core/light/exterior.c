@@ -17,8 +17,16 @@ static struct orl_rgb direct_on_side(const struct exterior_path *o, const struct
                                      const struct orl_material *lobes, struct orl_vec3 eye,
                                      struct orl_vec3 side)
 {
-    return orl_direct_on_side(o->eye.lit_scene, hit, lobes, eye, side, o->ret_entry != NULL,
-                              o->eye.random);
+    const struct orl_lit_scene *lit_scene = o->eye.lit_scene;
+    const struct orl_direct_query query = {.point =
+                                               orl_hit_ray_origin(lit_scene->geometry, hit, side),
+                                           .normal = side,
+                                           .through_ports = o->ret_entry != NULL,
+                                           .lobes = lobes,
+                                           .hit = hit,
+                                           .eye = eye,
+                                           .mirrored = true};
+    return orl_direct_light(lit_scene, &query, o->eye.random);
 }
 
 /*

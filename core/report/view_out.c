@@ -9,7 +9,6 @@
 #include <oriel/annual/annual.h>
 #include <oriel/base/vec.h>
 
-#include "base/memory/memory.h"
 #include "base/statistics/numeric.h"
 #include "report/report_internal.h"
 
@@ -29,11 +28,18 @@ bool orl_view_out_is_requested(const struct orl_view_out_request *view_out_reque
     return view_out_request->n_points > 0 || !isnan(view_out_request->above_sensors);
 }
 
+static void free_names(char **names, size_t n)
+{
+    for (size_t i = 0; names && i < n; i++)
+        free(names[i]);
+    free(names);
+}
+
 void orl_view_out_request_done(struct orl_view_out_request *view_out_request)
 {
     orl_named_points_free(view_out_request->points, view_out_request->n_points);
-    orl_texts_free(view_out_request->openings, view_out_request->n_openings);
-    orl_texts_free(view_out_request->ground, view_out_request->n_ground);
+    free_names(view_out_request->openings, view_out_request->n_openings);
+    free_names(view_out_request->ground, view_out_request->n_ground);
     orl_view_out_request_init(view_out_request);
 }
 

@@ -14,13 +14,19 @@
 #include <oriel/base/limits.h>
 
 #include "annual/matrices/imported_matrices.h"
-#include "base/memory/memory.h"
 
 static const double usual_ground = 0.2;
 
 void orl_annual_request_init(struct orl_annual_request *request)
 {
     *request = (struct orl_annual_request){.ground_reflectance = usual_ground};
+}
+
+static void free_names(char **names, size_t n)
+{
+    for (size_t i = 0; names && i < n; i++)
+        free(names[i]);
+    free(names);
 }
 
 void orl_annual_request_done(struct orl_annual_request *request)
@@ -35,7 +41,7 @@ void orl_annual_request_done(struct orl_annual_request *request)
         orl_matrix_term_done(&request->terms[i]);
     free(request->groups);
     free(request->terms);
-    orl_texts_free(request->scene_files, request->n_scene_files);
+    free_names(request->scene_files, request->n_scene_files);
     free(request->weather_file);
     free(request->sensors);
     free(request->grids);
@@ -175,8 +181,8 @@ void orl_annual_done(struct orl_annual_result *result)
 {
     if (!result)
         return;
-    orl_texts_free(result->warnings, result->n_warnings);
-    orl_texts_free(result->scene_read, result->n_scene_read);
+    free_names(result->warnings, result->n_warnings);
+    free_names(result->scene_read, result->n_scene_read);
     free(result->steps);
     free(result->step_of_column);
     free(result->states);
@@ -198,10 +204,10 @@ void orl_window_group_done(struct orl_window_group *group)
         return;
     for (size_t i = 0; group->states && i < group->n_states; i++) {
         free(group->states[i].name);
-        orl_texts_free(group->states[i].files, group->states[i].n_files);
+        free_names(group->states[i].files, group->states[i].n_files);
         free(group->states[i].material);
     }
-    orl_texts_free(group->windows, group->n_windows);
+    free_names(group->windows, group->n_windows);
     free(group->name);
     free(group->states);
     free(group->series);
