@@ -51,6 +51,16 @@ void orl_error_hint(struct orl_error *err, const char *format, ...)
     va_end(args);
 }
 
+int orl_error_refuse(struct orl_error *err, int code, const char *hint, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    orl_error_vset(err, code, format, args);
+    va_end(args);
+    orl_error_hint(err, "%s", hint);
+    return code;
+}
+
 int orl_err_of_errno(int why)
 {
     if (why == ENOMEM)
@@ -69,18 +79,6 @@ const char *orl_err_name(int code)
     return index >= 0 && index < (int)(sizeof names / sizeof *names) ? names[index] : "unknown";
 }
 
-/* Appends part to text, a buffer of size bytes of which *used are in use; truncates if it is
- * full. */
-static void append_text(char *text, unsigned long size, unsigned long *used, const char *part)
-{
-    const unsigned long length = strlen(part);
-    const unsigned long room = size - *used - 1;
-    const unsigned long taken = length < room ? length : room;
-    memcpy(text + *used, part, taken);
-    *used += taken;
-    text[*used] = '\0';
-}
-
 /* Returns true if the message already begins with the path, as errors in JSON documents do. */
 static bool begins_with_place(const struct orl_error *err)
 {
@@ -90,27 +88,12 @@ static bool begins_with_place(const struct orl_error *err)
 
 void orl_error_format(const struct orl_error *err, char *ret_text, unsigned long size)
 {
-    unsigned long used = 0;
-    char number[32];
-    if (size == 0)
-        return;
-    ret_text[0] = '\0';
-    if (err->file[0]) {
-        append_text(ret_text, size, &used, err->file);
-        if (err->line > 0) {
-            snprintf(number, sizeof number, ":%d", err->line);
-            append_text(ret_text, size, &used, number);
-        }
-        append_text(ret_text, size, &used, ": ");
-    }
-    if (err->primitive[0] && !begins_with_place(err)) {
-        append_text(ret_text, size, &used, err->primitive);
-        append_text(ret_text, size, &used, ": ");
-    }
-    append_text(ret_text, size, &used, err->message);
-    if (err->hint[0]) {
-        append_text(ret_text, size, &used, " (");
-        append_text(ret_text, size, &used, err->hint);
-        append_text(ret_text, size, &used, ")");
-    }
+    const bool has_primitive = err->primitive[0] && !begins_with_place(err);
+    char line[32] = "";
+    if (err->line > 0)
+        snprintf(line, sizeof line, ":%d", err->line);
+    snprintf(ret_text, size, "%s%s%s%s%s%s%s%s%s", err->file, err->file[0] ? line : "",
+             err->file[0] ? ": " : "", has_primitive ? err->primitive : "",
+             has_primitive ? ": " : "", err->message, err->hint[0] ? " (" : "", err->hint,
+             err->hint[0] ? ")" : "");
 }

@@ -1,4 +1,4 @@
-/* The stroke font: available letters, their position and rotation; lines and rectangles. */
+/* The stroke font: available letters, their position and rotation; lines. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -62,18 +62,6 @@ static void test_lines(void **state)
     clear();
     orl_raster_line(&raster, &pen, 20, 10, 80, 90); /* 100 long */
     assert_true(fabs(measure_ink().ink - flat.ink) < 2);
-}
-
-static void test_rectangles(void **state)
-{
-    static const unsigned char black[3] = {0};
-    (void)state;
-    clear();
-    orl_raster_fill(&raster, 10.4, 20.6, 30, 40, black);
-    const struct extent e = measure_ink();
-    assert_true(e.x0 == 10 && e.x1 == 29 && e.y0 == 21 && e.y1 == 39);
-    orl_raster_fill(&raster, -50, -50, 1e9, 1e9, black);
-    assert_true(measure_ink().ink == WIDTH * HEIGHT);
 }
 
 /* An H of 40 pixels is on its line, and has the stated height and width. */
@@ -173,10 +161,9 @@ static void test_outside(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lines),    cmocka_unit_test(test_rectangles),
-        cmocka_unit_test(test_frame),    cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_alphabet), cmocka_unit_test(test_strange_texts),
-        cmocka_unit_test(test_outside),
+        cmocka_unit_test(test_lines),         cmocka_unit_test(test_frame),
+        cmocka_unit_test(test_turned),        cmocka_unit_test(test_alphabet),
+        cmocka_unit_test(test_strange_texts), cmocka_unit_test(test_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,8 +12,6 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
-#include <oriel/base/files.h>
-
 enum { PATH_BYTES = 4096, NAME_BYTES = 256 };
 
 /* Finds an entry of the folder that matches the name in any case; of several the first by name. */

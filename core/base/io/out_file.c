@@ -113,17 +113,10 @@ static void write_npy_header(FILE *stream, size_t rows, size_t columns)
         snprintf(text, sizeof text, "{'descr': '<f4', 'fortran_order': False, 'shape': (%zu,%s), }",
                  rows, more);
     const size_t whole = ((size_t)length + 1 + FIXED + ALIGN - 1) / ALIGN * ALIGN;
-    const unsigned char start[FIXED] = {0x93,
-                                        'N',
-                                        'U',
-                                        'M',
-                                        'P',
-                                        'Y',
-                                        1,
-                                        0,
-                                        (unsigned char)((whole - FIXED) & 0xff),
-                                        (unsigned char)((whole - FIXED) >> 8)};
-    fwrite(start, 1, sizeof start, stream);
+    const unsigned char size[2] = {(unsigned char)((whole - FIXED) & 0xff),
+                                   (unsigned char)((whole - FIXED) >> 8)};
+    fwrite("\x93NUMPY\1", 1, FIXED - sizeof size, stream);
+    fwrite(size, 1, sizeof size, stream);
     fputs(text, stream);
     for (size_t i = FIXED + (size_t)length; i + 1 < whole; i++)
         fputc(' ', stream);

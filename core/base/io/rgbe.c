@@ -175,14 +175,12 @@ static bool read_scanline(struct orl_rgbe *r, unsigned char *out)
 static size_t place_of(const struct orl_rgbe *r, uint32_t scanline, uint32_t along)
 {
     const bool by_rows = r->order[1] == 'Y';
-    const uint32_t slow = scanline, fast = along;
-    const uint32_t row = by_rows ? slow : fast, column = by_rows ? fast : slow;
+    const uint32_t row = by_rows ? scanline : along, column = by_rows ? along : scanline;
     const char down = by_rows ? r->order[0] : r->order[2];
     const char right = by_rows ? r->order[2] : r->order[0];
-    const uint32_t width = r->width, height = r->height;
-    const uint32_t y = down == '-' ? row : height - 1 - row;
-    const uint32_t x = right == '+' ? column : width - 1 - column;
-    return (size_t)y * width + x;
+    const uint32_t y = down == '-' ? row : r->height - 1 - row;
+    const uint32_t x = right == '+' ? column : r->width - 1 - column;
+    return (size_t)y * r->width + x;
 }
 
 int orl_rgbe_pixels(struct orl_rgbe *rgbe, unsigned char (*ret_pixels)[4], struct orl_error *err)

@@ -177,12 +177,11 @@ bool orl_array_reserve_more(void *array, size_t *capacity, size_t count, size_t 
 {
     void **pointer = array;
     size_t wanted = *capacity ? 2 * *capacity : 16;
-    void *grown;
     if (count + more <= *capacity)
         return true;
     if (wanted < count + more)
         wanted = count + more;
-    grown = realloc(*pointer, wanted * item);
+    void *const grown = realloc(*pointer, wanted * item);
     if (!grown)
         return false;
     *pointer = grown;

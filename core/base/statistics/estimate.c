@@ -30,11 +30,6 @@ static double effective_count(const struct orl_ray_moments *moments)
     return n < fewest_events ? n : 0;
 }
 
-static double size2_of(const struct orl_ray_moments *moments)
-{
-    return sqrt(moments->eighths / moments->fourths);
-}
-
 int orl_sensor_orientation(struct orl_vec3 direction)
 {
     const double x = fabs(direction.x), y = fabs(direction.y), z = fabs(direction.z);
@@ -76,7 +71,8 @@ void orl_sparse_events_of(const struct orl_sparse_event_sensors *s,
     for (size_t i = 0; i < s->count; i++) {
         const int orientation = orl_sensor_orientation(s->sensors[i].direction);
         const double few = effective_count(&s->moments[i]),
-                     square = few > 0 ? few * size2_of(&s->moments[i]) : 0;
+                     square =
+                         few > 0 ? few * sqrt(s->moments[i].eighths / s->moments[i].fourths) : 0;
         const double unit = unit_of(s->values[i], ret_sparse[orientation].light);
         if (square > least_share * s->standard_errors[i] * s->standard_errors[i]) {
             events[orientation] += few;

@@ -25,11 +25,6 @@ static bool is_line_end(char c)
     return orl_byte_kind_of(c) == ORL_BYTE_LINE_END;
 }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 /* ---- Encoding -------------------------------------------------------------------------------- */
 
 static int refuse_file(const char *name, struct orl_error *err, const char *what,
@@ -164,20 +159,11 @@ const char *orl_line_end(const char *at, const char *end)
     return end;
 }
 
-static const char *find_line_end(const struct orl_scanner *scanner, const char *from)
-{
-    return orl_line_end(from, scanner->end);
-}
-
-/* Returns the start of the next line; `at` is at a line's end. */
-static const char *behind_line_end(const struct orl_scanner *scanner, const char *at)
-{
-    return *at == '\r' && scanner->end - at > 1 && at[1] == '\n' ? at + 2 : at + 1;
-}
-
+/* Goes to the start of the next line; `at` is at a line's end. */
 static void pass_line_end(struct orl_scanner *scanner, const char *at)
 {
-    scanner->at = scanner->begin = behind_line_end(scanner, at);
+    const bool both = *at == '\r' && scanner->end - at > 1 && at[1] == '\n';
+    scanner->at = scanner->begin = at + 1 + both;
     scanner->line++;
 }
 
@@ -196,7 +182,7 @@ bool orl_scanner_skip_comment(struct orl_scanner *scanner)
     if (*scanner->at == '#') {
         if (!(scanner->options & ORL_SCANNER_COMMENTS))
             return false;
-        scanner->at = find_line_end(scanner, scanner->at);
+        scanner->at = orl_line_end(scanner->at, scanner->end);
         return true;
     }
     if (!(scanner->options & ORL_SCANNER_CONTINUATIONS))
@@ -232,7 +218,7 @@ bool orl_scanner_next_line(struct orl_scanner *scanner)
         return scanner->at < scanner->end;
     }
     const bool at_end = scanner->at < scanner->end && is_line_end(*scanner->at);
-    const char *const end = at_end ? scanner->at : find_line_end(scanner, scanner->at);
+    const char *const end = at_end ? scanner->at : orl_line_end(scanner->at, scanner->end);
     if (end == scanner->end) {
         scanner->at = end;
         return false;
@@ -247,7 +233,7 @@ bool orl_scanner_line(struct orl_scanner *scanner, struct orl_slice *ret_line)
         pass_line_end(scanner, scanner->at); /* the usual case */
     else if (!orl_scanner_next_line(scanner))
         return false;
-    const char *const end = find_line_end(scanner, scanner->at);
+    const char *const end = orl_line_end(scanner->at, scanner->end);
     *ret_line = (struct orl_slice){scanner->at, (size_t)(end - scanner->at)};
     scanner->at = end;
     return true;
@@ -278,23 +264,6 @@ bool orl_slice_begins_nocase(struct orl_slice slice, const char *text)
     return slice.length >= length && strncasecmp(slice.text, text, length) == 0;
 }
 
-struct orl_slice orl_slice_trim(struct orl_slice slice)
-{
-    while (slice.length > 0 && orl_byte_kind_of(slice.text[0]) != ORL_BYTE_WORD) {
-        slice.text++;
-        slice.length--;
-    }
-    while (slice.length > 0 && orl_byte_kind_of(slice.text[slice.length - 1]) != ORL_BYTE_WORD)
-        slice.length--;
-    return slice;
-}
-
-struct orl_slice orl_slice_before(struct orl_slice slice, char byte)
-{
-    const char *const at = slice.length > 0 ? memchr(slice.text, byte, slice.length) : NULL;
-    return (struct orl_slice){slice.text, at ? (size_t)(at - slice.text) : slice.length};
-}
-
 static void drop_front(struct orl_slice *slice, size_t n)
 {
     slice->text += n;
@@ -305,6 +274,20 @@ static void skip_blanks(struct orl_slice *slice)
 {
     while (slice->length > 0 && orl_byte_kind_of(*slice->text) != ORL_BYTE_WORD)
         drop_front(slice, 1);
+}
+
+struct orl_slice orl_slice_trim(struct orl_slice slice)
+{
+    skip_blanks(&slice);
+    while (slice.length > 0 && orl_byte_kind_of(slice.text[slice.length - 1]) != ORL_BYTE_WORD)
+        slice.length--;
+    return slice;
+}
+
+struct orl_slice orl_slice_before(struct orl_slice slice, char byte)
+{
+    const char *const at = slice.length > 0 ? memchr(slice.text, byte, slice.length) : NULL;
+    return (struct orl_slice){slice.text, at ? (size_t)(at - slice.text) : slice.length};
 }
 
 struct orl_slice orl_slice_take_word(struct orl_slice *rest)
@@ -444,7 +427,7 @@ bool orl_cells_next(struct orl_cells *cells, struct orl_slice *ret_cell)
 
 static const char *skip_digits(const char *at, const char *end)
 {
-    while (at < end && is_digit(*at))
+    while (at < end && *at >= '0' && *at <= '9')
         at++;
     return at;
 }

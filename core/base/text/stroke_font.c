@@ -202,88 +202,34 @@ static uint32_t end_pixel(double high, uint32_t size)
     return !(high > 0) ? 0 : high >= size ? size : (uint32_t)ceil(high);
 }
 
-/* Lines that reach a row of pixels, with their extents along it. */
-struct painted_row {
-    double y; /* middle of the row's pixels */
-    size_t count;
-    const struct line *lines[MOST_LINES];
-    double from[MOST_LINES], to[MOST_LINES];
-};
-
-/* Returns true if line l comes within `reach` of the row, with a bound on its extent along the
- * row. */
-static bool line_reaches_row(const struct line *l, double y, double reach, double *ret_from,
-                             double *ret_to)
-{
-    const bool rising = l->b.y >= l->a.y;
-    const struct point low = rising ? l->a : l->b, high = rising ? l->b : l->a;
-    if (low.y > y + reach || high.y < y - reach)
-        return false;
-    const double height = high.y - low.y, slope = height > 0 ? (high.x - low.x) / height : 0;
-    /* The ends of the line, or of its part in the band about the row; rounded outwards. */
-    const double x0 = low.y < y - reach ? low.x + (y - reach - low.y) * slope : low.x;
-    const double x1 = high.y > y + reach ? low.x + (y + reach - low.y) * slope : high.x;
-    *ret_from = (x0 < x1 ? x0 : x1) - reach - 0.01;
-    *ret_to = (x0 < x1 ? x1 : x0) + reach + 0.01;
-    return true;
-}
-
-static void collect_row_lines(const struct stroke_painter *k, double y, double reach,
-                              struct painted_row *row)
-{
-    row->y = y;
-    row->count = 0;
-    for (size_t i = 0; i < k->count; i++)
-        if (line_reaches_row(&k->lines[i], y, reach, &row->from[row->count], &row->to[row->count]))
-            row->lines[row->count++] = &k->lines[i];
-}
-
-static double least_square(const struct painted_row *row, double x)
+static double least_square(const struct stroke_painter *k, double x, double y)
 {
     double least = INFINITY;
-    for (size_t i = 0; i < row->count; i++) {
-        if (x < row->from[i] || x > row->to[i])
-            continue;
-        const double square = square_to(row->lines[i], x, row->y);
-        least = square < least ? square : least;
-    }
+    for (size_t i = 0; i < k->count; i++)
+        least = fmin(least, square_to(&k->lines[i], x, y));
     return least;
-}
-
-static void draw_row(const struct stroke_painter *k, const struct painted_row *row, uint32_t y,
-                     double reach)
-{
-    const struct orl_raster *raster = k->raster;
-    double from = INFINITY, to = -INFINITY;
-    for (size_t i = 0; i < row->count; i++) {
-        from = row->from[i] < from ? row->from[i] : from;
-        to = row->to[i] > to ? row->to[i] : to;
-    }
-    const uint32_t x1 = end_pixel(to, raster->width);
-    for (uint32_t x = first_pixel(from, raster->width); x < x1; x++) {
-        const double share = reach - sqrt(least_square(row, x + 0.5));
-        if (share > 0)
-            blend_pixel(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb,
-                        share < 1 ? share : 1);
-    }
 }
 
 static void draw_lines(const struct stroke_painter *k)
 {
     const struct orl_raster *raster = k->raster;
     const double reach = k->half + 0.5;
-    struct painted_row row;
-    double low = INFINITY, high = -INFINITY;
+    struct point low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
     for (size_t i = 0; i < k->count; i++) {
-        low = fmin(low, fmin(k->lines[i].a.y, k->lines[i].b.y));
-        high = fmax(high, fmax(k->lines[i].a.y, k->lines[i].b.y));
+        const struct point a = k->lines[i].a, b = k->lines[i].b;
+        low = (struct point){fmin(low.x, fmin(a.x, b.x)), fmin(low.y, fmin(a.y, b.y))};
+        high = (struct point){fmax(high.x, fmax(a.x, b.x)), fmax(high.y, fmax(a.y, b.y))};
     }
-    const uint32_t y1 = end_pixel(high + reach, raster->height);
-    for (uint32_t y = first_pixel(low - reach, raster->height); y < y1; y++) {
-        collect_row_lines(k, y + 0.5, reach, &row);
-        if (row.count > 0)
-            draw_row(k, &row, y, reach);
-    }
+    const uint32_t x0 = first_pixel(low.x - reach, raster->width);
+    const uint32_t x1 = end_pixel(high.x + reach, raster->width);
+    const uint32_t y1 = end_pixel(high.y + reach, raster->height);
+    for (uint32_t y = first_pixel(low.y - reach, raster->height); y < y1; y++)
+        for (uint32_t x = x0; x < x1; x++) {
+            const double share = reach - sqrt(least_square(k, x + 0.5, y + 0.5));
+            if (share > 0)
+                blend_pixel(raster->rgb + 3 * ((size_t)y * raster->width + x), k->rgb,
+                            share < 1 ? share : 1);
+        }
 }
 
 static void add_line(void *ctx, bool begins, struct point p)
@@ -326,16 +272,4 @@ void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen,
                                             .count = 1,
                                             .lines = {{{x0, y0}, {x1, y1}}}};
     draw_lines(&stroke_painter);
-}
-
-void orl_raster_fill(const struct orl_raster *raster, double x0, double y0, double x1, double y1,
-                     const unsigned char rgb[3])
-{
-    const uint32_t left = first_pixel(x0 + 0.5, raster->width),
-                   right = first_pixel(x1 + 0.5, raster->width);
-    const uint32_t top = first_pixel(y0 + 0.5, raster->height),
-                   bottom = first_pixel(y1 + 0.5, raster->height);
-    for (uint32_t y = top; y < bottom; y++)
-        for (uint32_t x = left; x < right; x++)
-            memcpy(raster->rgb + 3 * ((size_t)y * raster->width + x), rgb, 3);
 }

@@ -64,8 +64,4 @@ void orl_stroke_text_draw(const struct orl_raster *raster, const struct orl_pen 
 void orl_raster_line(const struct orl_raster *raster, const struct orl_pen *pen, double x0,
                      double y0, double x1, double y1);
 
-/* Fills a rectangle: all pixels whose middle lies in it. */
-void orl_raster_fill(const struct orl_raster *raster, double x0, double y0, double x1, double y1,
-                     const unsigned char rgb[3]);
-
 #endif

@@ -54,12 +54,11 @@ static bool parse_decimal(const char *text, size_t length, struct decimal *ret_n
 {
     const char *at = text, *end = text + length, *start;
     struct decimal number = {0, 0, false, true};
-    bool any;
     if (at < end && (*at == '-' || *at == '+'))
         number.negative = *at++ == '-';
     start = at;
     at = read_digits(at, end, &number, 0);
-    any = at > start;
+    bool any = at > start;
     if (at < end && *at == '.') {
         start = ++at;
         at = read_digits(at, end, &number, -1);

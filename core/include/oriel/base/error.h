@@ -54,6 +54,10 @@ void orl_error_at(struct orl_error *err, const char *file, int line, const char 
 void orl_error_hint(struct orl_error *err, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* Sets an error with a hint. Returns code. */
+int orl_error_refuse(struct orl_error *err, int code, const char *hint, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
 /* Returns the code for an errno of the file system: ORL_ERR_FULL for ENOSPC and EDQUOT,
  * ORL_ERR_NOMEM for ENOMEM, else ORL_ERR_IO. */
 int orl_err_of_errno(int why);

@@ -59,6 +59,10 @@ static inline struct orl_vec3 orl_scale(struct orl_vec3 a, double s)
 {
     return orl_v3(a.x * s, a.y * s, a.z * s);
 }
+static inline int orl_equal(struct orl_vec3 a, struct orl_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
 /* Returns a + s b. */
 static inline struct orl_vec3 orl_madd(struct orl_vec3 a, struct orl_vec3 b, double s)
 {
@@ -79,6 +83,23 @@ static inline struct orl_vec3 orl_cross(struct orl_vec3 a, struct orl_vec3 b)
 static inline double orl_length(struct orl_vec3 a)
 {
     return sqrt(orl_dot(a, a));
+}
+/* Returns the component along axis 0, 1 or 2. */
+static inline double orl_component(struct orl_vec3 a, int axis)
+{
+    return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
+}
+/* Returns the largest magnitude of a component. */
+static inline double orl_largest(struct orl_vec3 a)
+{
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
+/* Extends the box from low to high so that it holds a point. */
+static inline void orl_box_include(struct orl_vec3 point, struct orl_vec3 *low,
+                                   struct orl_vec3 *high)
+{
+    *low = orl_v3(fmin(low->x, point.x), fmin(low->y, point.y), fmin(low->z, point.z));
+    *high = orl_v3(fmax(high->x, point.x), fmax(high->y, point.y), fmax(high->z, point.z));
 }
 /* Returns the unit vector along a; the zero vector stays zero. */
 static inline struct orl_vec3 orl_normalize(struct orl_vec3 a)
