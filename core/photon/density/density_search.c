@@ -376,11 +376,10 @@ double orl_density_bias(const struct orl_photon_map *map, const struct orl_densi
     static const double least = 1.4; /* minimum ratio of the areas */
     struct orl_density_query other = *query;
     struct orl_health before = search->health;
-    struct orl_density second;
     if (estimate->found == 0)
         return 0;
     other.k = 2 * query->k;
-    second = orl_density_estimate(map, &other, search);
+    struct orl_density second = orl_density_estimate(map, &other, search);
     if (second.area < least * estimate->area) {
         other.max_radius = estimate->radius * sqrt(0.5);
         second = orl_density_estimate(map, &other, search);

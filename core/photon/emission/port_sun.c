@@ -130,19 +130,14 @@ static struct orl_shadow_box pane_of(const struct shadow_projection *c,
     return pane;
 }
 
-static bool shadow_boxes_overlap(const struct orl_shadow_box *a, const struct orl_shadow_box *b)
-{
-    return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] &&
-           b->low[1] <= a->high[1];
-}
-
 /* Returns false if there are too many. */
 static bool add_shadow_box(struct orl_shadow_boxes *shadow_boxes,
                            const struct orl_shadow_box *shadow_box,
                            const struct orl_shadow_box *pane)
 {
-    if (!shadow_boxes_overlap(shadow_box, pane))
-        return true;
+    for (int i = 0; i < 2; i++)
+        if (!(shadow_box->low[i] <= pane->high[i] && pane->low[i] <= shadow_box->high[i]))
+            return true;
     if (shadow_boxes->count == ORL_MOST_SHADOW_BOXES)
         return false;
     shadow_boxes->box[shadow_boxes->count++] = *shadow_box;

@@ -68,6 +68,12 @@ struct orl_photon {
     uint32_t facet; /* the facet that it landed on; not stored in maps */
 };
 
+/* Returns the luma of a photon's flux. */
+static inline double orl_photon_luma(const struct orl_photon *p)
+{
+    return orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]});
+}
+
 struct orl_map_header {
     char magic[8]; /* "ORIELPM" and NUL */
     uint32_t version;

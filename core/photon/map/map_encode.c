@@ -197,13 +197,6 @@ void orl_map_encode_cell(const struct orl_map_encoder *encoder, size_t index, ui
     cell_at(encoder, at, ret_cell);
 }
 
-/* Returns the coded normal of a photon. */
-static uint16_t normal_of(const struct orl_map_encoder *encoder, size_t index)
-{
-    return index < encoder->n_earlier ? encoder->earlier->normals[index]
-                                      : encoder->photons[index - encoder->n_earlier].normal;
-}
-
 /* Rounds up or down at random, so that sums keep their means. The random number depends on the
  * photon only. */
 static uint32_t new_flux(const struct orl_map_encoder *p, size_t index)
@@ -217,7 +210,9 @@ static uint32_t new_flux(const struct orl_map_encoder *p, size_t index)
 struct orl_photon_words orl_map_encode_words(const struct orl_map_encoder *encoder, size_t index)
 {
     const struct orl_photon_map *map = encoder->earlier;
-    struct orl_photon_words words = {.normal = normal_of(encoder, index)};
+    struct orl_photon_words words = {
+        .normal = index < encoder->n_earlier ? encoder->earlier->normals[index]
+                                             : encoder->photons[index - encoder->n_earlier].normal};
     uint32_t batch, cell[3];
     if (index < encoder->n_earlier) {
         const uint64_t word = index / ORL_MAP_LEAF * ORL_LEAF_WORDS + index % ORL_MAP_LEAF;

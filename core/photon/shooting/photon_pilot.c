@@ -58,11 +58,6 @@ static struct cube *find_cube(struct cube *cubes, uint64_t key)
     return &cubes[at];
 }
 
-static double luma_of(const struct orl_photon *p)
-{
-    return orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]});
-}
-
 static void fill_cubes(struct cube *cubes, const struct photon_subset *caustic,
                        const struct photon_subset *rest, const struct orl_geometry *g, int level)
 {
@@ -70,7 +65,7 @@ static void fill_cubes(struct cube *cubes, const struct photon_subset *caustic,
     for (size_t i = 0; i < caustic->count; i += caustic->step) {
         struct cube *c = find_cube(cubes, key_of(&caustic->photons[i], g, level));
         c->caustic++;
-        c->caustic_w += caustic->scale * luma_of(&caustic->photons[i]);
+        c->caustic_w += caustic->scale * orl_photon_luma(&caustic->photons[i]);
     }
     for (size_t i = 0; i < rest->count; i += rest->step) {
         const struct orl_photon *p = &rest->photons[i];
@@ -78,7 +73,7 @@ static void fill_cubes(struct cube *cubes, const struct photon_subset *caustic,
             continue;
         struct cube *c = find_cube(cubes, key_of(p, g, level));
         c->rest++;
-        c->rest_w += rest->scale * luma_of(p);
+        c->rest_w += rest->scale * orl_photon_luma(p);
     }
 }
 
@@ -109,7 +104,8 @@ int orl_photon_pilot_contrast(const struct orl_photon *caustic, size_t n_caustic
         }
     }
     for (size_t i = 0; i < n_caustic && cubes && local_flux; i += c.step) {
-        const double flux = luma_of(&caustic[i]), both = local_flux[i].caustic + local_flux[i].rest;
+        const double flux = orl_photon_luma(&caustic[i]),
+                     both = local_flux[i].caustic + local_flux[i].rest;
         sum += both > 0 ? flux * local_flux[i].caustic / both : 0;
         all += flux;
     }
@@ -229,7 +225,7 @@ static double flux_of(const struct pilot_result *pilot_result, bool caustics_too
     for (size_t i = 0; i < pilot_result->count; i++) {
         const struct orl_photon *p = &pilot_result->photons[i];
         if (caustics_too || p->tag != ORL_PHOTON_CAUSTIC)
-            orl_sum_add(&sum, orl_luma((struct orl_rgb){p->flux[0], p->flux[1], p->flux[2]}));
+            orl_sum_add(&sum, orl_photon_luma(p));
     }
     return pilot_result->emitted > 0 ? orl_sum_value(&sum) / (double)pilot_result->emitted : 0;
 }

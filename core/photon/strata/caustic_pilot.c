@@ -144,10 +144,8 @@ static int find_target_flux(const struct orl_emission *emission, const struct or
     for (size_t i = 0; i < g->n_facets; i++)
         facets += orl_facet_area(g, i) > 0 &&
                   is_target_material(&lit_scene->materials[orl_facet_material(g, i)]);
-    const size_t share = MOST_RAYS / (facets * (lit_scene->n_suns + 1));
-    const uint32_t samples = (uint32_t)(share > MOST_A_FACET    ? MOST_A_FACET
-                                        : share < LEAST_A_FACET ? LEAST_A_FACET
-                                                                : share);
+    const uint32_t samples =
+        orl_pilot_share(MOST_RAYS, facets * (lit_scene->n_suns + 1), LEAST_A_FACET, MOST_A_FACET);
     for (uint32_t sun = 0; sun < lit_scene->n_suns && lit_scene->n_ports > 0 && code == 0; sun++) {
         for (size_t p = 0; p < lit_scene->n_ports; p++)
             of_port[p] = SIZE_MAX;
@@ -224,8 +222,7 @@ static void trace_caustics(void *arg, size_t index, uint32_t member)
         orl_trace_photon(pilot->emission->lit_scene, &photon_ray, true, 0, &random, &deposits);
     }
     for (size_t i = 0; i < deposits.count; i++)
-        sum += orl_luma((struct orl_rgb){deposits.photons[i].flux[0], deposits.photons[i].flux[1],
-                                         deposits.photons[i].flux[2]});
+        sum += orl_photon_luma(&deposits.photons[i]);
     free(deposits.photons);
     pilot->yield[index] = sum / emitted;
 }
@@ -268,10 +265,8 @@ static int find_targets(struct pilot *pilot, const struct orl_thread_pool *pool)
 /* Returns the number of emissions for each of `strata` strata. */
 static uint32_t emissions_each(size_t strata)
 {
-    const size_t each = CAUSTIC_EMISSIONS / (strata + 1);
-    return (uint32_t)(each > MOST_EMISSIONS_A_STRATUM    ? MOST_EMISSIONS_A_STRATUM
-                      : each < LEAST_EMISSIONS_A_STRATUM ? LEAST_EMISSIONS_A_STRATUM
-                                                         : each);
+    return orl_pilot_share(CAUSTIC_EMISSIONS, strata + 1, LEAST_EMISSIONS_A_STRATUM,
+                           MOST_EMISSIONS_A_STRATUM);
 }
 
 /* Windows share the emissions. A sun on a whole building has separate ones, because few of them

@@ -94,13 +94,11 @@ static void estimate_reflected(void *arg, size_t index, uint32_t member)
 static int set_first_reflection(struct orl_emission *emission, uint64_t seed,
                                 struct orl_thread_pool *pool)
 {
-    const size_t each = EMISSIONS / (emission->n_strata + 1);
     struct reflection_pilot reflection_pilot = {
         .emission = emission,
         .seed = seed,
-        .emissions = (uint32_t)(each > MOST_EMISSIONS    ? MOST_EMISSIONS
-                                : each < LEAST_EMISSIONS ? LEAST_EMISSIONS
-                                                         : each)};
+        .emissions =
+            orl_pilot_share(EMISSIONS, emission->n_strata + 1, LEAST_EMISSIONS, MOST_EMISSIONS)};
     for (size_t i = 0; i < emission->n_strata; i++)
         emission->strata[i].reflected = 1;
     return emission->lit_scene->omit.counted_light
@@ -294,10 +292,8 @@ static int list_images(struct orl_emission *e, const struct orl_thread_pool *poo
  * unobstructed flux, because so few emissions may miss light through a gap. */
 static double port_lamp_flux(const struct orl_emission *e, const struct orl_stratum *stratum)
 {
-    const size_t each = LAMP_EMISSIONS / orl_port_lamp_count_strata(e);
-    const uint32_t emissions = (uint32_t)(each > IMAGE_EMISSIONS           ? IMAGE_EMISSIONS
-                                          : each < LEAST_EMISSIONS_OF_LAMP ? LEAST_EMISSIONS_OF_LAMP
-                                                                           : each);
+    const uint32_t emissions = orl_pilot_share(LAMP_EMISSIONS, orl_port_lamp_count_strata(e),
+                                               LEAST_EMISSIONS_OF_LAMP, IMAGE_EMISSIONS);
     struct orl_health ignored = {0};
     double passing = 0, open = 0;
     for (uint32_t i = 0; i < emissions; i++) {

@@ -16,4 +16,11 @@
  */
 int orl_caustic_pilot(struct orl_emission *emission, uint64_t seed, struct orl_thread_pool *pool);
 
+/* Returns the number of samples that each of n things gets of a total, within bounds. */
+static inline uint32_t orl_pilot_share(size_t total, size_t n, uint32_t least, uint32_t most)
+{
+    const size_t each = total / n;
+    return each > most ? most : each < least ? least : (uint32_t)each;
+}
+
 #endif

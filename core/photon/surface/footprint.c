@@ -429,12 +429,6 @@ bool orl_footprint_contains(const struct orl_footprint *footprint, struct orl_ve
            (!(beyond > 0) || beyond * sqrt(length2) <= wedge->border.offset * sqrt(flat2));
 }
 
-/* Returns twice the area before a straight line between two azimuths, counted from its normal. */
-static double before_line(double offset, double from, double to)
-{
-    return offset * offset * (tan(to) - tan(from));
-}
-
 static double wedge_area(const struct orl_wedge *wedge, double radius, int at)
 {
     const struct orl_line *line = &wedge->border;
@@ -447,7 +441,8 @@ static double wedge_area(const struct orl_wedge *wedge, double radius, int at)
     const double start = remainder(at * width - normal, 2 * ORL_PI);
     const double from = orl_smaller(orl_larger(start, -half), half),
                  to = orl_smaller(orl_larger(start + width, -half), half);
-    return 0.5 * (before_line(line->offset, from, to) + (width - (to - from)) * r * r);
+    const double before = line->offset * line->offset * (tan(to) - tan(from));
+    return 0.5 * (before + (width - (to - from)) * r * r);
 }
 
 double orl_footprint_area(const struct orl_footprint *footprint, double radius)

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory/memory.h"
 #include "photon/map/quantization.h"
 
 enum { LEAF = 4, DEEPEST = 64 };
@@ -24,15 +25,10 @@ struct orl_counting_discs {
     size_t count;
 };
 
-static double along(struct orl_vec3 v, int axis)
-{
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 /* Returns the disc's half extent along an axis, from the circle's normal. */
 static double half_extent(const struct orl_counting_disc *disc, int axis)
 {
-    const double n = along(disc->frame.n, axis);
+    const double n = orl_component(disc->frame.n, axis);
     return disc->radius * sqrt(fmax(0, 1 - n * n));
 }
 
@@ -44,7 +40,7 @@ static void bound_discs(const struct orl_counting_discs *tree, struct node *node
         node->high[axis] = -INFINITY;
         for (uint32_t i = first; i < first + count; i++) {
             const struct orl_counting_disc *disc = &tree->discs[tree->order[i]];
-            const double at = along(disc->center, axis);
+            const double at = orl_component(disc->center, axis);
             const double half = half_extent(disc, axis) + 1e-9 * (disc->radius + fabs(at));
             node->low[axis] = fmin(node->low[axis], at - half);
             node->high[axis] = fmax(node->high[axis], at + half);
@@ -87,7 +83,7 @@ static void split_discs(struct orl_counting_discs *tree, struct rank *ranks, uin
     const int axis = longest_axis(node);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t disc = tree->order[first + i];
-        ranks[i] = (struct rank){along(tree->discs[disc].center, axis), disc};
+        ranks[i] = (struct rank){orl_component(tree->discs[disc].center, axis), disc};
     }
     qsort(ranks, count, sizeof *ranks, compare_ranks);
     for (uint32_t i = 0; i < count; i++)
@@ -134,17 +130,11 @@ void orl_counting_discs_free(struct orl_counting_discs *discs)
 
 static void add_crossing(struct orl_disc_crossings *crossings, struct orl_disc_crossing crossing)
 {
-    if (crossings->count == crossings->capacity) {
-        const size_t capacity = crossings->capacity ? 2 * crossings->capacity : 1024;
-        struct orl_disc_crossing *grown = realloc(crossings->crossings, capacity * sizeof *grown);
-        if (!grown) {
-            crossings->out_of_memory = true;
-            return;
-        }
-        crossings->crossings = grown;
-        crossings->capacity = capacity;
-    }
-    crossings->crossings[crossings->count++] = crossing;
+    if (orl_array_reserve(&crossings->crossings, &crossings->capacity, crossings->count,
+                          sizeof crossing))
+        crossings->crossings[crossings->count++] = crossing;
+    else
+        crossings->out_of_memory = true;
 }
 
 /* Records the crossing if the segment crosses the disc from its lit side, within its unobstructed
@@ -183,7 +173,7 @@ static bool crosses_box(const struct node *node, const struct orl_ray_segment *s
 {
     double near = 0, far = s->distance;
     for (int axis = 0; axis < 3; axis++) {
-        const double d = along(s->direction, axis), o = along(s->origin, axis);
+        const double d = orl_component(s->direction, axis), o = orl_component(s->origin, axis);
         if (d == 0) {
             if (o < node->low[axis] || o > node->high[axis])
                 return false;
@@ -224,19 +214,10 @@ void orl_counting_discs_record(const struct orl_counting_discs *discs,
 
 bool orl_deposits_reserve(struct orl_deposits *deposits, size_t more)
 {
-    if (more <= deposits->capacity - deposits->count)
-        return true;
-    size_t capacity = deposits->capacity ? 2 * deposits->capacity : 4096;
-    while (capacity - deposits->count < more)
-        capacity *= 2;
-    struct orl_photon *grown = realloc(deposits->photons, capacity * sizeof *deposits->photons);
-    if (!grown) {
-        deposits->out_of_memory = true;
-        return false;
-    }
-    deposits->photons = grown;
-    deposits->capacity = capacity;
-    return true;
+    const bool reserved = orl_array_reserve_more(&deposits->photons, &deposits->capacity,
+                                                 deposits->count, more, sizeof *deposits->photons);
+    deposits->out_of_memory |= !reserved;
+    return reserved;
 }
 
 void orl_deposit(struct orl_deposits *deposits, const struct orl_hit *hit, struct orl_rgb flux,

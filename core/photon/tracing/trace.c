@@ -70,18 +70,15 @@ static struct path_owner path_owner_init(const struct orl_lit_scene *lit_scene,
     return path_owner;
 }
 
-static bool has_image(const struct path_owner *path_owner, const struct orl_lit_scene *lit_scene)
-{
-    return path_owner->lamp_has_image ||
-           (path_owner->image >= 0 && lit_scene->images.nodes[path_owner->image].shown);
-}
-
 /* Returns true if no other estimator finds the photon in its current state. */
 static bool path_owner_is_none(const struct path_owner *path_owner,
                                const struct orl_lit_scene *lit_scene)
 {
+    const bool has_image =
+        path_owner->lamp_has_image ||
+        (path_owner->image >= 0 && lit_scene->images.nodes[path_owner->image].shown);
     return path_owner->estimator == ESTIMATOR_NONE ||
-           (path_owner->estimator == ESTIMATOR_VIRTUAL_LIGHTS && !has_image(path_owner, lit_scene));
+           (path_owner->estimator == ESTIMATOR_VIRTUAL_LIGHTS && !has_image);
 }
 
 /* Handles a reflection by a mirror: updates the image. A lamp has images in its first mirror
