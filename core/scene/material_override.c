@@ -22,19 +22,12 @@ static bool find_material(const struct orl_parsed_scene *d, const char *name, ui
 /* Adds a plastic that reflects nothing. Surfaces modified by void are treated differently. */
 static int add_black(struct orl_parsed_scene *d, uint32_t *ret_index)
 {
-    struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    d->materials = grown;
-    grown[d->n_materials] = (struct orl_material){
+    const struct orl_material black = {
         .kind = ORL_MATERIAL_PLASTIC,
         .name = orl_arena_copy_text(d->arena, black_name, sizeof black_name - 1),
         .seen_as = ORL_SEEN_AS_ITSELF,
         .sky = -1};
-    if (!grown[d->n_materials].name)
-        return ORL_ERR_NOMEM;
-    *ret_index = (uint32_t)d->n_materials++;
-    return 0;
+    return black.name ? orl_parsed_scene_add_material(d, &black, ret_index) : ORL_ERR_NOMEM;
 }
 
 /* ---- Surfaces -------------------------------------------------------------------------------- */
@@ -154,17 +147,13 @@ static int apply_override(const struct overriding *s, size_t which)
 int orl_material_add_group_copy(struct orl_parsed_scene *d, uint32_t material,
                                 uint32_t window_group, uint32_t *ret_index)
 {
-    struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    d->materials = grown;
-    grown[d->n_materials] = grown[material];
-    grown[d->n_materials].window_group = window_group;
-    grown[d->n_materials].copy_of = orl_material_origin(&grown[material], material) + 1;
-    if (grown[material].bsdf)
-        orl_bsdf_ref(grown[material].bsdf);
-    *ret_index = (uint32_t)d->n_materials++;
-    return 0;
+    struct orl_material copy = d->materials[material];
+    copy.window_group = window_group;
+    copy.copy_of = orl_material_origin(&copy, material) + 1;
+    const int code = orl_parsed_scene_add_material(d, &copy, ret_index);
+    if (code == 0 && copy.bsdf)
+        orl_bsdf_ref(copy.bsdf);
+    return code;
 }
 
 /* own: for each material, its copy in this window group, or UINT32_MAX. */
@@ -186,8 +175,8 @@ static bool is_of_files(const struct orl_material_override *override,
     if (override->n_files == 0)
         return false;
     const size_t end = override->first_file + override->n_files;
-    return surface >= d->first_surfaces[override->first_file] &&
-           (end == n_names || surface < d->first_surfaces[end]);
+    return surface >= d->source.first_surfaces[override->first_file] &&
+           (end == n_names || surface < d->source.first_surfaces[end]);
 }
 
 /* Copies only the materials that existed before: `n` excludes the copies. */

@@ -1,5 +1,7 @@
 #include "scene/parsed_scene.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -98,8 +100,27 @@ void orl_parsed_scene_done(struct orl_parsed_scene *parsed_scene)
     memset(parsed_scene, 0, sizeof *parsed_scene);
 }
 
-void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *text)
+int orl_parsed_scene_add_material(struct orl_parsed_scene *parsed_scene,
+                                  const struct orl_material *material, uint32_t *ret_index)
 {
+    struct orl_material *const grown =
+        realloc(parsed_scene->materials, (parsed_scene->n_materials + 1) * sizeof *grown);
+    if (grown)
+        parsed_scene->materials = grown;
+    if (!grown)
+        return ORL_ERR_NOMEM;
+    *ret_index = (uint32_t)parsed_scene->n_materials++;
+    grown[*ret_index] = *material;
+    return 0;
+}
+
+void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *format, ...)
+{
+    char text[640];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
     char *copy = orl_arena_copy_text(parsed_scene->arena, text, strlen(text));
     char **grown = realloc(parsed_scene->warnings,
                            (parsed_scene->n_warnings + 1) * sizeof *parsed_scene->warnings);

@@ -247,6 +247,16 @@ struct orl_missing_file {
     bool library;
 };
 
+/* The files that a scene was read from; all arrays lie in the arena. */
+struct orl_scene_source {
+    struct orl_file_record *read;     /* content of each file */
+    struct orl_missing_file *missing; /* names that were looked for in vain */
+    size_t n_missing;                 /* SIZE_MAX: too many to be listed */
+    size_t n_main;          /* number of leading files that the caller named as scene text */
+    size_t *first_surfaces; /* index of the first surface of each name that the caller gave */
+    size_t n_first_surfaces;
+};
+
 struct orl_parsed_scene {
     struct orl_material *materials;
     size_t n_materials;
@@ -271,13 +281,7 @@ struct orl_parsed_scene {
                            (material/patterns/pattern.h) */
     char **files;       /* names of all files read, in order of first use */
     size_t n_files;
-    struct orl_file_record *read;     /* content of each file; in the arena */
-    struct orl_missing_file *missing; /* names that were looked for in vain; in the arena */
-    size_t n_missing;                 /* SIZE_MAX: too many to be listed */
-    size_t n_main; /* number of leading files that the caller named as scene text */
-    /* index of the first surface of each name that the caller gave; in the arena */
-    size_t *first_surfaces;
-    size_t n_first_surfaces;
+    struct orl_scene_source source;
     bool coincidences_resolved; /* coincident surfaces have been resolved (scene/built/scene.h) */
     uint64_t n_read;            /* if they have been resolved: number of surfaces in the files */
     uint64_t n_degenerate;    /* polygons dropped: zero area or fewer than three distinct corners */
@@ -291,8 +295,13 @@ struct orl_parsed_scene {
     const atomic_bool *cancel;    /* cancel flag, polled while geometry is built; may be NULL */
 };
 
-/* Adds a copy of the text to the warnings; does nothing if out of memory. */
-void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *text);
+/* Adds a copy of a material after parsing. Returns 0 or ORL_ERR_NOMEM. */
+int orl_parsed_scene_add_material(struct orl_parsed_scene *parsed_scene,
+                                  const struct orl_material *material, uint32_t *ret_index);
+
+/* Adds a warning, of at most 639 bytes; does nothing if out of memory. */
+void orl_parsed_scene_warn(struct orl_parsed_scene *parsed_scene, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /*
  * Frees the surfaces, but makes their labels first; n_surfaces stays. The surfaces stay if some

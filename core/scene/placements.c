@@ -180,12 +180,13 @@ static bool merge_at(struct expansion *e, size_t index)
     for (;;) {
         const bool place =
             e->placement < d->n_placements && d->placements[e->placement].before == index;
-        const bool begins = e->file < d->n_first_surfaces && d->first_surfaces[e->file] == index;
+        const bool begins =
+            e->file < d->source.n_first_surfaces && d->source.first_surfaces[e->file] == index;
         if (place && (!begins || d->placements[e->placement].main_file < e->file)) {
             if (!take_place(e))
                 return false;
         } else if (begins) {
-            d->first_surfaces[e->file++] = e->n;
+            d->source.first_surfaces[e->file++] = e->n;
         } else {
             return true;
         }

@@ -138,7 +138,7 @@ static void check_description(const struct orl_parsed_scene *d)
     for (size_t i = 0; i < d->n_skies; i++)
         for (int k = 0; k < d->skies[i].n_args; k++)
             FUZZ_PROMISE(isfinite(d->skies[i].a[k]));
-    FUZZ_PROMISE(d->n_main >= 1 && d->n_main <= d->n_files);
+    FUZZ_PROMISE(d->source.n_main >= 1 && d->source.n_main <= d->n_files);
 }
 
 /* Checks that facets are sound and can be intersected. */

@@ -389,7 +389,7 @@ static void test_xform_overrides(void **state)
     assert_vec(d.surfaces[1].vertices[0], 1, 0, 0);
     assert_vec(d.surfaces[2].vertices[0], 0, 2, 0);
     assert_int_equal(d.n_files, 4);
-    assert_int_equal(d.n_main, 1);
+    assert_int_equal(d.source.n_main, 1);
     assert_string_equal(d.files[2], "model/parts/b.rad");
     orl_parsed_scene_done(&d);
 }
@@ -465,7 +465,7 @@ static void test_xml_among_main_files_is_no_scene(void **state)
     (void)state;
     assert_int_equal(parse_files(pairs, 2, 2, &d, &err), 0);
     assert_int_equal(d.n_surfaces, 1);
-    assert_int_equal(d.n_main, 1);
+    assert_int_equal(d.source.n_main, 1);
     assert_int_equal(d.n_files, 1);
     orl_parsed_scene_done(&d);
 }

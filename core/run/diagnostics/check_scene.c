@@ -18,12 +18,12 @@
 static int copy_references(const struct orl_scene *scene, struct orl_scene_summary *summary)
 {
     const struct orl_parsed_scene *d = &scene->parsed_scene;
-    const size_t n = d->n_files - d->n_main;
+    const size_t n = d->n_files - d->source.n_main;
     summary->referenced = calloc(n + 1, sizeof *summary->referenced);
     if (!summary->referenced)
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < n; i++) {
-        summary->referenced[i] = strdup(d->files[d->n_main + i]);
+        summary->referenced[i] = strdup(d->files[d->source.n_main + i]);
         if (!summary->referenced[i])
             return ORL_ERR_NOMEM;
         summary->n_referenced++;

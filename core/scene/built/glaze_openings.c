@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/thread_pool.h>
+
 #include "base/memory/memory.h"
 #include "scene/geometry/instances.h"
 #include "scene/material/scatter.h"
@@ -180,22 +182,17 @@ static int compare_numbers(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
-static bool is_cancelled(const struct orl_scene *scene)
-{
-    const atomic_bool *const cancel = scene->parsed_scene.cancel;
-    return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
-}
-
 /* Moves the candidates that get panes to the front, in the order in which they were found.
  * Returns 0 or ORL_ERR_CANCELLED. */
 static int choose_openings(const struct orl_scene *scene, struct candidate *candidates, size_t n,
                            size_t *ret_n)
 {
+    const atomic_bool *const cancel = scene->parsed_scene.cancel;
     struct search search = {.scene = scene, .panes = candidates};
-    for (size_t i = 0; i < n && !is_cancelled(scene); i++)
+    for (size_t i = 0; i < n && !orl_is_cancelled(cancel); i++)
         find_shares(&search, &candidates[i]);
     qsort(candidates, n, sizeof *candidates, compare_shares);
-    for (size_t i = 0; i < n && !is_cancelled(scene); i++) {
+    for (size_t i = 0; i < n && !orl_is_cancelled(cancel); i++) {
         struct candidate c = candidates[i];
         if (!orl_escape_shows_outside(c.shares) || !is_free(scene->geometry, &c) ||
             is_before_windows(scene, &c) || is_behind_lenses(scene, &c))
@@ -207,26 +204,20 @@ static int choose_openings(const struct orl_scene *scene, struct candidate *cand
     }
     qsort(candidates, search.n_panes, sizeof *candidates, compare_numbers);
     *ret_n = search.n_panes;
-    return is_cancelled(scene) ? ORL_ERR_CANCELLED : 0;
+    return orl_is_cancelled(cancel) ? ORL_ERR_CANCELLED : 0;
 }
 
 static int add_material(struct orl_parsed_scene *d, uint32_t *ret_index)
 {
     static const char name[] = "opening";
-    struct orl_material *grown = realloc(d->materials, (d->n_materials + 1) * sizeof *grown);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    d->materials = grown;
-    grown[d->n_materials] =
-        (struct orl_material){.kind = ORL_MATERIAL_GLASS,
-                              .name = orl_arena_copy_text(d->arena, name, sizeof name - 1),
-                              .color = orl_gray(1),
-                              .transmissivity = orl_gray(1),
-                              .ior = 1,
-                              .lining = -1,
-                              .sky = -1};
-    *ret_index = (uint32_t)d->n_materials++;
-    return grown[*ret_index].name ? 0 : ORL_ERR_NOMEM;
+    const struct orl_material pane = {.kind = ORL_MATERIAL_GLASS,
+                                      .name = orl_arena_copy_text(d->arena, name, sizeof name - 1),
+                                      .color = orl_gray(1),
+                                      .transmissivity = orl_gray(1),
+                                      .ior = 1,
+                                      .lining = -1,
+                                      .sky = -1};
+    return pane.name ? orl_parsed_scene_add_material(d, &pane, ret_index) : ORL_ERR_NOMEM;
 }
 
 /* Appends a pane. Its name, file and line are those of a surface around the opening. */

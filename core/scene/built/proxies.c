@@ -176,13 +176,11 @@ int orl_proxies_split(struct orl_scene *scene, struct orl_error *err)
     bool *keep = NULL;
     int code = 0;
     for (uint32_t i = 0; i < n; i++)
-        if (is_proxy(scene, i) && !add_way(&ways, whole, i)) {
-            orl_error_set(err, ORL_ERR_LIMIT,
-                          "BSDFs with a thickness face more than %d different ways", MOST_WAYS);
-            orl_error_hint(
-                err, "give curved ones thickness 0 and remove the geometry that they stand for");
-            return ORL_ERR_LIMIT;
-        }
+        if (is_proxy(scene, i) && !add_way(&ways, whole, i))
+            return orl_error_refuse(
+                err, ORL_ERR_LIMIT,
+                "give curved ones thickness 0 and remove the geometry that they stand for",
+                "BSDFs with a thickness face more than %d different ways", MOST_WAYS);
     if (ways.count == 0)
         return 0;
     keep = calloc(n, sizeof *keep);

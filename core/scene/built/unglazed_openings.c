@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <oriel/base/error.h>
+#include <oriel/base/thread_pool.h>
 
 enum { MOST_PLANE_POLYGONS = 512, MOST_LINES = 160, LEAST_LINES = 4, LEAST_CORNERS = 8 };
 static const double most_work = 2e8;      /* edges tested, for all planes together */
@@ -70,11 +71,8 @@ static struct extent extent_of(const struct orl_parsed_scene *d)
 {
     struct orl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = orl_neg(low);
     for (size_t i = 0; i < d->n_surfaces; i++)
-        for (uint32_t k = 0; is_solid(d, &d->surfaces[i]) && k < d->surfaces[i].n_vertices; k++) {
-            const struct orl_vec3 v = d->surfaces[i].vertices[k];
-            low = orl_v3(fmin(low.x, v.x), fmin(low.y, v.y), fmin(low.z, v.z));
-            high = orl_v3(fmax(high.x, v.x), fmax(high.y, v.y), fmax(high.z, v.z));
-        }
+        for (uint32_t k = 0; is_solid(d, &d->surfaces[i]) && k < d->surfaces[i].n_vertices; k++)
+            orl_box_include(d->surfaces[i].vertices[k], &low, &high);
     const struct orl_vec3 span = orl_sub(high, low);
     return (struct extent){orl_scale(orl_add(low, high), 0.5),
                            fmax(fmax(span.x, span.y), fmax(span.z, 1e-9)) / 2};
@@ -373,11 +371,6 @@ static size_t list_members(const struct orl_parsed_scene *d, struct member *ret_
     return n;
 }
 
-static bool is_cancelled(const struct orl_parsed_scene *d)
-{
-    return d->cancel && atomic_load_explicit(d->cancel, memory_order_relaxed);
-}
-
 int orl_unglazed_find(const struct orl_parsed_scene *parsed_scene,
                       struct orl_unglazed_opening *ret_openings, size_t *ret_n)
 {
@@ -397,7 +390,7 @@ int orl_unglazed_find(const struct orl_parsed_scene *parsed_scene,
         plane->n = end - first;
         plane->work = &work;
         search_plane(plane, scratch, ret_openings, ret_n);
-        if (is_cancelled(parsed_scene))
+        if (orl_is_cancelled(parsed_scene->cancel))
             code = ORL_ERR_CANCELLED;
     }
     free(scratch);

@@ -180,11 +180,6 @@ struct orl_rgb orl_volume_transmittance(const struct orl_scene *scene, struct or
 
 /* ---- Scattering ------------------------------------------------------------------------------ */
 
-static double channel(struct orl_rgb c, int which)
-{
-    return which == 0 ? c.r : which == 1 ? c.g : c.b;
-}
-
 static double mean_of(struct orl_rgb c)
 {
     return (c.r + c.g + c.b) / 3;
@@ -227,7 +222,9 @@ struct orl_volume_event orl_volume_sample_event(const struct orl_scene *scene,
     const int by = (int)(3 * orl_random_uniform(random));
     double to_go = -log(1 - orl_random_uniform(random));
     for (int i = 0; next_stretch(&way, i, distance, &s); i++) {
-        const double extinction = channel(s.extinction, by);
+        const double extinction = by == 0   ? s.extinction.r
+                                  : by == 1 ? s.extinction.g
+                                            : s.extinction.b;
         const double here = depth_along(extinction, s.to - s.from);
         if (here > to_go) {
             const double length = to_go / extinction;

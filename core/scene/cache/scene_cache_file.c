@@ -100,9 +100,10 @@ static bool make_room(struct orl_scene_cache_stream *k)
     if (!orl_serializer_reads(&k->serializer))
         return true;
     d->files = calloc(d->n_files + 1, sizeof *d->files);
-    d->read = orl_arena_alloc(d->arena, (d->n_files + 1) * sizeof *d->read);
-    d->missing = orl_arena_alloc(d->arena, (d->n_missing + 1) * sizeof *d->missing);
-    if (!d->files || !d->read || !d->missing)
+    d->source.read = orl_arena_alloc(d->arena, (d->n_files + 1) * sizeof *d->source.read);
+    d->source.missing =
+        orl_arena_alloc(d->arena, (d->source.n_missing + 1) * sizeof *d->source.missing);
+    if (!d->files || !d->source.read || !d->source.missing)
         orl_serializer_fail(&k->serializer, ORL_ERR_NOMEM);
     return k->serializer.code == 0;
 }
@@ -112,23 +113,23 @@ static void pass_files(struct orl_scene_cache_stream *k)
     struct orl_serializer *const serializer = &k->serializer;
     struct orl_parsed_scene *const d = k->d;
     orl_serialize_value(serializer, &d->n_files);
-    orl_serialize_value(serializer, &d->n_main);
-    orl_serialize_value(serializer, &d->n_missing);
-    if (d->n_files > ORL_LIMIT_SCENE_FILES || d->n_missing > ORL_MISSING_FILES_MAX)
+    orl_serialize_value(serializer, &d->source.n_main);
+    orl_serialize_value(serializer, &d->source.n_missing);
+    if (d->n_files > ORL_LIMIT_SCENE_FILES || d->source.n_missing > ORL_MISSING_FILES_MAX)
         orl_serializer_fail(serializer, ORL_ERR_CORRUPT);
     if (serializer->code < 0 || !make_room(k))
         return;
     for (size_t i = 0; i < d->n_files && serializer->code == 0; i++) {
         orl_serialize_text(serializer, d->arena, (const char **)&d->files[i]);
-        orl_serialize_value(serializer, &d->read[i]);
+        orl_serialize_value(serializer, &d->source.read[i]);
         if (orl_serializer_reads(serializer) && serializer->code == 0)
-            check_read_file(k, d->files[i], &d->read[i]);
+            check_read_file(k, d->files[i], &d->source.read[i]);
     }
-    for (size_t i = 0; i < d->n_missing && serializer->code == 0; i++) {
-        orl_serialize_text(serializer, d->arena, &d->missing[i].name);
-        orl_serialize_value(serializer, &d->missing[i].library);
+    for (size_t i = 0; i < d->source.n_missing && serializer->code == 0; i++) {
+        orl_serialize_text(serializer, d->arena, &d->source.missing[i].name);
+        orl_serialize_value(serializer, &d->source.missing[i].library);
         if (orl_serializer_reads(serializer) && serializer->code == 0)
-            check_missing(k, &d->missing[i]);
+            check_missing(k, &d->source.missing[i]);
     }
 }
 
@@ -203,7 +204,7 @@ static void pass_warnings(struct orl_scene_cache_stream *k)
         const char *text = orl_serializer_reads(&k->serializer) ? NULL : d->warnings[i];
         orl_serialize_text(&k->serializer, d->arena, &text);
         if (orl_serializer_reads(&k->serializer) && text)
-            orl_parsed_scene_warn(d, text);
+            orl_parsed_scene_warn(d, "%s", text);
     }
 }
 
@@ -214,9 +215,9 @@ static void pass_counts(struct orl_scene_cache_stream *k)
     orl_serialize_value(&k->serializer, &d->n_read);
     orl_serialize_value(&k->serializer, &d->n_degenerate);
     orl_serialize_value(&k->serializer, &d->n_undefined);
-    orl_serialize_value(&k->serializer, &d->n_first_surfaces);
-    orl_serialize_arena_array(&k->serializer, d->arena, &d->first_surfaces, d->n_first_surfaces,
-                              sizeof *d->first_surfaces);
+    orl_serialize_value(&k->serializer, &d->source.n_first_surfaces);
+    orl_serialize_arena_array(&k->serializer, d->arena, &d->source.first_surfaces,
+                              d->source.n_first_surfaces, sizeof *d->source.first_surfaces);
 }
 
 static void pass_all(struct orl_scene_cache_stream *k)
@@ -238,7 +239,7 @@ static void pass_all(struct orl_scene_cache_stream *k)
 
 bool orl_parsed_scene_is_cacheable(const struct orl_parsed_scene *parsed_scene)
 {
-    return parsed_scene->n_missing <= ORL_MISSING_FILES_MAX;
+    return parsed_scene->source.n_missing <= ORL_MISSING_FILES_MAX;
 }
 
 int orl_parsed_scene_save(const struct orl_parsed_scene *parsed_scene,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <oriel/base/limits.h>
+#include <oriel/base/scanner.h>
 
 void orl_command_done(struct orl_command *command)
 {
@@ -15,7 +16,7 @@ void orl_command_done(struct orl_command *command)
 
 static bool is_blank(char c)
 {
-    return c == ' ' || (c >= '\t' && c <= '\r');
+    return orl_byte_kind_of(c) != ORL_BYTE_WORD;
 }
 
 /* Returns true for characters that are never escaped: a backslash before one of them belongs to a
@@ -28,10 +29,10 @@ static bool is_name_character(char c)
 
 static int refuse_character(struct orl_error *err, char c)
 {
-    orl_error_set(err, ORL_ERR_UNSUPPORTED,
-                  "the command needs a shell ('%c'), but shells are not supported", c);
-    orl_error_hint(err, "run it beforehand and include its output, or put quotes around the word");
-    return ORL_ERR_UNSUPPORTED;
+    return orl_error_refuse(
+        err, ORL_ERR_UNSUPPORTED,
+        "run it beforehand and include its output, or put quotes around the word",
+        "the command needs a shell ('%c'), but shells are not supported", c);
 }
 
 /* Copies one word to *to without its quotes, and moves *line behind it. In a formula '*' is
@@ -83,7 +84,6 @@ static bool is_generator(const struct orl_command *command)
 int orl_command_split(struct orl_command *command, const char *line, struct orl_error *err)
 {
     const size_t length = strlen(line);
-    char *to;
     int code = 0;
     memset(command, 0, sizeof *command);
     /* Every word takes at least one character and a separator, "|" included. */
@@ -93,7 +93,7 @@ int orl_command_split(struct orl_command *command, const char *line, struct orl_
         orl_command_done(command);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     }
-    to = command->text;
+    char *to = command->text;
     for (const char *at = line; code == 0;) {
         while (is_blank(*at))
             at++;

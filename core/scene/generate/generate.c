@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory/memory.h"
 #include "base/text/words.h"
 
 void orl_text_done(struct orl_text *text)
@@ -16,18 +17,7 @@ void orl_text_done(struct orl_text *text)
 
 static bool make_room(struct orl_text *text, size_t more)
 {
-    size_t room = text->room ? text->room : 1024;
-    char *grown;
-    while (room - text->size < more)
-        room *= 2;
-    if (room == text->room)
-        return true;
-    grown = realloc(text->data, room);
-    if (!grown)
-        return false;
-    text->data = grown;
-    text->room = room;
-    return true;
+    return orl_array_reserve_more(&text->data, &text->room, text->size, more, 1);
 }
 
 /* Prints into the usual room first; grows it if the text is longer. */
@@ -71,14 +61,14 @@ void orl_text_warn(struct orl_text *text, const char *format, ...)
     va_end(args);
 }
 
-static int take_word(struct orl_words *words, const char *option, const char **ret_word,
-                     struct orl_error *err)
+/* Reads the word behind an option, a number. */
+static int take_number(struct orl_words *words, const char *option, const char **ret_word,
+                       struct orl_error *err)
 {
     if (words->left == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' needs a number after it",
                              words->program, option);
-    *ret_word = *words->at++;
-    words->left--;
+    *ret_word = orl_words_take(words);
     return 0;
 }
 
@@ -86,11 +76,10 @@ int orl_words_number(struct orl_words *words, const char *option, double *ret_va
                      struct orl_error *err)
 {
     const char *word = "";
-    enum orl_number_fault fault;
-    int code = take_word(words, option, &word, err);
+    const int code = take_number(words, option, &word, err);
     if (code < 0)
         return code;
-    fault = orl_number_read(word, strlen(word), ret_value);
+    const enum orl_number_fault fault = orl_number_read(word, strlen(word), ret_value);
     if (fault == ORL_NUMBER_OK)
         return 0;
     return orl_error_set(err, fault == ORL_NUMBER_INFINITE ? ORL_ERR_RANGE : ORL_ERR_SYNTAX,
@@ -102,7 +91,8 @@ int orl_words_int(struct orl_words *words, const char *option, int low, int high
                   struct orl_error *err)
 {
     const char *word = "";
-    int value = 0, code = take_word(words, option, &word, err);
+    int value = 0;
+    const int code = take_number(words, option, &word, err);
     if (code < 0)
         return code;
     if (orl_number_read_int(word, strlen(word), &value) != ORL_NUMBER_OK)
@@ -125,24 +115,48 @@ int orl_words_angle(struct orl_words *words, const char *option, double *ret_rad
     return code;
 }
 
-int orl_words_sun(struct orl_words *words, struct orl_sun_position *ret_sun, bool *ret_given,
-                  struct orl_error *err)
+int orl_words_point(struct orl_words *words, const char *option, struct orl_vec3 *ret_point,
+                    struct orl_error *err)
+{
+    double *const coordinates[] = {&ret_point->x, &ret_point->y, &ret_point->z};
+    int code = 0;
+    for (int i = 0; i < 3 && code == 0; i++)
+        code = orl_words_number(words, option, coordinates[i], err);
+    return code;
+}
+
+int orl_words_refuse(const struct orl_words *words, const char *option, struct orl_error *err)
+{
+    return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is not an option", words->program,
+                         option);
+}
+
+int orl_words_field(struct orl_words *words, const char *option,
+                    const struct orl_words_field *fields, size_t n, struct orl_error *err)
+{
+    for (size_t i = 0; i < n; i++)
+        if (fields[i].letter == option[1])
+            return (fields[i].is_angle ? orl_words_angle : orl_words_number)(words, option,
+                                                                             fields[i].value, err);
+    return orl_words_refuse(words, option, err);
+}
+
+int orl_words_when(struct orl_words *words, struct orl_sun_position *ret_sun,
+                   struct orl_moment *ret_moment, const char **ret_hour, struct orl_error *err)
 {
     int code;
     if (words->left < 3)
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "%s needs month, day and hour, or -ang altitude azimuth",
                              words->program);
-    *ret_given = strcmp(words->at[0], "-ang") == 0;
-    if (!*ret_given)
-        return 0;
-    words->at++, words->left--;
-    code = orl_words_angle(words, "-ang", &ret_sun->altitude_rad, err);
-    return code < 0 ? code : orl_words_angle(words, "-ang", &ret_sun->azimuth_rad, err);
-}
-
-int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct orl_error *err)
-{
-    const int code = orl_words_int(words, "the month", 1, 12, &moment->month, err);
-    return code < 0 ? code : orl_words_int(words, "the day", 1, 31, &moment->day, err);
+    *ret_hour = NULL;
+    if (strcmp(words->at[0], "-ang") == 0) {
+        orl_words_take(words);
+        code = orl_words_angle(words, "-ang", &ret_sun->altitude_rad, err);
+        return code < 0 ? code : orl_words_angle(words, "-ang", &ret_sun->azimuth_rad, err);
+    }
+    code = orl_words_int(words, "the month", 1, 12, &ret_moment->month, err);
+    code = code < 0 ? code : orl_words_int(words, "the day", 1, 31, &ret_moment->day, err);
+    *ret_hour = orl_words_take(words);
+    return code;
 }

@@ -91,13 +91,34 @@ int orl_words_int(struct orl_words *words, const char *option, int low, int high
 /* Reads an angle in degrees, and returns radians. */
 int orl_words_angle(struct orl_words *words, const char *option, double *ret_rad,
                     struct orl_error *err);
+int orl_words_point(struct orl_words *words, const char *option, struct orl_vec3 *ret_point,
+                    struct orl_error *err);
 
-/* Reads "-ang altitude azimuth" at the front; *ret_given: it was present. */
-int orl_words_sun(struct orl_words *words, struct orl_sun_position *ret_sun, bool *ret_given,
-                  struct orl_error *err);
+/* Takes the next word; there is one. */
+static inline const char *orl_words_take(struct orl_words *words)
+{
+    words->left--;
+    return *words->at++;
+}
 
-/* Reads the month and the day that follow. */
-int orl_words_date(struct orl_words *words, struct orl_moment *moment, struct orl_error *err);
+/* A number that an option of one letter sets; an angle is in degrees, and stored in radians. */
+struct orl_words_field {
+    char letter;
+    bool is_angle;
+    double *value;
+};
+
+/* Reads the number behind such an option; fails if no field has its letter. */
+int orl_words_field(struct orl_words *words, const char *option,
+                    const struct orl_words_field *fields, size_t n, struct orl_error *err);
+
+/* Fails because the program has no such option. */
+int orl_words_refuse(const struct orl_words *words, const char *option, struct orl_error *err);
+
+/* Reads the time at the front: "-ang altitude azimuth", or month, day and an hour, which is
+ * returned as a word. *ret_hour is NULL if the sun's position is given. */
+int orl_words_when(struct orl_words *words, struct orl_sun_position *ret_sun,
+                   struct orl_moment *ret_moment, const char **ret_hour, struct orl_error *err);
 
 /*
  * Splits a '!' line into words and pipeline stages, by a shell's rules for plain words: blanks

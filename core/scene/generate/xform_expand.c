@@ -241,11 +241,10 @@ static int read_files(const struct xform_word *words, size_t count, const char *
         if (!(files[i] = words[i].text))
             return orl_error_set(err, ORL_ERR_SYNTAX,
                                  "xform: a transform follows the file name '%.80s'", words[0].text);
-    if (count > 0 && files[0][0] == '-') {
-        orl_error_set(err, ORL_ERR_SYNTAX, "xform: option '%.40s' is unknown", files[0]);
-        orl_error_hint(err, "write -n, -m, -a and -f first, then transforms, then file names");
-        return ORL_ERR_SYNTAX;
-    }
+    if (count > 0 && files[0][0] == '-')
+        return orl_error_refuse(err, ORL_ERR_SYNTAX,
+                                "write -n, -m, -a and -f first, then transforms, then file names",
+                                "xform: option '%.40s' is unknown", files[0]);
     return 0;
 }
 
@@ -326,7 +325,6 @@ static int expand_copy(struct expansion *e, const struct xform_word *words, size
     char name[ORL_PREFIX_BYTES];
     struct xform_word *copy = malloc((count + n_middle + 2) * sizeof *copy);
     size_t n = 2, from = 2;
-    int code;
     if (!copy)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     for (size_t i = 0; i < item; i++)
@@ -341,7 +339,7 @@ static int expand_copy(struct expansion *e, const struct xform_word *words, size
         copy[1] = (struct xform_word){.text = name};
         from = 0;
     }
-    code = expand_words(e, copy + from, n - from, err);
+    const int code = expand_words(e, copy + from, n - from, err);
     free(copy);
     return code;
 }
@@ -371,11 +369,10 @@ static int expand_line(struct expansion *e, const struct xform_word *words, size
 {
     struct orl_command command = {0};
     size_t first = 0;
-    int code;
     line += strspn(line, " \t\r!");
     if (*line == '\0' || *line == '#')
         return 0;
-    code = orl_command_split(&command, line, err);
+    int code = orl_command_split(&command, line, err);
     if (code == 0 && command.n_stages != 1)
         code = orl_error_set(err, ORL_ERR_SYNTAX,
                              "xform: an argument file may contain only arguments");
@@ -399,11 +396,10 @@ static int expand_file(struct expansion *e, const struct xform_word *words, size
 {
     char *text = NULL, *rest, *line;
     size_t number = 0;
-    int code;
     const char *name = item + 1 < count ? words[item + 1].text : NULL;
     if (!name || name[0] == '-')
         return orl_error_set(err, ORL_ERR_SYNTAX, "xform: -f needs a file name after it");
-    code = e->reader(e->ctx, name, &text, err);
+    int code = e->reader(e->ctx, name, &text, err);
     for (rest = text; code == 0 && (line = strsep(&rest, "\n")) != NULL;)
         code = expand_line(e, words, count, item, line, &number, err);
     if (code == 0 && number == 0)

@@ -44,10 +44,12 @@ static void copy_quads(struct orl_geometry *g, const struct orl_geometry *whole,
     }
 }
 
-static void ref_holes(struct orl_holes *holes)
+static void *copy_array(const void *items, size_t n, size_t size)
 {
-    if (holes)
-        atomic_fetch_add_explicit(&holes->references, 1, memory_order_relaxed);
+    void *const copy = malloc((n + 1) * size);
+    if (copy && n > 0)
+        memcpy(copy, items, n * size);
+    return copy;
 }
 
 int orl_geometry_subset(const struct orl_geometry *whole, const bool *remains,
@@ -58,7 +60,8 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *remains,
     if (!g)
         return orl_error_set(err, code, "out of memory for the scene's geometry");
     *g = *whole;
-    ref_holes(g->holes);
+    if (g->holes)
+        atomic_fetch_add_explicit(&g->holes->references, 1, memory_order_relaxed);
     g->scene = NULL;
     g->prototypes = NULL;
     g->instance = NULL;
@@ -69,28 +72,19 @@ int orl_geometry_subset(const struct orl_geometry *whole, const bool *remains,
     g->triangle_index = NULL;
     g->packed = NULL;
     g->n_unpacked_facets = g->n_facets;
-    g->opposite_facets = malloc((g->n_opposite_facets + 1) * sizeof *g->opposite_facets);
-    g->extra = malloc((g->n_extra + 1) * sizeof *g->extra);
+    g->opposite_facets =
+        copy_array(g->opposite_facets, g->n_opposite_facets, sizeof *g->opposite_facets);
+    g->extra = copy_array(g->extra, g->n_extra, sizeof *g->extra);
+    g->quadrics = copy_array(g->quadrics, g->n_quadrics, sizeof *g->quadrics);
+    g->outlines.items = copy_array(g->outlines.items, g->outlines.n, sizeof *g->outlines.items);
+    g->outlines.corners =
+        copy_array(g->outlines.corners, g->outlines.n_corners, sizeof *g->outlines.corners);
     g->facets = malloc((g->n_facets + 1) * sizeof *g->facets);
-    g->quadrics = malloc((g->n_quadrics + 1) * sizeof *g->quadrics);
     g->quads = malloc((whole->n_quads + 1) * sizeof *g->quads);
     g->corners = malloc((g->n_corners + 1) * sizeof *g->corners);
-    g->outlines = malloc((g->n_outlines + 1) * sizeof *g->outlines);
-    g->outline_corners = malloc((g->n_outline_corners + 1) * sizeof *g->outline_corners);
-    if (!g->outlines || !g->outline_corners || !g->facets || !g->quadrics || !g->quads ||
+    if (!g->outlines.items || !g->outlines.corners || !g->facets || !g->quadrics || !g->quads ||
         !g->corners || !g->opposite_facets || !g->extra)
         goto done;
-    if (g->n_outlines > 0) {
-        memcpy(g->outlines, whole->outlines, g->n_outlines * sizeof *g->outlines);
-        memcpy(g->outline_corners, whole->outline_corners,
-               g->n_outline_corners * sizeof *g->outline_corners);
-    }
-    if (g->n_extra > 0)
-        memcpy(g->extra, whole->extra, g->n_extra * sizeof *g->extra);
-    if (g->n_opposite_facets > 0)
-        memcpy(g->opposite_facets, whole->opposite_facets,
-               g->n_opposite_facets * sizeof *g->opposite_facets);
-    memcpy(g->quadrics, whole->quadrics, g->n_quadrics * sizeof *g->quadrics);
     orl_geometry_unpack(whole, g->facets, g->corners);
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet *f = &g->facets[i];
@@ -130,8 +124,8 @@ void orl_geometry_free(struct orl_geometry *geometry)
     free(geometry->triangle_index);
     free(geometry->corners);
     orl_packed_free(geometry->packed);
-    free(geometry->outlines);
-    free(geometry->outline_corners);
+    free(geometry->outlines.items);
+    free(geometry->outlines.corners);
     free(geometry->opposite_facets);
     free(geometry->extra);
     free(geometry);

@@ -101,10 +101,10 @@ static struct orl_facet_outline implied_outline(const struct orl_geometry *g,
 struct orl_facet_outline orl_outline_of_facet_slow(const struct orl_geometry *geometry,
                                                    uint32_t facet)
 {
-    const struct orl_stored_outline *const outlines = geometry->outlines;
+    const struct orl_stored_outline *const outlines = geometry->outlines.items;
     struct orl_facet own;
     const struct orl_facet *const f = orl_facet_get_own(geometry, facet, &own);
-    size_t low = 0, high = geometry->n_outlines;
+    size_t low = 0, high = geometry->outlines.n;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
         if (outlines[middle].facet < facet)
@@ -112,11 +112,11 @@ struct orl_facet_outline orl_outline_of_facet_slow(const struct orl_geometry *ge
         else
             high = middle;
     }
-    if (low == geometry->n_outlines || outlines[low].facet != facet)
+    if (low == geometry->outlines.n || outlines[low].facet != facet)
         return f->n_triangles > 0 ? implied_outline(geometry, f)
                                   : (struct orl_facet_outline){.geometry = geometry};
     return (struct orl_facet_outline){.corners = geometry->corners,
-                                      .own = geometry->outline_corners + outlines[low].first,
+                                      .own = geometry->outlines.corners + outlines[low].first,
                                       .n = outlines[low].n,
                                       .geometry = geometry};
 }
@@ -144,12 +144,9 @@ static bool list_outlines(struct orl_geometry *g)
         for (uint32_t k = 0; k < outline.n; k++)
             corners[outlines[i].first + k] = outline.own ? outline.own[k] : outline.at[k];
     }
-    free(g->outlines);
-    free(g->outline_corners);
-    g->outlines = outlines;
-    g->n_outlines = g->n_facets;
-    g->outline_corners = corners;
-    g->n_outline_corners = n_corners;
+    free(g->outlines.items);
+    free(g->outlines.corners);
+    g->outlines = (struct orl_stored_outlines){outlines, g->n_facets, corners, n_corners};
     return true;
 }
 

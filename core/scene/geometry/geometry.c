@@ -14,17 +14,6 @@
 #include "scene/geometry/packed.h"
 #include "scene/geometry/triangulation/triangulate.h"
 
-static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
-{
-    *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
-    *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
-}
-
-static double largest(struct orl_vec3 v)
-{
-    return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
-}
-
 /* Sets a quadric facet from its surface; `quadric` stores its centres and radii. */
 static void fill_curved(struct orl_facet *facet, const struct orl_surface *surface,
                         struct orl_quadric *quadric)
@@ -43,12 +32,12 @@ static void bounds_of(const struct orl_surface *surface, struct orl_vec3 *low,
     struct orl_quadric quadric;
     struct orl_vec3 a, b;
     for (uint32_t i = 0; i < surface->n_vertices; i++)
-        include_point(surface->vertices[i], low, high);
+        orl_box_include(surface->vertices[i], low, high);
     if (surface->kind != ORL_SURFACE_POLYGON) {
         fill_curved(&facet, surface, &quadric);
         orl_quadric_bounds(&facet, &a, &b);
-        include_point(a, low, high);
-        include_point(b, low, high);
+        orl_box_include(a, low, high);
+        orl_box_include(b, low, high);
     }
 }
 
@@ -107,15 +96,16 @@ static bool is_outline_implied(const struct orl_triangulation *cut,
 static bool keep_outline(struct builder *b, const struct orl_surface *surface, uint32_t facet)
 {
     struct orl_geometry *const g = b->g;
-    if (!orl_array_reserve(&g->outlines, &b->outlines_room, g->n_outlines, sizeof *g->outlines))
+    if (!orl_array_reserve(&g->outlines.items, &b->outlines_room, g->outlines.n,
+                           sizeof *g->outlines.items))
         return false;
-    g->outlines[g->n_outlines++] =
-        (struct orl_stored_outline){facet, (uint32_t)g->n_outline_corners, surface->n_vertices};
+    g->outlines.items[g->outlines.n++] =
+        (struct orl_stored_outline){facet, (uint32_t)g->outlines.n_corners, surface->n_vertices};
     for (uint32_t i = 0; i < surface->n_vertices; i++)
-        if (!orl_array_reserve(&g->outline_corners, &b->outline_corners_room, g->n_outline_corners,
-                               sizeof *g->outline_corners) ||
+        if (!orl_array_reserve(&g->outlines.corners, &b->outline_corners_room,
+                               g->outlines.n_corners, sizeof *g->outlines.corners) ||
             !orl_corners_add(&b->corners, orl_sub(surface->vertices[i], g->center),
-                             &g->outline_corners[g->n_outline_corners++]))
+                             &g->outlines.corners[g->outlines.n_corners++]))
             return false;
     return true;
 }
@@ -138,7 +128,7 @@ static int add_polygon(struct builder *b, const struct orl_surface *surface, uin
                                        orl_sub(cut->corners[triple[1]], g->center),
                                        orl_sub(cut->corners[triple[2]], g->center)};
         f->area += orl_triangle_area(&t);
-        reach = fmax(reach, fmax(largest(t.a), fmax(largest(t.b), largest(t.c))));
+        reach = fmax(reach, fmax(orl_largest(t.a), fmax(orl_largest(t.b), orl_largest(t.c))));
         bend = fmax(bend, fmax(fabs(orl_dot(orl_sub(t.b, t.a), f->normal)),
                                fabs(orl_dot(orl_sub(t.c, t.a), f->normal))));
     }
@@ -162,7 +152,7 @@ static void add_curved(struct orl_geometry *g, const struct orl_surface *surface
         quadric->center[k] = orl_sub(quadric->center[k], g->center);
     orl_quadric_bounds(f, &low, &high);
     f->area = orl_quadric_area(f);
-    f->offset = fmax(largest(low), largest(high)) * 0x1p-20;
+    f->offset = fmax(orl_largest(low), orl_largest(high)) * 0x1p-20;
 }
 
 /* Polygons come first and curved facets last, so that Embree's indices map by arithmetic. */

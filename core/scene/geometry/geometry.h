@@ -86,7 +86,14 @@ struct orl_indexed_triangle {
 
 /* Outline of a polygon that its triangles do not determine (orl_outline_of_facet). */
 struct orl_stored_outline {
-    uint32_t facet, first, n; /* corners: range in orl_geometry.outline_corners */
+    uint32_t facet, first, n; /* range in orl_stored_outlines.corners */
+};
+
+struct orl_stored_outlines {
+    struct orl_stored_outline *items; /* sorted by facet; of every facet if triangles are listed */
+    size_t n;
+    uint32_t *corners;
+    size_t n_corners;
 };
 
 struct orl_holes;
@@ -108,11 +115,7 @@ struct orl_geometry {
     struct orl_vec3 *corners; /* NULL if packed */
     size_t n_corners;
     struct orl_packed *packed; /* packed.h; NULL if not packed */
-    struct orl_stored_outline
-        *outlines; /* sorted by facet; of every facet if triangles are listed */
-    size_t n_outlines;
-    uint32_t *outline_corners;
-    size_t n_outline_corners;
+    struct orl_stored_outlines outlines;
     struct orl_facet_extra *extra; /* sorted by facet */
     size_t n_extra;
     uint32_t *opposite_facets;
@@ -331,10 +334,10 @@ static inline struct orl_facet_outline orl_outline_of_facet(const struct orl_geo
 {
     if (!geometry->triangle_index)
         return orl_outline_of_facet_slow(geometry, facet);
-    const struct orl_stored_outline *const own = &geometry->outlines[facet];
+    const struct orl_stored_outline *const own = &geometry->outlines.items[facet];
     struct orl_facet_outline outline; /* leaves the unused fields uninitialised */
     outline.corners = geometry->corners;
-    outline.own = geometry->outline_corners + own->first;
+    outline.own = geometry->outlines.corners + own->first;
     outline.n = own->n;
     return outline;
 }

@@ -7,39 +7,34 @@
 
 #include "scene/geometry/intersect.h"
 
-/* ---- By index
- * --------------------------------------------------------------------------------- */
+/* ---- By index -------------------------------------------------------------------------------- */
 
-/* Returns the last instance whose first facet is not above the given one. */
-const struct orl_instance *orl_instance_of(const struct orl_geometry *geometry, uint32_t facet)
+/* Returns the last instance whose first facet, or triangle, is not above the given one. */
+static const struct orl_instance *find_instance(const struct orl_geometry *geometry, size_t index,
+                                                bool by_triangle)
 {
+    const struct orl_instance *const instances = geometry->instance;
     size_t low = 0, high = geometry->n_instances;
     while (high - low > 1) {
         const size_t middle = (low + high) / 2;
-        if (geometry->instance[middle].first_facet <= facet)
+        const size_t first =
+            by_triangle ? instances[middle].first_triangle : instances[middle].first_facet;
+        if (first <= index)
             low = middle;
         else
             high = middle;
     }
-    return &geometry->instance[low];
+    return &instances[low];
 }
 
-static const struct orl_instance *of_triangle(const struct orl_geometry *geometry, size_t triangle)
+const struct orl_instance *orl_instance_of(const struct orl_geometry *geometry, uint32_t facet)
 {
-    size_t low = 0, high = geometry->n_instances;
-    while (high - low > 1) {
-        const size_t middle = (low + high) / 2;
-        if (geometry->instance[middle].first_triangle <= triangle)
-            low = middle;
-        else
-            high = middle;
-    }
-    return &geometry->instance[low];
+    return find_instance(geometry, facet, false);
 }
 
 struct orl_triangle orl_instance_triangle(const struct orl_geometry *geometry, size_t index)
 {
-    const struct orl_instance *const instance = of_triangle(geometry, index);
+    const struct orl_instance *const instance = find_instance(geometry, index, true);
     const struct orl_triangle t =
         orl_triangle_get(instance->prototype, index - instance->first_triangle);
     return (struct orl_triangle){orl_xform_point(&instance->to, t.a),
@@ -130,12 +125,6 @@ struct orl_vec3 orl_instance_direction_out(const struct orl_geometry *geometry,
 
 /* ---- Building -------------------------------------------------------------------------------- */
 
-static void include_point(struct orl_vec3 p, struct orl_vec3 *low, struct orl_vec3 *high)
-{
-    *low = orl_v3(fmin(low->x, p.x), fmin(low->y, p.y), fmin(low->z, p.z));
-    *high = orl_v3(fmax(high->x, p.x), fmax(high->y, p.y), fmax(high->z, p.z));
-}
-
 /* Bounds of the transformed corners, which are tighter than a rotated box. */
 static void bound_instance(struct orl_instance *instance)
 {
@@ -143,8 +132,8 @@ static void bound_instance(struct orl_instance *instance)
     instance->low = orl_v3(INFINITY, INFINITY, INFINITY);
     instance->high = orl_neg(instance->low);
     for (size_t i = 0; i < g->n_corners; i++)
-        include_point(orl_xform_point(&instance->to, orl_corner_get(g, i)), &instance->low,
-                      &instance->high);
+        orl_box_include(orl_xform_point(&instance->to, orl_corner_get(g, i)), &instance->low,
+                        &instance->high);
     for (size_t i = 0; i < g->n_quadrics; i++) {
         struct orl_facet own, facet = *orl_facet_get_own(g, g->n_facets - 1 - i, &own);
         const struct orl_quadric curved = orl_xform_quadric(&instance->to, facet.quadric);
@@ -152,8 +141,8 @@ static void bound_instance(struct orl_instance *instance)
         facet.quadric = &curved;
         facet.normal = orl_xform_normal(&instance->to, facet.normal);
         orl_quadric_bounds(&facet, &low, &high);
-        include_point(low, &instance->low, &instance->high);
-        include_point(high, &instance->low, &instance->high);
+        orl_box_include(low, &instance->low, &instance->high);
+        orl_box_include(high, &instance->low, &instance->high);
     }
 }
 
@@ -178,15 +167,10 @@ bool orl_instances_build(struct orl_geometry *geometry, const struct orl_parsed_
         if (orl_is_cancelled(parsed_scene->cancel))
             continue; /* the caller polls too */
         bound_instance(instance);
-        include_point(instance->low, low, high);
-        include_point(instance->high, low, high);
+        orl_box_include(instance->low, low, high);
+        orl_box_include(instance->high, low, high);
     }
     return true;
-}
-
-static double largest(struct orl_vec3 v)
-{
-    return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
 int orl_instances_number(struct orl_geometry *geometry, struct orl_error *err)
@@ -199,8 +183,9 @@ int orl_instances_number(struct orl_geometry *geometry, struct orl_error *err)
         instance->high = orl_sub(instance->high, geometry->center);
         instance->from = orl_xform_inverse(&instance->to);
         /* Rays are rounded to float in the scene, and again in the prototype's coordinates. */
-        instance->offset = 0x1p-20 * (fmax(largest(instance->low), largest(instance->high)) +
-                                      instance->to.scale * instance->prototype->radius);
+        instance->offset =
+            0x1p-20 * (fmax(orl_largest(instance->low), orl_largest(instance->high)) +
+                       instance->to.scale * instance->prototype->radius);
         instance->first_facet = (uint32_t)facets;
         instance->first_triangle = (uint32_t)triangles;
         facets += instance->prototype->n_facets;

@@ -110,12 +110,11 @@ bool orl_quadric_intersect(const struct orl_facet *facet, struct orl_vec3 origin
                            struct orl_vec3 direction, double near, double far, double *ret_t,
                            struct orl_vec3 *ret_normal)
 {
-    bool hit;
     if (facet->kind == ORL_SURFACE_RING)
         return ring_hit(facet, origin, direction, near, far, ret_t, ret_normal);
-    hit = is_sphere(facet->kind)
-              ? sphere_hit(facet, origin, direction, near, far, ret_t, ret_normal)
-              : cone_hit(facet, origin, direction, near, far, ret_t, ret_normal);
+    const bool hit = is_sphere(facet->kind)
+                         ? sphere_hit(facet, origin, direction, near, far, ret_t, ret_normal)
+                         : cone_hit(facet, origin, direction, near, far, ret_t, ret_normal);
     if (hit && is_inverted(facet->kind))
         *ret_normal = orl_neg(*ret_normal);
     return hit;
@@ -146,8 +145,8 @@ static struct orl_vec3 disc_extent(struct orl_vec3 n, double r)
 static void grow_box(struct orl_vec3 c, struct orl_vec3 e, struct orl_vec3 *low,
                      struct orl_vec3 *high)
 {
-    *low = orl_v3(fmin(low->x, c.x - e.x), fmin(low->y, c.y - e.y), fmin(low->z, c.z - e.z));
-    *high = orl_v3(fmax(high->x, c.x + e.x), fmax(high->y, c.y + e.y), fmax(high->z, c.z + e.z));
+    orl_box_include(orl_sub(c, e), low, high);
+    orl_box_include(orl_add(c, e), low, high);
 }
 
 void orl_quadric_bounds(const struct orl_facet *facet, struct orl_vec3 *ret_low,

@@ -24,8 +24,7 @@ size_t orl_grid_bytes(const struct orl_grid *grid)
     return bytes;
 }
 
-/* ---- Interpolation ----------------------------------------------------------------------------
- */
+/* ---- Interpolation --------------------------------------------------------------------------- */
 
 /* Two neighbours on an axis, and the weights of their values. */
 struct neighbours {
@@ -94,20 +93,37 @@ void orl_grid_at(const struct orl_grid *grid, const double *place,
     }
 }
 
-/* ---- Pictures --------------------------------------------------------------------------------
- */
+/* ---- Pictures -------------------------------------------------------------------------------- */
+
+struct orl_grid *orl_grid_new(size_t n_values, uint32_t channels)
+{
+    struct orl_grid *const grid = calloc(1, sizeof *grid);
+    if (!grid)
+        return NULL;
+    grid->n_values = n_values;
+    grid->channels = channels;
+    grid->values = calloc(n_values, sizeof *grid->values);
+    if (grid->values)
+        return grid;
+    free(grid);
+    return NULL;
+}
+
+int orl_grid_fail(const char *name, int code, struct orl_error *err, const char *what)
+{
+    orl_error_set(err, code, "%s", what);
+    orl_error_at(err, name, 0, NULL);
+    return code;
+}
 
 int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, double aspect,
                          struct orl_grid **ret_grid, struct orl_error *err)
 {
     const uint64_t values = (uint64_t)ORL_GRID_CHANNELS * width * height;
-    struct orl_grid *grid;
-    int code =
-        width > ORL_LIMIT_IMAGE_SIDE || height > ORL_LIMIT_IMAGE_SIDE || values > ORL_GRID_VALUES
-            ? ORL_ERR_LIMIT
-            : 0;
-    if (code < 0 || width < 2 || height < 2) {
-        code = code < 0 ? code : ORL_ERR_SYNTAX;
+    const bool large =
+        width > ORL_LIMIT_IMAGE_SIDE || height > ORL_LIMIT_IMAGE_SIDE || values > ORL_GRID_VALUES;
+    if (large || width < 2 || height < 2) {
+        const int code = large ? ORL_ERR_LIMIT : ORL_ERR_SYNTAX;
         orl_error_set(
             err, code,
             "the picture has %u x %u pixels: it must have at least 2 x 2, and at most %lu M", width,
@@ -115,18 +131,11 @@ int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, doub
         orl_error_at(err, name, 0, NULL);
         return code;
     }
-    grid = calloc(1, sizeof *grid);
-    if (grid)
-        grid->values = calloc(values, sizeof *grid->values);
-    if (!grid || !grid->values) {
-        orl_grid_free(grid);
-        orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
-        return ORL_ERR_NOMEM;
-    }
+    struct orl_grid *const grid = orl_grid_new(values, ORL_GRID_CHANNELS);
+    if (!grid)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
     const double up = aspect * height / width; /* height of the picture in units of its width */
     grid->n_axes = 2;
-    grid->channels = ORL_GRID_CHANNELS;
-    grid->n_values = values;
     grid->axes[0] = (struct orl_grid_axis){.size = up >= 1 ? up : 1, .n = height};
     grid->axes[1] = (struct orl_grid_axis){.size = up >= 1 ? 1 : 1 / up, .n = width};
     *ret_grid = grid;

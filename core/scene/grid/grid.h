@@ -53,14 +53,21 @@ int orl_grid_read_data(const char *name, const char *text, size_t size, struct o
 int orl_grid_read_picture(const char *name, const void *data, size_t size,
                           struct orl_grid **ret_grid, struct orl_error *err);
 
+/* Creates a grid of zeros without axes; NULL if out of memory. */
+struct orl_grid *orl_grid_new(size_t n_values, uint32_t channels);
+
 /* Creates an empty picture, checked against limits. aspect: height by width of a pixel. */
 int orl_grid_new_picture(const char *name, uint32_t width, uint32_t height, double aspect,
                          struct orl_grid **ret_grid, struct orl_error *err);
 /* Returns the values of a pixel; x counts from the left, y from the top. */
 float *orl_grid_pixel(struct orl_grid *grid, uint32_t x, uint32_t y);
 
+/* Fills err with what is wrong with a picture. Returns code. */
+int orl_grid_fail(const char *name, int code, struct orl_error *err, const char *what);
+
 /* picture_png.c, picture_exr.c, picture_tiff.c. */
 double orl_linear_of_srgb(double value); /* IEC 61966-2-1; picture_png.c */
+void orl_linear_of_srgb_bytes(float ret_linear[256]);
 int orl_grid_read_png(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
                       struct orl_error *err);
 int orl_grid_read_exr(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,

@@ -21,14 +21,17 @@ struct orl_ies_tilt {
     double *angles, *factors;
 };
 
+enum { ORL_IES_NAME = 128 }; /* bytes of a file's name */
+
 struct orl_ies {
     int year;                     /* 1986, 1995 (a horizontal cylinder has a sign), 2002 */
     bool type_b;                  /* else C */
     double factor;                /* multiplies all intensities, to get candela */
     double length, width, height; /* luminous opening, metres; the signs encode its shape */
     struct orl_ies_tilt tilt;
-    char tilt_file[128]; /* file of the tilt table if it is not in this file; or "" */
-    char geometry[128];  /* name of the luminaire's MGF file from [LUMINOUSGEOMETRY]; or "" */
+    char tilt_file[ORL_IES_NAME]; /* file of the tilt table if it is not in this file; or "" */
+    char geometry[ORL_IES_NAME];  /* name of the luminaire's MGF file from [LUMINOUSGEOMETRY]; or ""
+                                   */
     uint32_t n_vertical, n_horizontal;
     double *vertical, *horizontal; /* degrees, rising */
     float *candela;                /* without the factor: [horizontal][vertical] */

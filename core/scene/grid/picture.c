@@ -1,5 +1,6 @@
 /* Pictures: detection of the format; Radiance's own formats, RGBE and spectra. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,11 +9,24 @@
 
 /* ---- Radiance pictures ----------------------------------------------------------------------- */
 
+/* Fails if the line of a header gives another format. */
+static int check_format(const struct orl_rgbe *rgbe, const char *line, const char *format,
+                        const char *hint, struct orl_error *err)
+{
+    char what[80];
+    if (strncmp(line, "FORMAT=", 7) != 0 || strstr(line, format))
+        return 0;
+    snprintf(what, sizeof what, "the picture's FORMAT is not %s", format);
+    orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err, what);
+    orl_error_hint(err, "%s", hint);
+    return ORL_ERR_UNSUPPORTED;
+}
+
 /* Reads the format and the pixels' aspect from the header. */
 static int take_rgbe_line(void *ctx, const struct orl_rgbe *rgbe, const char *line,
                           struct orl_error *err)
 {
-    static const char aspect[] = "PIXASPECT=", format[] = "FORMAT=";
+    static const char aspect[] = "PIXASPECT=";
     double *const all = ctx;
     if (strncmp(line, aspect, sizeof aspect - 1) == 0) {
         *all *= strtod(line + sizeof aspect - 1, NULL);
@@ -20,13 +34,8 @@ static int take_rgbe_line(void *ctx, const struct orl_rgbe *rgbe, const char *li
             return orl_rgbe_fail(rgbe, ORL_ERR_SYNTAX, err,
                                  "the pixel aspect ratio is out of range");
     }
-    if (strncmp(line, format, sizeof format - 1) == 0 && !strstr(line, "32-bit_rle_rgbe")) {
-        const int code = orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
-                                       "the picture's FORMAT is not 32-bit_rle_rgbe");
-        orl_error_hint(err, "convert a picture of XYZE with ra_xyze -r");
-        return code;
-    }
-    return 0;
+    return check_format(rgbe, line, "32-bit_rle_rgbe", "convert a picture of XYZE with ra_xyze -r",
+                        err);
 }
 
 static int read_hdr(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,
@@ -34,7 +43,6 @@ static int read_hdr(const char *name, const void *data, size_t size, struct orl_
 {
     struct orl_rgbe rgbe;
     struct orl_grid *grid = NULL;
-    unsigned char(*pixels)[4] = NULL;
     double aspect = 1;
     int code = orl_rgbe_begin(&rgbe, name, data, size, take_rgbe_line, &aspect, err);
     if (code == 0)
@@ -42,7 +50,7 @@ static int read_hdr(const char *name, const void *data, size_t size, struct orl_
     if (code < 0 || !grid)
         return code;
     const size_t n = (size_t)rgbe.width * rgbe.height;
-    pixels = malloc(n * sizeof *pixels);
+    unsigned char(*const pixels)[4] = malloc(n * sizeof *pixels);
     if (!pixels) {
         orl_grid_free(grid);
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a picture");
@@ -74,10 +82,9 @@ int orl_grid_read_picture(const char *name, const void *data, size_t size,
     for (int i = 0; i < 4; i++)
         if (size >= 4 && memcmp(data, tiff[i], 4) == 0)
             return orl_grid_read_tiff(name, data, size, ret_grid, err);
-    orl_error_set(err, ORL_ERR_UNSUPPORTED,
+    orl_grid_fail(name, ORL_ERR_UNSUPPORTED, err,
                   "the picture is not a Radiance, PNG, TIFF or OpenEXR file");
     orl_error_hint(err, "convert it with an image editor, or with Radiance's ra_* programs");
-    orl_error_at(err, name, 0, NULL);
     return ORL_ERR_UNSUPPORTED;
 }
 
@@ -98,7 +105,7 @@ static int take_spectra_line(void *ctx, const struct orl_rgbe *rgbe, const char 
                              struct orl_error *err)
 {
     static const char components[] = "NCOMP=", splits[] = "WAVELENGTH_SPLITS=",
-                      aspect[] = "PIXASPECT=", format[] = "FORMAT=";
+                      aspect[] = "PIXASPECT=";
     struct header *const h = ctx;
     if (strncmp(line, components, sizeof components - 1) == 0)
         h->components = floor(strtod(line + sizeof components - 1, NULL));
@@ -112,13 +119,8 @@ static int take_spectra_line(void *ctx, const struct orl_rgbe *rgbe, const char 
         h->first_nm = nm[0];
         h->last_nm = nm[3];
     }
-    if (strncmp(line, format, sizeof format - 1) == 0 && !strstr(line, "Radiance_spectra")) {
-        const int code = orl_rgbe_fail(rgbe, ORL_ERR_UNSUPPORTED, err,
-                                       "the picture's FORMAT is not Radiance_spectra");
-        orl_error_hint(err, "use colorpict for pictures of three colours");
-        return code;
-    }
-    return 0;
+    return check_format(rgbe, line, "Radiance_spectra",
+                        "use colorpict for pictures of three colours", err);
 }
 
 static int check_header(const struct orl_rgbe *rgbe, const struct header *h, struct orl_error *err)
@@ -148,22 +150,17 @@ static struct orl_grid *new_grid(const struct orl_rgbe *rgbe, const struct heade
 {
     const double wide = rgbe->width, high = rgbe->height * h->aspect;
     const double short_side = fmin(wide, high), step = (h->last_nm - h->first_nm) / h->components;
-    struct orl_grid *const grid = calloc(1, sizeof *grid);
+    struct orl_grid *const grid =
+        orl_grid_new((size_t)rgbe->width * rgbe->height * (size_t)h->components, 1);
     if (!grid)
         return NULL;
     grid->n_axes = 3;
-    grid->channels = 1;
     grid->axes[0] = (struct orl_grid_axis){.size = wide / short_side, .n = rgbe->width};
     grid->axes[1] = (struct orl_grid_axis){.size = high / short_side, .n = rgbe->height};
     grid->axes[2] = (struct orl_grid_axis){.origin = h->first_nm + step / 2,
                                            .size = step * (h->components - 1),
                                            .n = (uint32_t)h->components};
-    grid->n_values = (size_t)rgbe->width * rgbe->height * (size_t)h->components;
-    grid->values = malloc(grid->n_values * sizeof *grid->values);
-    if (grid->values)
-        return grid;
-    free(grid);
-    return NULL;
+    return grid;
 }
 
 int orl_grid_read_spectra(const char *name, const void *data, size_t size,

@@ -19,13 +19,6 @@ struct reading {
     struct orl_grid *grid;
 };
 
-static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
-{
-    orl_error_set(err, code, "%s", what);
-    orl_error_at(err, r->name, 0, NULL);
-    return code;
-}
-
 static int64_t read_bytes(exr_const_context_t exr, void *user, void *buffer, uint64_t size,
                           uint64_t offset, exr_stream_error_func_ptr_t error)
 {
@@ -66,17 +59,19 @@ static int check_channels(struct reading *r, struct orl_error *err)
     const exr_attr_chlist_t *list = NULL;
     unsigned found = 0;
     if (exr_get_channels(r->exr, 0, &list) != EXR_ERR_SUCCESS || !list)
-        return fail(r, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
+        return orl_grid_fail(r->name, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
     for (int i = 0; i < list->num_channels; i++) {
         const exr_attr_chlist_entry_t *const channel = list->entries + i;
         const unsigned which = channel_named(channel->name.str);
         if (channel->x_sampling != 1 || channel->y_sampling != 1 || (found & which))
-            return fail(r, ORL_ERR_UNSUPPORTED, err,
-                        "the OpenEXR has channels of different sizes, or Y together with R G B");
+            return orl_grid_fail(
+                r->name, ORL_ERR_UNSUPPORTED, err,
+                "the OpenEXR has channels of different sizes, or Y together with R G B");
         found |= which;
     }
     if (found != 7)
-        return fail(r, ORL_ERR_UNSUPPORTED, err, "the OpenEXR has no channels R, G and B, nor Y");
+        return orl_grid_fail(r->name, ORL_ERR_UNSUPPORTED, err,
+                             "the OpenEXR has no channels R, G and B, nor Y");
     return 0;
 }
 
@@ -97,16 +92,17 @@ static int read_header(struct reading *r, struct orl_error *err)
         exr_get_storage(r->exr, 0, &storage) != EXR_ERR_SUCCESS ||
         exr_get_data_window(r->exr, 0, &box) != EXR_ERR_SUCCESS ||
         exr_get_pixel_aspect_ratio(r->exr, 0, &aspect) != EXR_ERR_SUCCESS)
-        return fail(r, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
+        return orl_grid_fail(r->name, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
     if (parts != 1 || storage != EXR_STORAGE_SCANLINE)
-        return fail(r, ORL_ERR_UNSUPPORTED, err, "the OpenEXR is not a scan-line file of one part");
+        return orl_grid_fail(r->name, ORL_ERR_UNSUPPORTED, err,
+                             "the OpenEXR is not a scan-line file of one part");
     if (exr_get_scanlines_per_chunk(r->exr, 0, &r->chunk) != EXR_ERR_SUCCESS || r->chunk < 1 ||
         !(aspect > 1e-6F && aspect < 1e6F))
-        return fail(r, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
+        return orl_grid_fail(r->name, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
     const int64_t width = (int64_t)box.max.x - box.min.x + 1;
     const int64_t height = (int64_t)box.max.y - box.min.y + 1;
     if (width < 1 || height < 1 || width > ORL_LIMIT_IMAGE_SIDE || height > ORL_LIMIT_IMAGE_SIDE)
-        return fail(r, ORL_ERR_LIMIT, err, "the OpenEXR has no pixels, or too many");
+        return orl_grid_fail(r->name, ORL_ERR_LIMIT, err, "the OpenEXR has no pixels, or too many");
     r->top = box.min.y;
     r->rows = (int32_t)height;
     r->width = (uint32_t)width;
@@ -186,8 +182,10 @@ static int read_pixels(struct reading *r, struct orl_error *err)
     exr_decoding_destroy(r->exr, &pipeline);
     free(rows);
     if (code == EXR_ERR_OUT_OF_MEMORY)
-        return fail(r, ORL_ERR_NOMEM, err, "out of memory for a picture");
-    return code == EXR_ERR_SUCCESS ? 0 : fail(r, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
+        return orl_grid_fail(r->name, ORL_ERR_NOMEM, err, "out of memory for a picture");
+    return code == EXR_ERR_SUCCESS
+               ? 0
+               : orl_grid_fail(r->name, ORL_ERR_SYNTAX, err, "the OpenEXR is damaged");
 }
 
 int orl_grid_read_exr(const char *name, const void *data, size_t size, struct orl_grid **ret_grid,

@@ -5,16 +5,15 @@
 
 #include "scene/grid/grid.h"
 
-static int fail(const char *name, int code, struct orl_error *err, const char *what)
-{
-    orl_error_set(err, code, "%s", what);
-    orl_error_at(err, name, 0, NULL);
-    return code;
-}
-
 double orl_linear_of_srgb(double value)
 {
     return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
+}
+
+void orl_linear_of_srgb_bytes(float ret_linear[256])
+{
+    for (int i = 0; i < 256; i++)
+        ret_linear[i] = (float)orl_linear_of_srgb(i / 255.0);
 }
 
 /* libpng converts 16-bit channels to linear light. 8-bit ones are read as sRGB, because libpng
@@ -29,13 +28,12 @@ static int read_pixels(const char *name, png_image *image, struct orl_grid *grid
     image->format = linear ? PNG_FORMAT_FLAG_LINEAR | PNG_FORMAT_FLAG_COLOR : PNG_FORMAT_RGB;
     void *const pixels = malloc(PNG_IMAGE_SIZE(*image));
     if (!pixels)
-        return fail(name, ORL_ERR_NOMEM, err, "out of memory for a picture");
+        return orl_grid_fail(name, ORL_ERR_NOMEM, err, "out of memory for a picture");
     if (!png_image_finish_read(image, &black, pixels, 0, NULL)) {
         free(pixels);
-        return fail(name, ORL_ERR_SYNTAX, err, "the PNG is damaged");
+        return orl_grid_fail(name, ORL_ERR_SYNTAX, err, "the PNG is damaged");
     }
-    for (int i = 0; i < 256; i++)
-        decoded[i] = (float)orl_linear_of_srgb(i / 255.0);
+    orl_linear_of_srgb_bytes(decoded);
     for (size_t i = 0; i < n; i++) {
         float *const rgb =
             orl_grid_pixel(grid, (uint32_t)(i % image->width), (uint32_t)(i / image->width));
@@ -56,7 +54,7 @@ int orl_grid_read_png(const char *name, const void *data, size_t size, struct or
     struct orl_grid *grid = NULL;
     if (!png_image_begin_read_from_memory(&image, data, size)) {
         png_image_free(&image);
-        return fail(name, ORL_ERR_SYNTAX, err, "the PNG is damaged");
+        return orl_grid_fail(name, ORL_ERR_SYNTAX, err, "the PNG is damaged");
     }
     int code = orl_grid_new_picture(name, image.width, image.height, 1, &grid, err);
     if (code == 0)

@@ -31,12 +31,9 @@ struct reading {
 
 static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
 {
-    if (code == ORL_ERR_SYNTAX && r->words[0])
-        orl_error_set(err, code, "%s: %s", what, r->words);
-    else
-        orl_error_set(err, code, "%s", what);
-    orl_error_at(err, r->name, 0, NULL);
-    return code;
+    char text[2 * WORDS];
+    snprintf(text, sizeof text, "%s: %s", what, r->words);
+    return orl_grid_fail(r->name, code, err, code == ORL_ERR_SYNTAX && r->words[0] ? text : what);
 }
 
 static int refuse_kind(const struct reading *r, struct orl_error *err, const char *what)
@@ -273,8 +270,7 @@ static int read_shown(struct reading *r, struct orl_error *err)
         free(pixels);
         return fail(r, ORL_ERR_SYNTAX, err, "the TIFF is damaged");
     }
-    for (int i = 0; i < 256; i++)
-        decoded[i] = (float)orl_linear_of_srgb(i / 255.0);
+    orl_linear_of_srgb_bytes(decoded);
     for (size_t i = 0; i < n; i++) {
         float *const rgb =
             orl_grid_pixel(r->grid, (uint32_t)(i % r->width), (uint32_t)(i / r->width));
@@ -286,11 +282,6 @@ static int read_shown(struct reading *r, struct orl_error *err)
     return 0;
 }
 
-static bool is_plain(const struct reading *r)
-{
-    return r->photometric == PHOTOMETRIC_MINISBLACK || r->photometric == PHOTOMETRIC_RGB;
-}
-
 static int read_pixels(struct reading *r, struct orl_error *err)
 {
     if (is_logluv(r) && TIFFSetField(r->tiff, TIFFTAG_SGILOGDATAFMT, SGILOGDATAFMT_FLOAT)) {
@@ -299,7 +290,9 @@ static int read_pixels(struct reading *r, struct orl_error *err)
     }
     const bool whole = r->bits == 16 && r->format == SAMPLEFORMAT_UINT;
     const bool floats = r->bits == 32 && r->format == SAMPLEFORMAT_IEEEFP;
-    if ((whole && r->photometric == PHOTOMETRIC_MINISWHITE) || ((whole || floats) && is_plain(r)))
+    const bool plain =
+        r->photometric == PHOTOMETRIC_MINISBLACK || r->photometric == PHOTOMETRIC_RGB;
+    if ((whole && r->photometric == PHOTOMETRIC_MINISWHITE) || ((whole || floats) && plain))
         return read_wide(r, err);
     return read_shown(r, err);
 }

@@ -18,7 +18,7 @@ void orl_lexer_init(struct orl_lexer *lexer, const char *file, const char *text,
 
 static bool is_blank(char c)
 {
-    return c == ' ' || (c >= '\t' && c <= '\r');
+    return orl_byte_kind_of(c) != ORL_BYTE_WORD;
 }
 
 static bool is_quote(char c)
@@ -77,14 +77,14 @@ char *orl_lexer_command(struct orl_lexer *lexer, struct orl_error *err)
     enum { COMMAND_BYTES = 1 << 16 };
     const char *end = command_end(lexer);
     const size_t size = (size_t)(end - lexer->at);
-    char *copy, *to;
+    char *copy;
     if (size > COMMAND_BYTES || !(copy = malloc(size + 1))) {
         orl_error_set(err, size > COMMAND_BYTES ? ORL_ERR_LIMIT : ORL_ERR_NOMEM,
                       "the command line is longer than %d bytes", COMMAND_BYTES);
         orl_error_at(err, lexer->file, lexer->line, NULL);
         return NULL;
     }
-    to = copy;
+    char *to = copy;
     for (lexer->at++; lexer->at < end; step(lexer)) {
         const char c = *lexer->at;
         const bool joins =
@@ -140,17 +140,14 @@ static int quoted_word(struct orl_lexer *lexer, struct orl_word *word, struct or
 
 int orl_lexer_word(struct orl_lexer *lexer, struct orl_word *ret_word, struct orl_error *err)
 {
-    struct orl_word word;
-    const char *start;
     skip_blanks(lexer);
-    word.line = lexer->line;
-    start = lexer->at;
+    struct orl_word word = {.line = lexer->line};
+    const char *const start = lexer->at;
     for (; lexer->at < lexer->end && !is_blank(*lexer->at); lexer->at++) {
         const char c = *lexer->at;
         if (is_quote(c)) {
-            int result;
             lexer->at = start;
-            result = quoted_word(lexer, &word, err);
+            const int result = quoted_word(lexer, &word, err);
             if (result == 1)
                 *ret_word = word;
             return result;

@@ -11,18 +11,13 @@
 #include "scene/parse/parser.h"
 #include "scene/surfaces.h"
 
-static bool is_function_file(const char *file)
-{
-    const char *const ending = strrchr(file, '.');
-    return ending && strcmp(ending, ".cal") == 0;
-}
-
 static int refuse_type(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_error *err)
 {
-    const char *type = parser->primitive.type;
-    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is not a primitive type", type);
-    if (is_function_file(scope->file))
+    const char *const ending = strrchr(scope->file, '.');
+    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "'%.60s' is not a primitive type",
+                    parser->primitive.type);
+    if (ending && strcmp(ending, ".cal") == 0)
         orl_error_hint(err, "this is a function file: remove it from the scene's files; patterns "
                             "and textures find it by its name");
     else
@@ -68,18 +63,11 @@ static int read_command(struct orl_parser *parser, const struct orl_scope *scope
 {
     const int line = lexer->line;
     char *command = orl_lexer_command(lexer, err);
-    int code;
     if (!command)
         return err->code;
-    code = orl_parser_command(parser, scope, command, line, err);
+    const int code = orl_parser_command(parser, scope, command, line, err);
     free(command);
     return code;
-}
-
-/* Returns true for types that are surfaces, not modifiers. */
-static bool is_surface(const char *type)
-{
-    return orl_parser_is_surface(type) || orl_parser_is_compiled(type);
 }
 
 /* Counts an unsupported primitive or command, and continues behind it if possible; modifiers are
@@ -98,7 +86,8 @@ static int record_refusal(struct orl_parser *parser, struct orl_lexer *lexer, bo
         parser->cut_short = true;
         return ORL_ERR_UNSUPPORTED;
     }
-    if (!command && !is_surface(primitive->type))
+    if (!command && !orl_parser_is_surface(primitive->type) &&
+        !orl_parser_is_compiled(primitive->type))
         return orl_parser_define_refused(parser, primitive->id, &refused, err);
     orl_refusals_add(&parser->refusals, &refused);
     return 0;
@@ -161,10 +150,9 @@ static int open_main(struct orl_parser *parser, const char *const *names, size_t
     bool filled = false;
     for (size_t i = 0; i < count; i++) {
         const size_t before = sources->count;
-        int code;
         if (orl_sources_is_resource(names[i]))
             continue;
-        code = orl_sources_find(sources, "", names[i], ret_index + i, err);
+        const int code = orl_sources_find(sources, "", names[i], ret_index + i, err);
         if (code < 0) {
             orl_error_at(err, names[i], 0, NULL);
             return code;
@@ -190,15 +178,13 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
 {
     int code = 0;
     for (size_t i = 0; i < count && code == 0; i++) {
-        struct orl_scope scope = {.xform = orl_xform_identity};
-        const struct orl_source *source;
-        parser->out->first_surfaces[i] = parser->out->n_surfaces;
-        parser->out->n_first_surfaces = i + 1;
+        parser->out->source.first_surfaces[i] = parser->out->n_surfaces;
+        parser->out->source.n_first_surfaces = i + 1;
         if (orl_sources_is_resource(names[i]))
             continue;
-        source = parser->sources.items + index[i];
-        scope.file = source->name;
-        scope.folder = source->folder;
+        const struct orl_source *const source = parser->sources.items + index[i];
+        const struct orl_scope scope = {
+            .file = source->name, .folder = source->folder, .xform = orl_xform_identity};
         code = orl_parser_file(parser, &scope, &source->file, err);
     }
     return code;
@@ -208,20 +194,21 @@ static int read_main(struct orl_parser *parser, const char *const *names, size_t
 static bool list_files(const struct orl_sources *sources, struct orl_parsed_scene *out)
 {
     const size_t n_missing = sources->n_missing > ORL_MISSING_FILES_MAX ? 0 : sources->n_missing;
-    out->read = orl_arena_alloc(out->arena, (sources->count + 1) * sizeof *out->read);
-    out->missing = orl_arena_alloc(out->arena, (n_missing + 1) * sizeof *out->missing);
-    if (!out->read || !out->missing)
+    out->source.read = orl_arena_alloc(out->arena, (sources->count + 1) * sizeof *out->source.read);
+    out->source.missing =
+        orl_arena_alloc(out->arena, (n_missing + 1) * sizeof *out->source.missing);
+    if (!out->source.read || !out->source.missing)
         return false;
     for (size_t i = 0; i < sources->count; i++) {
         const struct orl_source *const item = &sources->items[i];
         out->files[i] = item->name;
-        out->read[i].library = item->library;
-        memcpy(out->read[i].content, item->content, sizeof out->read[i].content);
+        out->source.read[i].library = item->library;
+        memcpy(out->source.read[i].content, item->content, sizeof out->source.read[i].content);
     }
     out->n_files = sources->count;
     if (n_missing > 0)
-        memcpy(out->missing, sources->missing, n_missing * sizeof *out->missing);
-    out->n_missing = sources->n_missing > n_missing ? SIZE_MAX : n_missing;
+        memcpy(out->source.missing, sources->missing, n_missing * sizeof *out->source.missing);
+    out->source.n_missing = sources->n_missing > n_missing ? SIZE_MAX : n_missing;
     return true;
 }
 
@@ -246,15 +233,16 @@ static int parse_files(struct orl_parser *parser, const char *const *names, size
 {
     struct orl_parsed_scene *const out = parser->out;
     out->outlines = orl_arena_new();
-    out->first_surfaces =
-        out->arena ? orl_arena_alloc(out->arena, (count + 1) * sizeof *out->first_surfaces) : NULL;
-    if (!out->outlines || !out->first_surfaces)
+    out->source.first_surfaces =
+        out->arena ? orl_arena_alloc(out->arena, (count + 1) * sizeof *out->source.first_surfaces)
+                   : NULL;
+    if (!out->outlines || !out->source.first_surfaces)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     orl_sha256_init(&parser->sources.digest);
     int code = open_main(parser, names, count, index, err);
     if (code < 0)
         return code;
-    out->n_main = parser->sources.count;
+    out->source.n_main = parser->sources.count;
     code = read_main(parser, names, count, index, err);
     /* Later errors may be caused by content that was left out, so refusals are reported first. */
     if (parser->refusals.n > 0 && code != ORL_ERR_NOMEM && code != ORL_ERR_CANCELLED &&
@@ -318,9 +306,7 @@ int orl_scene_parse_opened(const char *const *names, size_t count, struct orl_so
 int orl_scene_parse(const char *const *names, size_t count, const struct orl_files *files,
                     struct orl_parsed_scene *ret_parsed_scene, struct orl_error *err)
 {
-    struct orl_sources sources;
-    orl_sources_init(&sources, files, NULL, orl_arena_new());
-    return orl_scene_parse_opened(names, count, &sources, false, ret_parsed_scene, err);
+    return orl_scene_parse_with(names, count, files, NULL, ret_parsed_scene, err);
 }
 
 int orl_scene_parse_with(const char *const *names, size_t count, const struct orl_files *files,

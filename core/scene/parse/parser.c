@@ -12,17 +12,35 @@
 
 enum { WARNINGS_MAX = 100, TEXT_MAX = 640 };
 
-int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
-                    int code, const char *format, ...)
+static void set_place(const struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
     char name[ORL_ERROR_NAME_MAX];
+    snprintf(name, sizeof name, "%.60s %.180s", primitive->type, primitive->id);
+    orl_error_at(err, scope->file, primitive->line, name);
+}
+
+int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
+                    int code, const char *format, ...)
+{
     va_list args;
     va_start(args, format);
     orl_error_vset(err, code, format, args);
     va_end(args);
-    snprintf(name, sizeof name, "%.60s %.180s", primitive->type, primitive->id);
-    orl_error_at(err, scope->file, primitive->line, name);
+    set_place(parser, scope, err);
+    return code;
+}
+
+int orl_parser_refuse(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_error *err, int code, const char *hint, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    orl_error_vset(err, code, format, args);
+    va_end(args);
+    set_place(parser, scope, err);
+    orl_error_hint(err, "%s", hint);
     return code;
 }
 
@@ -117,13 +135,12 @@ int orl_parser_string_xform(struct orl_parser *parser, const struct orl_scope *s
     const size_t count = parser->primitive.n_strings - first;
     struct orl_xform own;
     size_t used = 0;
-    int code = 0;
     if (count > WORDS_MAX)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
                                "it has too many string arguments");
     for (size_t i = 0; i < count; i++)
         words[i] = orl_primitive_string(&parser->primitive, first + i);
-    code = orl_xform_read(words, count, &own, &used, err);
+    const int code = orl_xform_read(words, count, &own, &used, err);
     if (code < 0)
         return orl_parser_fail(parser, scope, err, code, "its transform is not valid");
     if (used < count)

@@ -160,6 +160,11 @@ int orl_parser_check_cancel(const struct orl_parser *parser, struct orl_error *e
 int orl_parser_fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err,
                     int code, const char *format, ...) __attribute__((format(printf, 5, 6)));
 
+/* orl_parser_fail with a hint. */
+int orl_parser_refuse(struct orl_parser *parser, const struct orl_scope *scope,
+                      struct orl_error *err, int code, const char *hint, const char *format, ...)
+    __attribute__((format(printf, 6, 7)));
+
 /* Checks the counts of the primitive's arguments. */
 int orl_parser_expect(struct orl_parser *parser, const struct orl_scope *scope, size_t n_strings,
                       size_t n_reals, struct orl_error *err);

@@ -1,10 +1,12 @@
 #include "scene/parse/primitive.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/scanner.h>
 
+#include "base/memory/memory.h"
 #include "base/text/words.h"
 
 enum { HEAD_WORDS = 3 };
@@ -27,41 +29,27 @@ static int fail(const struct orl_primitive *primitive, const struct orl_lexer *l
                 struct orl_error *err, int code, const char *message, const char *word)
 {
     char name[ORL_ERROR_NAME_MAX];
-    const size_t length = strnlen(primitive->type, 100);
-    memcpy(name, primitive->type, length);
-    name[length] = ' ';
-    memcpy(name + length + 1, primitive->id, strnlen(primitive->id, 100));
-    name[length + 1 + strnlen(primitive->id, 100)] = '\0';
+    snprintf(name, sizeof name, "%.100s %.100s", primitive->type, primitive->id);
     orl_error_set(err, code, "%s%s%.80s%s", message, word ? " '" : "", word ? word : "",
                   word ? "'" : "");
     orl_error_at(err, lexer->file, line, *primitive->type ? name : NULL);
     return code;
 }
 
-/* Grows a buffer to at least count items of item bytes. */
-static int reserve_items(void *buffer, size_t *room, size_t count, size_t item)
+/* Updates the head's pointers, because text may have moved. */
+static void update_head(struct orl_primitive *primitive)
 {
-    void **pointer = buffer;
-    size_t wanted = *room ? *room : 64;
-    void *grown;
-    if (count <= *room)
-        return 0;
-    while (wanted < count)
-        wanted *= 2;
-    grown = realloc(*pointer, wanted * item);
-    if (!grown)
-        return ORL_ERR_NOMEM;
-    *pointer = grown;
-    *room = wanted;
-    return 0;
+    primitive->modifier = primitive->text + primitive->at[0];
+    primitive->type = primitive->text + primitive->at[1];
+    primitive->id = primitive->text + primitive->at[2];
 }
 
 /* Appends the word to the primitive's text as string number index. */
 static int keep_string(struct orl_primitive *primitive, size_t index, const struct orl_word *word)
 {
-    if (reserve_items(&primitive->at, &primitive->at_room, index + 1, sizeof *primitive->at) < 0 ||
-        reserve_items(&primitive->text, &primitive->text_room,
-                      primitive->text_size + word->length + 1, 1) < 0)
+    if (!orl_array_reserve(&primitive->at, &primitive->at_room, index, sizeof *primitive->at) ||
+        !orl_array_reserve_more(&primitive->text, &primitive->text_room, primitive->text_size,
+                                word->length + 1, 1))
         return ORL_ERR_NOMEM;
     primitive->at[index] = primitive->text_size;
     memcpy(primitive->text + primitive->text_size, word->text, word->length);
@@ -91,18 +79,8 @@ int orl_primitive_read_head(struct orl_primitive *primitive, struct orl_lexer *l
         if (keep_string(primitive, i, &word) < 0)
             return fail(primitive, lexer, word.line, err, ORL_ERR_NOMEM, "out of memory", NULL);
     }
-    primitive->modifier = primitive->text + primitive->at[0];
-    primitive->type = primitive->text + primitive->at[1];
-    primitive->id = primitive->text + primitive->at[2];
+    update_head(primitive);
     return 0;
-}
-
-/* Updates the head's pointers, because text may have moved. */
-static void update_head(struct orl_primitive *primitive)
-{
-    primitive->modifier = primitive->text + primitive->at[0];
-    primitive->type = primitive->text + primitive->at[1];
-    primitive->id = primitive->text + primitive->at[2];
 }
 
 static int next_word(struct orl_primitive *primitive, struct orl_lexer *lexer, const char *what,
@@ -122,9 +100,7 @@ static int next_word(struct orl_primitive *primitive, struct orl_lexer *lexer, c
 
 static void copy_word(const struct orl_word *word, char text[81])
 {
-    const size_t length = word->length < 80 ? word->length : 80;
-    memcpy(text, word->text, length);
-    text[length] = '\0';
+    snprintf(text, 81, "%.*s", (int)(word->length < 80 ? word->length : 80), word->text);
 }
 
 static int read_count(struct orl_primitive *primitive, struct orl_lexer *lexer, const char *what,
@@ -134,11 +110,10 @@ static int read_count(struct orl_primitive *primitive, struct orl_lexer *lexer, 
     char text[81];
     int value = 0;
     int code = next_word(primitive, lexer, what, &word, err);
-    enum orl_number_fault fault;
     if (code < 0)
         return code;
     copy_word(&word, text);
-    fault = orl_number_read_int(word.text, word.length, &value);
+    const enum orl_number_fault fault = orl_number_read_int(word.text, word.length, &value);
     if (fault == ORL_NUMBER_INVALID || (fault == ORL_NUMBER_OK && value < 0)) {
         code = fail(primitive, lexer, word.line, err, ORL_ERR_SYNTAX, what, NULL);
         orl_error_hint(err,
@@ -175,16 +150,16 @@ static int read_reals(struct orl_primitive *primitive, struct orl_lexer *lexer,
 {
     struct orl_word word;
     char text[81];
-    if (reserve_items(&primitive->reals, &primitive->reals_room, primitive->n_reals,
-                      sizeof *primitive->reals) < 0)
+    if (!orl_array_reserve_more(&primitive->reals, &primitive->reals_room, 0, primitive->n_reals,
+                                sizeof *primitive->reals))
         return fail(primitive, lexer, lexer->line, err, ORL_ERR_NOMEM, "out of memory", NULL);
     for (size_t i = 0; i < primitive->n_reals; i++) {
-        enum orl_number_fault fault;
         const int code =
             next_word(primitive, lexer, "the text ends among the number arguments", &word, err);
         if (code < 0)
             return code;
-        fault = orl_number_read(word.text, word.length, primitive->reals + i);
+        const enum orl_number_fault fault =
+            orl_number_read(word.text, word.length, primitive->reals + i);
         if (fault == ORL_NUMBER_OK)
             continue;
         copy_word(&word, text);
@@ -235,8 +210,8 @@ int orl_primitive_read_reference(struct orl_primitive *primitive, struct orl_lex
 bool orl_primitive_set(struct orl_primitive *primitive, const char *const head[3],
                        const double *reals, size_t n_reals)
 {
-    if (reserve_items(&primitive->reals, &primitive->reals_room, n_reals,
-                      sizeof *primitive->reals) < 0)
+    if (!orl_array_reserve_more(&primitive->reals, &primitive->reals_room, 0, n_reals,
+                                sizeof *primitive->reals))
         return false;
     primitive->modifier = head[0];
     primitive->type = head[1];

@@ -95,19 +95,13 @@ void orl_sources_count_again(struct orl_sources *sources, size_t index)
 
 static int make_room(struct orl_sources *sources, struct orl_error *err)
 {
-    const size_t room = sources->room ? 2 * sources->room : 16;
-    struct orl_source *grown;
     if (sources->count >= ORL_LIMIT_SCENE_FILES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the scene has more than %u files",
                              ORL_LIMIT_SCENE_FILES);
-    if (sources->count < sources->room)
-        return 0;
-    grown = realloc(sources->items, room * sizeof *grown);
-    if (!grown)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    sources->items = grown;
-    sources->room = room;
-    return 0;
+    return orl_array_reserve(&sources->items, &sources->room, sources->count,
+                             sizeof *sources->items)
+               ? 0
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 static void find_digest(const struct orl_sources *sources, struct orl_source *item)
@@ -149,12 +143,10 @@ static int add_item(struct orl_sources *sources, const char *name, bool library,
                     struct orl_error *err)
 {
     const struct orl_files *const files = sources->files;
-    struct orl_source *item;
-    const char *slash;
     int code = make_room(sources, err);
     if (code < 0)
         return code;
-    item = sources->items + sources->count;
+    struct orl_source *item = sources->items + sources->count;
     memset(item, 0, sizeof *item);
     code = (library ? files->library : files->open)(files->ctx, name, &item->file, err);
     if (code == ORL_ERR_NOT_FOUND)
@@ -163,7 +155,7 @@ static int add_item(struct orl_sources *sources, const char *name, bool library,
         return code;
     item->open = true;
     item->library = library;
-    slash = strrchr(name, '/');
+    const char *const slash = strrchr(name, '/');
     item->name = orl_arena_copy_text(sources->arena, name, strlen(name));
     item->folder = orl_arena_copy_text(sources->arena, name,
                                        !slash          ? 0
@@ -183,14 +175,13 @@ static int add_item(struct orl_sources *sources, const char *name, bool library,
 static int find_as(struct orl_sources *sources, const char *name, bool library, size_t *ret_index,
                    struct orl_error *err)
 {
-    int code;
     for (size_t i = 0; i < sources->count; i++) {
         if (strcmp(sources->items[i].name, name) == 0) {
             *ret_index = i;
             return 0;
         }
     }
-    code = add_item(sources, name, library, err);
+    const int code = add_item(sources, name, library, err);
     if (code == 0)
         *ret_index = sources->count - 1;
     return code;
@@ -214,10 +205,9 @@ static int find_from(struct orl_sources *sources, const char *folder, const char
 {
     char path[PATH_BYTES], plain[PATH_BYTES];
     struct orl_error first = {0};
-    int code;
     if (!join_path(folder, name, path) || !join_path("", name, plain))
         return orl_error_set(err, ORL_ERR_SYNTAX, "'%.200s' is not a file name", name);
-    code = find_as(sources, path, false, ret_index, &first);
+    int code = find_as(sources, path, false, ret_index, &first);
     if (code == ORL_ERR_NOT_FOUND && strcmp(path, plain) != 0) {
         code = find_as(sources, plain, false, ret_index, err);
         if (code == ORL_ERR_NOT_FOUND)

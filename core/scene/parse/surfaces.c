@@ -11,22 +11,19 @@
 
 #include "base/memory/memory.h"
 #include "scene/parse/parser.h"
+#include "scene/surfaces.h"
 
 struct surface_type {
     const char *name;
-    enum orl_surface_kind kind, inverse;
+    enum orl_surface_kind kind;
     size_t n_reals;
 };
 
 static const struct surface_type surface_types[] = {
-    {"polygon", ORL_SURFACE_POLYGON, ORL_SURFACE_POLYGON, 0},
-    {"sphere", ORL_SURFACE_SPHERE, ORL_SURFACE_BUBBLE, 4},
-    {"bubble", ORL_SURFACE_BUBBLE, ORL_SURFACE_SPHERE, 4},
-    {"cylinder", ORL_SURFACE_CYLINDER, ORL_SURFACE_TUBE, 7},
-    {"tube", ORL_SURFACE_TUBE, ORL_SURFACE_CYLINDER, 7},
-    {"cone", ORL_SURFACE_CONE, ORL_SURFACE_CUP, 8},
-    {"cup", ORL_SURFACE_CUP, ORL_SURFACE_CONE, 8},
-    {"ring", ORL_SURFACE_RING, ORL_SURFACE_RING, 8},
+    {"polygon", ORL_SURFACE_POLYGON, 0}, {"sphere", ORL_SURFACE_SPHERE, 4},
+    {"bubble", ORL_SURFACE_BUBBLE, 4},   {"cylinder", ORL_SURFACE_CYLINDER, 7},
+    {"tube", ORL_SURFACE_TUBE, 7},       {"cone", ORL_SURFACE_CONE, 8},
+    {"cup", ORL_SURFACE_CUP, 8},         {"ring", ORL_SURFACE_RING, 8},
 };
 
 static const struct surface_type *find_type(const char *name)
@@ -45,8 +42,13 @@ bool orl_parser_is_surface(const char *type)
 static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scope,
                          struct orl_error *err)
 {
-    orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
-    return ORL_ERR_NOMEM;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
+}
+
+/* Returns the modifier of the current primitive, or the one that the scope sets. */
+static const char *modifier_of(const struct orl_parser *parser, const struct orl_scope *scope)
+{
+    return scope->modifier ? scope->modifier : parser->primitive.modifier;
 }
 
 /* Finds the material of the current primitive, with the scope's override; *ret_order: order of its
@@ -54,9 +56,8 @@ static int out_of_memory(struct orl_parser *parser, const struct orl_scope *scop
 static int find_material(struct orl_parser *parser, const struct orl_scope *scope,
                          uint32_t *ret_index, uint32_t *ret_order, struct orl_error *err)
 {
-    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
-    const struct orl_symbol *symbol;
-    symbol = orl_symbols_find(&parser->symbols, name);
+    const char *name = modifier_of(parser, scope);
+    const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
     if (symbol && symbol->kind == ORL_SYMBOL_REFUSED) {
         const int code = orl_deferred_use(&parser->deferred, symbol->index, &parser->refusals, err);
         if (code < 0)
@@ -64,19 +65,15 @@ static int find_material(struct orl_parser *parser, const struct orl_scope *scop
     }
     if (strcmp(name, "void") == 0 || (symbol && symbol->kind == ORL_SYMBOL_REFUSED))
         return orl_parser_void(parser, ret_index) < 0 ? out_of_memory(parser, scope, err) : 0;
-    if (!symbol) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
-                        "its modifier '%.200s' is not defined", name);
-        orl_error_hint(err, "a material must be defined before the surfaces that use it; is a "
-                            "materials file missing, or listed too late?");
-        return ORL_ERR_NOT_FOUND;
-    }
-    if (symbol->kind != ORL_SYMBOL_MATERIAL) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its modifier '%.200s' is a pattern, not a material", name);
-        orl_error_hint(err, "apply the pattern to a glow or light, and that to the surface");
-        return ORL_ERR_UNSUPPORTED;
-    }
+    if (!symbol)
+        return orl_parser_refuse(parser, scope, err, ORL_ERR_NOT_FOUND,
+                                 "a material must be defined before the surfaces that use it; is a "
+                                 "materials file missing, or listed too late?",
+                                 "its modifier '%.200s' is not defined", name);
+    if (symbol->kind != ORL_SYMBOL_MATERIAL)
+        return orl_parser_refuse(parser, scope, err, ORL_ERR_UNSUPPORTED,
+                                 "apply the pattern to a glow or light, and that to the surface",
+                                 "its modifier '%.200s' is a pattern, not a material", name);
     *ret_index = symbol->index;
     *ret_order = symbol->order;
     if (parser->normals && orl_parser_smooth(parser, symbol->index, ret_index) < 0)
@@ -92,14 +89,12 @@ static int make_name(struct orl_parser *parser, const struct orl_scope *scope,
     const char *id = parser->primitive.id;
     const size_t length = strlen(id), front = scope->prefix ? strlen(scope->prefix) + 1 : 0;
     parser->name_bytes += front + length + 1;
-    if (parser->name_bytes > ORL_LIMIT_NAME_BYTES) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
-                        "the names of the scene's surfaces, including prefixes by xform -n, take "
-                        "more than %lu MiB",
-                        ORL_LIMIT_NAME_BYTES >> 20);
-        orl_error_hint(err, "use shorter names, or fewer copies by xform -a");
-        return ORL_ERR_LIMIT;
-    }
+    if (parser->name_bytes > ORL_LIMIT_NAME_BYTES)
+        return orl_parser_refuse(
+            parser, scope, err, ORL_ERR_LIMIT, "use shorter names, or fewer copies by xform -a",
+            "the names of the scene's surfaces, including prefixes by xform -n, take "
+            "more than %lu MiB",
+            ORL_LIMIT_NAME_BYTES >> 20);
     char *name = orl_arena_alloc_chars(arena, front + length + 1);
     if (!name)
         return out_of_memory(parser, scope, err);
@@ -129,8 +124,16 @@ static bool in_reach(struct orl_vec3 v)
 
 static int too_far(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
 {
-    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its transformed coordinates are too large");
-    return ORL_ERR_RANGE;
+    return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
+                           "its transformed coordinates are too large");
+}
+
+/* Drops a surface without extent with a warning, as Radiance's programs do. */
+static int drop_surface(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
+{
+    orl_parser_tally(parser, scope, &parser->degenerate);
+    *ret_keep = false;
+    return 0;
 }
 
 /* ---- Polygons -------------------------------------------------------------------------------- */
@@ -145,10 +148,8 @@ static int copy_vertices(struct orl_parser *parser, const struct orl_scope *scop
     if (n > 3 && first.x == last.x && first.y == last.y && first.z == last.z)
         n--; /* drops a repeated first corner */
     parser->vertices += n;
-    if (parser->vertices > 8 * (uint64_t)ORL_LIMIT_SURFACES) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
-        return ORL_ERR_LIMIT;
-    }
+    if (parser->vertices > 8 * (uint64_t)ORL_LIMIT_SURFACES)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT, "the scene has too many corners");
     const size_t uv_bytes = parser->uv ? 2 * sizeof *parser->uv : 0;
     const size_t normal_bytes = parser->normals ? sizeof *parser->normals : 0;
     surface->vertices = orl_arena_alloc(parser->out->outlines,
@@ -231,57 +232,41 @@ static int read_polygon(struct orl_parser *parser, const struct orl_scope *scope
                         struct orl_surface *surface, bool *ret_keep, struct orl_error *err)
 {
     const size_t n_reals = parser->primitive.n_reals;
-    struct orl_vec3 area;
-    int code;
-    if (parser->primitive.n_strings != 0 || n_reals < 9 || n_reals % 3 != 0) {
-        orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
-                        "a polygon needs three numbers per corner and at least three corners, but "
-                        "has %zu numbers",
-                        n_reals);
-        return ORL_ERR_SYNTAX;
-    }
+    if (parser->primitive.n_strings != 0 || n_reals < 9 || n_reals % 3 != 0)
+        return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
+                               "a polygon needs three numbers per corner and at least three "
+                               "corners, but has %zu numbers",
+                               n_reals);
     if (n_reals / 3 > ORL_LIMIT_POLYGON_VERTICES)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
                                "the polygon has %zu corners, more than %u", n_reals / 3,
                                ORL_LIMIT_POLYGON_VERTICES);
-    code = copy_vertices(parser, scope, surface, err);
+    const int code = copy_vertices(parser, scope, surface, err);
     if (code < 0)
         return code;
-    area = newell(surface);
+    const struct orl_vec3 area = newell(surface);
     const double size2 = extent2(surface);
     /* Rounding alone gives a line an "area" of some 1e-16 of its length squared. */
     *ret_keep = isnormal(orl_dot(area, area)) && orl_length(area) > 1e-13 * size2;
-    if (!*ret_keep) {
-        orl_parser_tally(parser, scope, &parser->degenerate);
-        return 0;
-    }
+    if (!*ret_keep)
+        return drop_surface(parser, scope, ret_keep);
     surface->normal = orl_normalize(area);
     count_nonplanar(parser, scope, surface, sqrt(size2));
     return 0;
 }
 
-/* ---- Quadrics and rings
- * ----------------------------------------------------------------------- */
-
-/* Drops a surface without extent with a warning, as Radiance's programs do. */
-static void drop_surface(struct orl_parser *parser, const struct orl_scope *scope, bool *ret_keep)
-{
-    orl_parser_tally(parser, scope, &parser->degenerate);
-    *ret_keep = false;
-}
+/* ---- Quadrics and rings ---------------------------------------------------------------------- */
 
 static int check_radius(struct orl_parser *parser, const struct orl_scope *scope, double radius,
                         bool *ret_keep, struct orl_error *err)
 {
     if (radius > 0)
         return 0;
-    if (radius == 0) {
-        drop_surface(parser, scope, ret_keep);
-        return 0;
-    }
-    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its radius %g is not positive", radius);
-    orl_error_hint(err, "for a surface that faces inwards use bubble, tube or cup");
-    return ORL_ERR_RANGE;
+    if (radius == 0)
+        return drop_surface(parser, scope, ret_keep);
+    return orl_parser_refuse(parser, scope, err, ORL_ERR_RANGE,
+                             "for a surface that faces inwards use bubble, tube or cup",
+                             "its radius %g is not positive", radius);
 }
 
 static int read_sphere(struct orl_parser *parser, const struct orl_scope *scope,
@@ -305,10 +290,8 @@ static int read_cone(struct orl_parser *parser, const struct orl_scope *scope,
         quadric->center[i] = orl_xform_point(&scope->xform, real3(parser, 3 * i));
         quadric->radius[i] = (straight ? r[6] : r[6 + i]) * scope->xform.scale;
     }
-    if (!(orl_length(axis) > 0)) {
-        drop_surface(parser, scope, ret_keep);
-        return 0;
-    }
+    if (!(orl_length(axis) > 0))
+        return drop_surface(parser, scope, ret_keep);
     return check_radius(parser, scope, straight ? r[6] : fmax(r[6], r[7]), ret_keep, err);
 }
 
@@ -322,10 +305,8 @@ static int read_ring(struct orl_parser *parser, const struct orl_scope *scope,
     if (inner < 0)
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its radii %g and %g are not both positive", r[6], r[7]);
-    if (!(fabs(orl_length(normal) - 1.0) < 1e-6) || !(outer > inner)) {
-        drop_surface(parser, scope, ret_keep);
-        return 0;
-    }
+    if (!(fabs(orl_length(normal) - 1.0) < 1e-6) || !(outer > inner))
+        return drop_surface(parser, scope, ret_keep);
     quadric->center[0] = orl_xform_point(&scope->xform, real3(parser, 0));
     surface->normal = scope->xform.inverted ? orl_neg(normal) : normal;
     quadric->radius[0] = inner * scope->xform.scale;
@@ -358,8 +339,7 @@ static int read_quadric(struct orl_parser *parser, const struct orl_scope *scope
     return code;
 }
 
-/* ---- All surfaces
- * ----------------------------------------------------------------------------- */
+/* ---- All surfaces ---------------------------------------------------------------------------- */
 
 /* A BSDF's up vector must not be parallel to the normal: its azimuth would be undefined. */
 static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
@@ -368,13 +348,11 @@ static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_material *material = parser->out->materials + surface->material;
     if (!orl_bsdf_up_is_undefined(material, surface))
         return 0;
-    orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                    "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal",
-                    material->up.x, material->up.y, material->up.z, material->name);
-    orl_error_hint(
-        err,
-        "tilt it a little, for example 0.01 0.01 1, or give the direction that is up in the pane");
-    return ORL_ERR_RANGE;
+    return orl_parser_refuse(
+        parser, scope, err, ORL_ERR_RANGE,
+        "tilt it a little, for example 0.01 0.01 1, or give the direction that is up in the pane",
+        "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal",
+        material->up.x, material->up.y, material->up.z, material->name);
 }
 
 static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope,
@@ -418,14 +396,14 @@ static int fail_source(struct orl_parser *parser, const struct orl_scope *scope,
  * reads as a dark source. */
 static bool is_patterned_alone(const struct orl_parser *parser, const struct orl_scope *scope)
 {
-    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    const char *name = modifier_of(parser, scope);
     const struct orl_symbol *symbol = orl_symbols_find(&parser->symbols, name);
     return strcmp(name, "void") != 0 && symbol && symbol->kind == ORL_SYMBOL_SKY;
 }
 
 static void warn_of_dark(struct orl_parser *parser, const struct orl_scope *scope)
 {
-    const char *name = scope->modifier ? scope->modifier : parser->primitive.modifier;
+    const char *name = modifier_of(parser, scope);
     orl_parser_warn(parser,
                     "%.200s:%d: source %.100s emits no light, as in Radiance: its modifier "
                     "'%.100s' is a pattern; apply that pattern to a glow, for example \"%.100s "
@@ -440,7 +418,6 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
     struct orl_parsed_scene *out = parser->out;
     struct orl_distant_source distant = {0};
     uint32_t order = 0;
-    const double *r;
     int code = orl_parser_expect(parser, scope, 0, 4, err);
     if (code == 0 && is_patterned_alone(parser, scope)) {
         warn_of_dark(parser, scope);
@@ -450,12 +427,12 @@ static int read_source(struct orl_parser *parser, const struct orl_scope *scope,
         code = find_material(parser, scope, &distant.material, &order, err);
     if (code < 0)
         return code;
-    r = parser->primitive.reals;
-    if (parser->refusals.n > 0 && out->materials[distant.material].kind == ORL_MATERIAL_VOID)
+    const double *const r = parser->primitive.reals;
+    const enum orl_material_kind kind = out->materials[distant.material].kind;
+    if (parser->refusals.n > 0 && kind == ORL_MATERIAL_VOID)
         return 0;
-    if (out->materials[distant.material].kind != ORL_MATERIAL_LIGHT &&
-        out->materials[distant.material].kind != ORL_MATERIAL_GLOW)
-        return fail_source(parser, scope, out->materials[distant.material].kind, err);
+    if (kind != ORL_MATERIAL_LIGHT && kind != ORL_MATERIAL_GLOW)
+        return fail_source(parser, scope, kind, err);
     distant.direction = orl_normalize(orl_xform_vector(&scope->xform, real3(parser, 0)));
     distant.angle_deg = r[3];
     if (!(fabs(orl_length(distant.direction) - 1.0) < 1e-6))
@@ -480,13 +457,12 @@ int orl_parser_surface(struct orl_parser *parser, const struct orl_scope *scope,
     const struct surface_type *type = find_type(parser->primitive.type);
     struct orl_surface surface = {.file = scope->file, .line = parser->primitive.line};
     bool keep = true;
-    int code;
     if (!type)
         return read_source(parser, scope, err);
-    code = find_material(parser, scope, &surface.material, &surface.modifier_order, err);
+    int code = find_material(parser, scope, &surface.material, &surface.modifier_order, err);
     if (code < 0)
         return code;
-    surface.kind = scope->xform.inverted ? type->inverse : type->kind;
+    surface.kind = orl_xform_kind(&scope->xform, type->kind);
     if (type->kind == ORL_SURFACE_POLYGON)
         code = read_polygon(parser, scope, &surface, &keep, err);
     else

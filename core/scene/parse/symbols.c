@@ -187,10 +187,9 @@ static struct orl_symbol *slot_of(const struct orl_symbols *symbols, struct orl_
 
 const struct orl_symbol *orl_symbols_find(const struct orl_symbols *symbols, const char *name)
 {
-    const struct orl_symbol *slot;
     if (symbols->n_slots == 0)
         return NULL;
-    slot = slot_of(symbols, symbols->slots, symbols->n_slots, name);
+    const struct orl_symbol *const slot = slot_of(symbols, symbols->slots, symbols->n_slots, name);
     return slot->name ? slot : NULL;
 }
 
@@ -213,10 +212,9 @@ static int grow_table(struct orl_symbols *symbols)
 
 int orl_symbols_set(struct orl_symbols *symbols, struct orl_symbol symbol)
 {
-    struct orl_symbol *slot;
     if (2 * symbols->n_used >= symbols->n_slots && grow_table(symbols) < 0)
         return ORL_ERR_NOMEM;
-    slot = slot_of(symbols, symbols->slots, symbols->n_slots, symbol.name);
+    struct orl_symbol *slot = slot_of(symbols, symbols->slots, symbols->n_slots, symbol.name);
     symbols->n_used += slot->name ? 0 : 1;
     *slot = symbol;
     slot->order = ++symbols->n_set;

@@ -46,15 +46,12 @@ int orl_expressions_define(struct orl_generator_expressions *expressions, const 
                            struct orl_words *words, const struct orl_generator_files *files,
                            struct orl_error *err)
 {
-    const char *word;
     if (strcmp(option, "-e") != 0 && strcmp(option, "-f") != 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is not an option", words->program,
-                             option);
+        return orl_words_refuse(words, option, err);
     if (words->left == 0)
         return orl_error_set(err, ORL_ERR_SYNTAX, "%s: %s needs a word after it", words->program,
                              option);
-    word = *words->at++;
-    words->left--;
+    const char *const word = orl_words_take(words);
     if (option[1] == 'f')
         return define_file(expressions->functions, word, files, err);
     return orl_functions_define(expressions->functions, ORL_FUNCTION_GLOBAL, NULL, 0, word,

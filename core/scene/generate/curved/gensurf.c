@@ -114,8 +114,7 @@ static double interpolate_data(const struct gensurf_data *data, size_t coordinat
 static int read_option(struct gensurf *surface, struct orl_words *words,
                        const struct orl_generator_files *files, struct orl_error *err)
 {
-    const char *option = *words->at++;
-    words->left--;
+    const char *option = orl_words_take(words);
     if (strcmp(option, "-s") == 0)
         surface->smooth = true;
     else if (strcmp(option, "-i") == 0)
@@ -182,9 +181,7 @@ static int read_gensurf(struct gensurf *surface, struct orl_words *words,
                         const struct orl_generator_files *files, struct orl_error *err)
 {
     static const char *const inputs[] = {"s", "t"};
-    int code = orl_words_name(words, "the material", &surface->material, err);
-    if (code == 0)
-        code = orl_words_name(words, "the surface", &surface->name, err);
+    int code = orl_words_names(words, "the surface", &surface->material, &surface->name, err);
     if (code == 0 && words->left < 5)
         code = orl_error_set(err, ORL_ERR_SYNTAX,
                              "gensurf needs three expressions and two numbers of fields");
@@ -237,11 +234,6 @@ struct turning {
     struct orl_vec3 terms[4];
 };
 
-static double coordinate(struct orl_vec3 v, int axis)
-{
-    return axis % 3 == 0 ? v.x : axis % 3 == 1 ? v.y : v.z;
-}
-
 /* Inverts a by elimination with column pivots, which are swapped onto its diagonal; false if
  * singular. */
 static bool invert(double a[4][4], double inverse[4][4])
@@ -287,10 +279,10 @@ static struct turning find_turning(const struct gensurf *surface,
     for (int k = 1; k < 4; k++)
         sum = orl_add(sum, corners[k]->normal);
     turning.axis = fabs(sum.x) > fabs(sum.y) ? 0 : 1;
-    turning.axis = fabs(coordinate(sum, turning.axis)) > fabs(sum.z) ? turning.axis : 2;
+    turning.axis = fabs(orl_component(sum, turning.axis)) > fabs(sum.z) ? turning.axis : 2;
     for (int k = 0; k < 4; k++) {
-        const double u = coordinate(corners[k]->place, turning.axis + 1);
-        const double v = coordinate(corners[k]->place, turning.axis + 2);
+        const double u = orl_component(corners[k]->place, (turning.axis + 1) % 3);
+        const double v = orl_component(corners[k]->place, (turning.axis + 2) % 3);
         const double row[4] = {u * v, u, v, 1};
         memcpy(equations[k], row, sizeof row);
     }

@@ -22,9 +22,7 @@ static int read_curve(struct generator_curve *curve, struct orl_words *words, si
                       struct orl_error *err)
 {
     static const char *const inputs[] = {"t"};
-    int code = orl_words_name(words, "the material", &curve->material, err);
-    if (code == 0)
-        code = orl_words_name(words, "the surface", &curve->name, err);
+    int code = orl_words_names(words, "the surface", &curve->material, &curve->name, err);
     if (code == 0 && words->left < n + 1)
         code =
             orl_error_set(err, ORL_ERR_SYNTAX, "%s needs %zu expressions and a number of segments",
@@ -36,8 +34,7 @@ static int read_curve(struct generator_curve *curve, struct orl_words *words, si
     words->left -= n + 1;
     code = orl_expressions_begin(&curve->expressions, inputs, 1, err);
     while (code == 0 && words->left > 0) {
-        const char *option = *words->at++;
-        words->left--;
+        const char *option = orl_words_take(words);
         if (may_smooth && strcmp(option, "-s") == 0)
             curve->smooth = true;
         else

@@ -49,11 +49,9 @@ static int read_hour(struct gendaylit *sky, const char *word, struct orl_text *t
 {
     const size_t length = strcspn(word, ":");
     double hour = 0;
-    if (orl_number_read(word, length, &hour) != ORL_NUMBER_OK || hour < 0 || hour >= 24) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is not a time of day", word);
-        orl_error_hint(err, "write 14.5, or +14.5 for solar time");
-        return ORL_ERR_SYNTAX;
-    }
+    if (orl_number_read(word, length, &hour) != ORL_NUMBER_OK || hour < 0 || hour >= 24)
+        return orl_error_refuse(err, ORL_ERR_SYNTAX, "write 14.5, or +14.5 for solar time",
+                                "gendaylit: '%.40s' is not a time of day", word);
     if (word[length])
         orl_text_warn(text,
                       "gendaylit reads '%.40s' as %g hours: it does not support minutes; write "
@@ -67,14 +65,10 @@ static int read_hour(struct gendaylit *sky, const char *word, struct orl_text *t
 static int read_when(struct gendaylit *sky, struct orl_words *words, struct orl_text *text,
                      struct orl_error *err)
 {
-    int code = orl_words_sun(words, &sky->sun, &sky->by_angle, err);
-    if (code < 0 || sky->by_angle)
-        return code;
-    code = orl_words_date(words, &sky->moment, err);
-    if (code == 0)
-        code = read_hour(sky, words->at[0], text, err);
-    words->at++, words->left--;
-    return code;
+    const char *hour = NULL;
+    const int code = orl_words_when(words, &sky->sun, &sky->moment, &hour, err);
+    sky->by_angle = !hour;
+    return code == 0 && hour ? read_hour(sky, hour, text, err) : code;
 }
 
 static int read_input(struct gendaylit *sky, struct orl_words *words, const char *option,
@@ -95,18 +89,28 @@ static int read_output(struct gendaylit *sky, struct orl_words *words, struct or
     return code;
 }
 
-static int fail_unknown_option(const char *option, struct orl_error *err)
-{
-    return orl_error_set(err, ORL_ERR_SYNTAX, "gendaylit: '%.40s' is not an option", option);
-}
+/* The letters of inputs, in the order of enum input. */
+static const char inputs[] = "PWLGE";
 
 static int read_option(struct gendaylit *sky, struct orl_words *words, struct orl_error *err)
 {
-    const char *option = *words->at++;
     double unused;
-    words->left--;
+    /* R, t and b are accepted without effect, as in the program. */
+    const struct orl_words_field fields[] = {{'a', true, &sky->site.latitude_rad},
+                                             {'o', true, &sky->site.longitude_rad},
+                                             {'m', true, &sky->site.meridian_rad},
+                                             {'g', false, &sky->ground_reflectance},
+                                             {'d', false, &sky->dew_point_c},
+                                             {'i', false, &sky->interval_min},
+                                             {'R', false, &unused},
+                                             {'t', false, &unused},
+                                             {'b', false, &unused}};
+    const char *option = orl_words_take(words);
     if ((option[0] != '-' && option[0] != '+') || option[1] == '\0' || option[2] != '\0')
-        return fail_unknown_option(option, err);
+        return orl_words_refuse(words, option, err);
+    const char *const input = strchr(inputs, option[1]);
+    if (input)
+        return read_input(sky, words, option, (enum input)(input - inputs), err);
     switch (option[1]) {
     case 's':
         sky->with_sun = option[0] == '+';
@@ -121,41 +125,15 @@ static int read_option(struct gendaylit *sky, struct orl_words *words, struct or
         return 0;
     case 'y':
         return orl_words_int(words, option, 1950, 2050, &sky->moment.year, err);
-    case 'a':
-        return orl_words_angle(words, option, &sky->site.latitude_rad, err);
-    case 'o':
-        return orl_words_angle(words, option, &sky->site.longitude_rad, err);
-    case 'm':
-        return orl_words_angle(words, option, &sky->site.meridian_rad, err);
-    case 'g':
-        return orl_words_number(words, option, &sky->ground_reflectance, err);
-    case 'd':
-        return orl_words_number(words, option, &sky->dew_point_c, err);
-    case 'i':
-        return orl_words_number(words, option, &sky->interval_min, err);
     case 'O':
         return read_output(sky, words, err);
-    case 'P':
-        return read_input(sky, words, option, INPUT_PEREZ, err);
-    case 'W':
-        return read_input(sky, words, option, INPUT_NORMAL_W, err);
-    case 'L':
-        return read_input(sky, words, option, INPUT_NORMAL_LX, err);
-    case 'G':
-        return read_input(sky, words, option, INPUT_HORIZONTAL_W, err);
-    case 'E':
-        return read_input(sky, words, option, INPUT_GLOBAL_W, err);
-    case 'R':
-    case 't':
-    case 'b': /* accepted without effect, as in the program */
-        return orl_words_number(words, option, &unused, err);
     case 'C':
     case 'l':
         orl_error_set(err, ORL_ERR_UNSUPPORTED, "gendaylit: coloured skies (%s) are not supported",
                       option);
         return ORL_ERR_UNSUPPORTED;
     default:
-        return fail_unknown_option(option, err);
+        return orl_words_field(words, option, fields, sizeof fields / sizeof *fields, err);
     }
 }
 
@@ -220,8 +198,7 @@ static bool place_sun(struct gendaylit *sky, struct orl_text *text)
     return up;
 }
 
-/* ---- From measurements to clearness and brightness
- * -------------------------------------------- */
+/* ---- From measurements to clearness and brightness ------------------------------------------- */
 
 static double zenith_rad(const struct gendaylit *sky)
 {
@@ -326,11 +303,10 @@ static bool irradiance_from_illuminance(struct gendaylit *sky)
     find_brightness(sky);
     clamp_indices(sky);
     for (int round = 0; round < 9; round++) {
-        double efficacy;
         if (orl_perez_bin(sky->clearness) < 0)
             return false;
         sky->diffuse_w = sky->diffuse_lx / diffuse_efficacy(sky);
-        efficacy = direct_efficacy(sky);
+        const double efficacy = direct_efficacy(sky);
         sky->direct_w = efficacy < 0.1 ? 0.0 : sky->direct_lx / efficacy;
         find_brightness(sky);
         find_clearness(sky);

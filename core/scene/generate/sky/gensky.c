@@ -60,10 +60,10 @@ static int set_zone(struct gensky *sky, const char *name, struct orl_error *err)
             return 0;
         }
     }
-    orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not a time zone", name);
-    orl_error_hint(err,
-                   "write for example GMT, CET, CEST, EST or PST, or give the meridian with -m");
-    return ORL_ERR_SYNTAX;
+    return orl_error_refuse(
+        err, ORL_ERR_SYNTAX,
+        "write for example GMT, CET, CEST, EST or PST, or give the meridian with -m",
+        "gensky: '%.40s' is not a time zone", name);
 }
 
 /* Reads [+]hour, [+]hour.fraction or [+]hour:minutes, and a time zone after standard time. */
@@ -85,34 +85,35 @@ static int read_hour(struct gensky *sky, const char *word, struct orl_error *err
             at += 1 + strspn(at + 1, "0123456789");
         good = good && orl_number_read(start, (size_t)(at - start), &hour) == ORL_NUMBER_OK;
     }
-    if (!good || hour > 24 || (*at && (sky->moment.solar || !isalpha((unsigned char)*at)))) {
-        orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not a time of day", word);
-        orl_error_hint(err, "write 14.5, 14:30, 14:30CET, or +14.5 for solar time");
-        return ORL_ERR_SYNTAX;
-    }
+    if (!good || hour > 24 || (*at && (sky->moment.solar || !isalpha((unsigned char)*at))))
+        return orl_error_refuse(err, ORL_ERR_SYNTAX,
+                                "write 14.5, 14:30, 14:30CET, or +14.5 for solar time",
+                                "gensky: '%.40s' is not a time of day", word);
     sky->moment.hour = hour + minutes / 60.0;
     return *at ? set_zone(sky, at, err) : 0;
 }
 
 static int read_when(struct gensky *sky, struct orl_words *words, struct orl_error *err)
 {
-    int code = orl_words_sun(words, &sky->sun, &sky->by_angle, err);
-    if (code < 0 || sky->by_angle)
-        return code;
-    code = orl_words_date(words, &sky->moment, err);
-    if (code == 0)
-        code = read_hour(sky, words->at[0], err);
-    words->at++, words->left--;
-    return code;
+    const char *hour = NULL;
+    const int code = orl_words_when(words, &sky->sun, &sky->moment, &hour, err);
+    sky->by_angle = !hour;
+    return code == 0 && hour ? read_hour(sky, hour, err) : code;
 }
 
 static int read_option(struct gensky *sky, struct orl_words *words, struct orl_error *err)
 {
-    const char *option = *words->at++;
     double unused;
-    words->left--;
+    const struct orl_words_field fields[] = {
+        {'t', false, &sky->turbidity},
+        {'g', false, &sky->ground_reflectance},
+        {'a', true, &sky->site.latitude_rad},
+        {'o', true, &sky->site.longitude_rad},
+        /* overridden by a time zone */
+        {'m', true, sky->zone_given ? &unused : &sky->site.meridian_rad}};
+    const char *option = orl_words_take(words);
     if ((option[0] != '-' && option[0] != '+') || option[1] == '\0' || option[2] != '\0')
-        return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not an option", option);
+        return orl_words_refuse(words, option, err);
     switch (option[1]) {
     case 's':
         sky->type = SKY_CLEAR;
@@ -138,19 +139,8 @@ static int read_option(struct gensky *sky, struct orl_words *words, struct orl_e
     case 'B':
         sky->zenith_given = option[1] == 'B' ? GIVEN_IRRADIANCE : GIVEN_RADIANCE;
         return orl_words_number(words, option, &sky->zenith, err);
-    case 't':
-        return orl_words_number(words, option, &sky->turbidity, err);
-    case 'g':
-        return orl_words_number(words, option, &sky->ground_reflectance, err);
-    case 'a':
-        return orl_words_angle(words, option, &sky->site.latitude_rad, err);
-    case 'o':
-        return orl_words_angle(words, option, &sky->site.longitude_rad, err);
-    case 'm': /* overridden by a time zone */
-        return orl_words_angle(words, option, sky->zone_given ? &unused : &sky->site.meridian_rad,
-                               err);
     default:
-        return orl_error_set(err, ORL_ERR_SYNTAX, "gensky: '%.40s' is not an option", option);
+        return orl_words_field(words, option, fields, sizeof fields / sizeof *fields, err);
     }
 }
 

@@ -78,7 +78,7 @@ static struct orl_vec3 along(unsigned axis, double length)
 /* Returns the vector out of the box perpendicular to an edge, of the radius' length. */
 static struct orl_vec3 outward(const struct genbox *box, struct orl_vec3 point, unsigned axis)
 {
-    const double at = axis == 0 ? point.x : axis == 1 ? point.y : point.z;
+    const double at = orl_component(point, (int)axis);
     return along(axis, at < 0.5 * box->size[axis] ? -box->bevel : box->bevel);
 }
 
@@ -156,10 +156,7 @@ static void write_polygons(const struct box_polygons *polygons, const struct gen
         if (area(polygon) <= smallest)
             continue;
         snprintf(part, sizeof part, "%zu", ++number);
-        orl_text_add_head(text, box->material, "polygon", box->name, part, 3 * (size_t)polygon->n);
-        for (unsigned k = 0; k < polygon->n; k++)
-            orl_text_add_point(text, polygon->corners[k]);
-        orl_text_add(text, "\n");
+        orl_text_add_polygon(text, box->material, box->name, part, polygon->corners, polygon->n);
     }
 }
 
@@ -190,10 +187,11 @@ static const char corners[8][4] = {"Mck", "dNl", "Ome", "ogQ", "Siq", "pRh", "fn
 
 static void add_face(struct orl_text *text, const struct genbox *box, const char *face)
 {
-    orl_text_add_head(text, box->material, "polygon", box->name, face, 3 * strlen(face));
-    for (; *face; face++)
-        orl_text_add_point(text, box_corner(box, *face));
-    orl_text_add(text, "\n");
+    struct orl_vec3 face_corners[4];
+    size_t n = 0;
+    for (; face[n]; n++)
+        face_corners[n] = box_corner(box, face[n]);
+    orl_text_add_polygon(text, box->material, box->name, face, face_corners, n);
 }
 
 static void add_box(struct orl_text *text, const struct genbox *box)
@@ -217,17 +215,15 @@ static void add_box(struct orl_text *text, const struct genbox *box)
 
 static int refuse_option(const char *option, const char *hint, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_UNSUPPORTED, "genbox: option '%s' is not supported", option);
-    orl_error_hint(err, "%s", hint);
-    return ORL_ERR_UNSUPPORTED;
+    return orl_error_refuse(err, ORL_ERR_UNSUPPORTED, hint, "genbox: option '%s' is not supported",
+                            option);
 }
 
 static int read_option(struct orl_words *words, struct genbox *box, int *segments,
                        struct orl_error *err)
 {
-    const char *option = *words->at++;
+    const char *option = orl_words_take(words);
     int code = 0;
-    words->left--;
     if (strcmp(option, "-i") == 0) {
         box->inverted = true;
     } else if (strcmp(option, "-b") == 0 || strcmp(option, "-r") == 0) {
@@ -247,7 +243,7 @@ static int read_option(struct orl_words *words, struct genbox *box, int *segment
                              "(-n) for a smoother result",
                              err);
     } else {
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "genbox: '%.40s' is not an option", option);
+        code = orl_words_refuse(words, option, err);
     }
     return code;
 }
@@ -271,9 +267,7 @@ int orl_genbox(const char *const *words, size_t count, struct orl_text *text, st
     if (count < 6)
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "genbox needs a material, a name and three sizes");
-    code = orl_words_name(&rest, "the material", &box.material, err);
-    if (code == 0)
-        code = orl_words_name(&rest, "the box", &box.name, err);
+    code = orl_words_names(&rest, "the box", &box.material, &box.name, err);
     if (code == 0)
         code = read_size(&rest, box.size, err);
     while (code == 0 && rest.left > 0)

@@ -54,14 +54,6 @@ static void skip_random(struct branch *branch, int n)
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-static int read_place(struct orl_words *words, const char *option, struct orl_vec3 *ret_place,
-                      struct orl_error *err)
-{
-    int code = orl_words_number(words, option, &ret_place->x, err);
-    code = code < 0 ? code : orl_words_number(words, option, &ret_place->y, err);
-    return code < 0 ? code : orl_words_number(words, option, &ret_place->z, err);
-}
-
 static int read_option(struct branch *branch, struct orl_words *words, struct orl_error *err)
 {
     const struct {
@@ -71,16 +63,15 @@ static int read_option(struct branch *branch, struct orl_words *words, struct or
                    {"-bn", &branch->narrowing},
                    {"-br", &branch->ratio},
                    {"-v", &branch->variation}};
-    const char *option = *words->at++;
-    int seed = 0, code;
-    words->left--;
+    const char *option = orl_words_take(words);
+    int seed = 0;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (strcmp(option, numbers[i].name) == 0)
             return orl_words_number(words, option, numbers[i].number, err);
     if (strcmp(option, "-bs") == 0)
-        return read_place(words, option, &branch->start, err);
+        return orl_words_point(words, option, &branch->start, err);
     if (strcmp(option, "-be") == 0)
-        return read_place(words, option, &branch->end, err);
+        return orl_words_point(words, option, &branch->end, err);
     if (strcmp(option, "-bm") == 0)
         return orl_words_name(words, option, &branch->bark, err);
     if (strcmp(option, "-lm") == 0)
@@ -90,8 +81,8 @@ static int read_option(struct branch *branch, struct orl_words *words, struct or
     if (strcmp(option, "-r") == 0)
         return orl_words_int(words, option, 0, LEVELS_MAX, &branch->levels, err);
     if (strcmp(option, "-s") != 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "genbranch: '%.40s' is not an option", option);
-    code = orl_words_int(words, option, 0, 2000000000, &seed, err);
+        return orl_words_refuse(words, option, err);
+    const int code = orl_words_int(words, option, 0, 2000000000, &seed, err);
     skip_random(branch, seed);
     return code;
 }
@@ -105,10 +96,9 @@ static int check_size(const struct branch *branch, struct orl_error *err)
     }
     if (sticks <= STICKS_MAX)
         return 0;
-    orl_error_set(err, ORL_ERR_LIMIT, "genbranch: the branch has %.3g segments, more than %d",
-                  sticks, STICKS_MAX);
-    orl_error_hint(err, "use fewer shoots (-n) or levels (-r)");
-    return ORL_ERR_LIMIT;
+    return orl_error_refuse(err, ORL_ERR_LIMIT, "use fewer shoots (-n) or levels (-r)",
+                            "genbranch: the branch has %.3g segments, more than %d", sticks,
+                            STICKS_MAX);
 }
 
 /* ---- The branch ------------------------------------------------------------------------------ */

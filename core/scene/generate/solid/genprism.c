@@ -9,6 +9,7 @@
 
 #include <oriel/base/limits.h>
 
+#include "base/memory/memory.h"
 #include "base/text/words.h"
 #include "scene/generate/solid/solids.h"
 
@@ -37,14 +38,8 @@ static int add_corner(struct prism *prism, double x, double y, struct orl_error 
     if (prism->n >= ORL_LIMIT_POLYGON_VERTICES)
         return orl_error_set(err, ORL_ERR_LIMIT, "genprism: the outline has more than %u corners",
                              ORL_LIMIT_POLYGON_VERTICES);
-    if (prism->n == prism->room) {
-        const size_t room = prism->room ? 2 * prism->room : 64;
-        struct corner *grown = realloc(prism->corners, room * sizeof *grown);
-        if (!grown)
-            return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-        prism->corners = grown;
-        prism->room = room;
-    }
+    if (!orl_array_reserve(&prism->corners, &prism->room, prism->n, sizeof *prism->corners))
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     prism->corners[prism->n++] = (struct corner){.x = x, .y = y};
     return 0;
 }
@@ -72,11 +67,10 @@ static int read_outline_file(struct prism *prism, const struct orl_generator_fil
     double pair[2] = {0, 0};
     char *text = NULL;
     int code, more = 1;
-    if (strcmp(name, "-") == 0) {
-        orl_error_set(err, ORL_ERR_UNSUPPORTED, "genprism: '-' (standard input) has no data");
-        orl_error_hint(err, "name the file of corners instead, or write them in the command");
-        return ORL_ERR_UNSUPPORTED;
-    }
+    if (strcmp(name, "-") == 0)
+        return orl_error_refuse(err, ORL_ERR_UNSUPPORTED,
+                                "name the file of corners instead, or write them in the command",
+                                "genprism: '-' (standard input) has no data");
     code = files->read(files->ctx, name, &text, err);
     for (const char *at = text; code == 0 && more;) {
         more = next_pair(&at, pair, name, err);
@@ -94,10 +88,7 @@ static int read_outline(struct prism *prism, const struct orl_generator_files *f
     double x = 0, y = 0;
     int n = 0, code = 0;
     if (words->left == 0 || !isdigit((unsigned char)words->at[0][0])) {
-        const char *name = words->left > 0 ? words->at[0] : "-";
-        words->at += words->left > 0;
-        words->left -= words->left > 0;
-        code = read_outline_file(prism, files, name, err);
+        code = read_outline_file(prism, files, words->left > 0 ? orl_words_take(words) : "-", err);
     } else {
         code = orl_words_int(words, "the number of corners", 3, (int)ORL_LIMIT_POLYGON_VERTICES, &n,
                              err);
@@ -116,10 +107,9 @@ static int read_outline(struct prism *prism, const struct orl_generator_files *f
 
 static int read_option(struct prism *prism, struct orl_words *words, struct orl_error *err)
 {
-    const char *option = *words->at++;
+    const char *option = orl_words_take(words);
     struct orl_vec3 *v = &prism->extrusion;
     int code = 0;
-    words->left--;
     if (strcmp(option, "-c") == 0) {
         prism->open = !prism->open;
     } else if (strcmp(option, "-e") == 0) {
@@ -127,15 +117,13 @@ static int read_option(struct prism *prism, struct orl_words *words, struct orl_
     } else if (strcmp(option, "-r") == 0) {
         code = orl_words_number(words, option, &prism->radius, err);
     } else if (strcmp(option, "-l") == 0) {
-        code = orl_words_number(words, option, &v->x, err);
-        code = code < 0 ? code : orl_words_number(words, option, &v->y, err);
-        code = code < 0 ? code : orl_words_number(words, option, &v->z, err);
+        code = orl_words_point(words, option, v, err);
         if (code == 0 && fabs(v->z) <= tiny)
             code = orl_error_set(err, ORL_ERR_RANGE,
                                  "genprism: -l %g %g %g is parallel to the outline's plane", v->x,
                                  v->y, v->z);
     } else {
-        code = orl_error_set(err, ORL_ERR_SYNTAX, "genprism: '%.40s' is not an option", option);
+        code = orl_words_refuse(words, option, err);
     }
     return code;
 }
@@ -178,10 +166,7 @@ static void add_quad(const struct prism *prism, size_t i, const struct orl_vec3 
 {
     char part[24];
     snprintf(part, sizeof part, "%zu", i + 1);
-    orl_text_add_head(text, prism->material, "polygon", prism->name, part, 12);
-    for (int k = 0; k < 4; k++)
-        orl_text_add_point(text, corners[k]);
-    orl_text_add(text, "\n");
+    orl_text_add_polygon(text, prism->material, prism->name, part, corners, 4);
 }
 
 static void add_side(const struct prism *prism, size_t i, size_t next, struct orl_text *text)
@@ -307,9 +292,7 @@ int orl_genprism(const char *const *words, size_t count, const struct orl_genera
 {
     struct prism prism = {.extrusion = {0, 0, 1}};
     struct orl_words rest = {"genprism", words + 1, count - 1};
-    int code = orl_words_name(&rest, "the material", &prism.material, err);
-    if (code == 0)
-        code = orl_words_name(&rest, "the prism", &prism.name, err);
+    int code = orl_words_names(&rest, "the prism", &prism.material, &prism.name, err);
     if (code == 0)
         code = read_outline(&prism, files, &rest, err);
     while (code == 0 && rest.left > 0)

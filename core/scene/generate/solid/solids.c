@@ -17,9 +17,15 @@ int orl_words_name(struct orl_words *words, const char *option, const char **ret
     if (*name == '\0' || strchr(name, '\''))
         return orl_error_set(err, ORL_ERR_SYNTAX, "%s: '%.40s' is not a valid name for %.40s",
                              words->program, name, option);
-    words->at++, words->left--;
-    *ret_name = name;
+    *ret_name = orl_words_take(words);
     return 0;
+}
+
+int orl_words_names(struct orl_words *words, const char *thing, const char **ret_material,
+                    const char **ret_name, struct orl_error *err)
+{
+    const int code = orl_words_name(words, "the material", ret_material, err);
+    return code < 0 ? code : orl_words_name(words, thing, ret_name, err);
 }
 
 void orl_text_add_head(struct orl_text *text, const char *material, const char *type,
@@ -31,6 +37,15 @@ void orl_text_add_head(struct orl_text *text, const char *material, const char *
 void orl_text_add_point(struct orl_text *text, struct orl_vec3 point)
 {
     orl_text_add(text, "\n %.12g %.12g %.12g", point.x, point.y, point.z);
+}
+
+void orl_text_add_polygon(struct orl_text *text, const char *material, const char *name,
+                          const char *part, const struct orl_vec3 *corners, size_t n)
+{
+    orl_text_add_head(text, material, "polygon", name, part, 3 * n);
+    for (size_t i = 0; i < n; i++)
+        orl_text_add_point(text, corners[i]);
+    orl_text_add(text, "\n");
 }
 
 void orl_text_add_sphere(struct orl_text *text, const char *material, const char *name,
@@ -70,25 +85,24 @@ struct blinds {
 
 static int read_blinds(struct blinds *blinds, struct orl_words *words, struct orl_error *err)
 {
-    int code = orl_words_name(words, "the material", &blinds->material, err);
-    if (code == 0)
-        code = orl_words_name(words, "the blinds", &blinds->name, err);
-    if (code == 0)
-        code = orl_words_number(words, "the depth", &blinds->depth, err);
-    if (code == 0)
-        code = orl_words_number(words, "the width", &blinds->width, err);
-    if (code == 0)
-        code = orl_words_number(words, "the height", &blinds->height, err);
+    const struct {
+        const char *what;
+        double *size;
+    } sizes[] = {{"the depth", &blinds->depth},
+                 {"the width", &blinds->width},
+                 {"the height", &blinds->height}};
+    int code = orl_words_names(words, "the blinds", &blinds->material, &blinds->name, err);
+    for (int i = 0; i < 3 && code == 0; i++)
+        code = orl_words_number(words, sizes[i].what, sizes[i].size, err);
     if (code == 0)
         code = orl_words_int(words, "the number of slats", 1, SLATS_MAX, &blinds->slats, err);
     if (code == 0)
         code = orl_words_angle(words, "the angle", &blinds->angle_rad, err);
     if (code < 0 || words->left == 0)
         return code;
-    const char *option = *words->at++;
-    words->left--;
+    const char *option = orl_words_take(words);
     if (strcmp(option, "-r") != 0 && strcmp(option, "+r") != 0)
-        return orl_error_set(err, ORL_ERR_SYNTAX, "genblinds: '%.40s' is not an option", option);
+        return orl_words_refuse(words, option, err);
     code = orl_words_number(words, option, &blinds->radius, err);
     if (*option == '+')
         blinds->radius = -blinds->radius;
@@ -136,15 +150,15 @@ static int bend_slats(struct blinds *blinds, struct orl_error *err)
 static void add_slat(const struct blinds *blinds, int number, struct orl_text *text)
 {
     const double up = blinds->height * (number - .5) / blinds->slats;
+    struct orl_vec3 corners[4];
     char part[32];
     for (int k = 0; k < blinds->parts; k++) {
-        snprintf(part, sizeof part, "%d.%d", number, k);
-        orl_text_add_head(text, blinds->material, "polygon", blinds->name, part, 12);
         for (int i = 0; i < 4; i++) {
             const double y = i == 1 || i == 2 ? blinds->width : 0;
-            orl_text_add_point(text, orl_v3(blinds->x[k][i / 2], y, blinds->z[k][i / 2] + up));
+            corners[i] = orl_v3(blinds->x[k][i / 2], y, blinds->z[k][i / 2] + up);
         }
-        orl_text_add(text, "\n");
+        snprintf(part, sizeof part, "%d.%d", number, k);
+        orl_text_add_polygon(text, blinds->material, blinds->name, part, corners, 4);
     }
 }
 
@@ -197,15 +211,13 @@ static int read_clock(struct clock *clock, struct orl_words *words, struct orl_e
 {
     int code = 0;
     while (code == 0 && words->left > 1) {
-        const char *option = *words->at++;
-        words->left--;
+        const char *option = orl_words_take(words);
         const char **name = strcmp(option, "-f") == 0   ? &clock->face
                             : strcmp(option, "-c") == 0 ? &clock->case_
                             : strcmp(option, "-n") == 0 ? &clock->name
                                                         : NULL;
         code =
-            name ? orl_words_name(words, option, name, err)
-                 : orl_error_set(err, ORL_ERR_SYNTAX, "genclock: '%.40s' is not an option", option);
+            name ? orl_words_name(words, option, name, err) : orl_words_refuse(words, option, err);
     }
     if (code == 0 && words->left != 1)
         code = orl_error_set(err, ORL_ERR_SYNTAX, "genclock: the time is missing");
@@ -255,12 +267,12 @@ static void add_hand(const struct clock *clock, const char *part, double x, cons
 {
     const double y[4] = {-tail[0], tail[0], tip[0], -tip[0]};
     const double s = sin(-angle_rad), c = cos(-angle_rad);
-    orl_text_add_head(text, "hand_paint", "polygon", clock->name, part, 12);
+    struct orl_vec3 corners[4];
     for (int i = 0; i < 4; i++) {
         const double z = i < 2 ? tail[1] : tip[1];
-        orl_text_add_point(text, orl_v3(x, y[i] * c - z * s, z * c + y[i] * s));
+        corners[i] = orl_v3(x, y[i] * c - z * s, z * c + y[i] * s);
     }
-    orl_text_add(text, "\n");
+    orl_text_add_polygon(text, "hand_paint", clock->name, part, corners, 4);
 }
 
 int orl_genclock(const char *const *words, size_t count, struct orl_text *text,

@@ -59,12 +59,17 @@ int orl_gensurf(const char *const *words, size_t count, const struct orl_generat
 /* Reads a word that becomes a name in the text: of a material, or a prefix of surface names. */
 int orl_words_name(struct orl_words *words, const char *option, const char **ret_name,
                    struct orl_error *err);
+/* Reads the names of the material and of the thing that a command makes, such as "the box". */
+int orl_words_names(struct orl_words *words, const char *thing, const char **ret_material,
+                    const char **ret_name, struct orl_error *err);
 
 /* Adds "'material' type 'name.part'", and the counts; n_reals numbers must follow. */
 void orl_text_add_head(struct orl_text *text, const char *material, const char *type,
                        const char *name, const char *part, size_t n_reals);
 /* Adds a point with the digits that Radiance's generators print. */
 void orl_text_add_point(struct orl_text *text, struct orl_vec3 point);
+void orl_text_add_polygon(struct orl_text *text, const char *material, const char *name,
+                          const char *part, const struct orl_vec3 *corners, size_t n);
 void orl_text_add_sphere(struct orl_text *text, const char *material, const char *name,
                          const char *part, struct orl_vec3 center, double radius);
 void orl_text_add_cylinder(struct orl_text *text, const char *material, const char *name,

@@ -8,12 +8,6 @@
 #include "scene/geometry/antimatter/antimatter.h"
 #include "scene/geometry/intersect.h"
 
-static void include_point(struct orl_geometry *g, struct orl_vec3 p)
-{
-    g->low = orl_v3(fmin(g->low.x, p.x), fmin(g->low.y, p.y), fmin(g->low.z, p.z));
-    g->high = orl_v3(fmax(g->high.x, p.x), fmax(g->high.y, p.y), fmax(g->high.z, p.z));
-}
-
 /* Sets the bounds of the remaining facets; a subset starts with those of the whole scene. */
 static void bound_facets(struct orl_geometry *g)
 {
@@ -21,9 +15,9 @@ static void bound_facets(struct orl_geometry *g)
     g->high = orl_neg(g->low);
     for (size_t i = 0; i < orl_geometry_triangles_end(g); i++) {
         const struct orl_triangle t = orl_triangle_get(g, i);
-        include_point(g, t.a);
-        include_point(g, t.b);
-        include_point(g, t.c);
+        orl_box_include(t.a, &g->low, &g->high);
+        orl_box_include(t.b, &g->low, &g->high);
+        orl_box_include(t.c, &g->low, &g->high);
     }
     for (size_t i = 0; i < g->n_facets; i++) {
         struct orl_facet own;
@@ -31,8 +25,8 @@ static void bound_facets(struct orl_geometry *g)
         if (orl_facet_kind(g, i) == ORL_SURFACE_POLYGON || !(orl_facet_area(g, i) > 0))
             continue;
         orl_quadric_bounds(orl_facet_get_own(g, i, &own), &low, &high);
-        include_point(g, low);
-        include_point(g, high);
+        orl_box_include(low, &g->low, &g->high);
+        orl_box_include(high, &g->low, &g->high);
     }
 }
 
@@ -221,8 +215,7 @@ done:
     return code;
 }
 
-/* ---- Windows that face a lining
- * --------------------------------------------------------------- */
+/* ---- Windows that face a lining -------------------------------------------------------------- */
 
 enum { WINDOW_PLACES = 16 };
 
@@ -308,8 +301,7 @@ void orl_linings_resolve(struct orl_geometry *geometry, const bool *is_window)
     }
 }
 
-/* ---- Queries
- * ---------------------------------------------------------------------------------- */
+/* ---- Queries --------------------------------------------------------------------------------- */
 
 size_t orl_linings_count(const struct orl_geometry *geometry)
 {

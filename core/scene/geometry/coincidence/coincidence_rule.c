@@ -1,16 +1,10 @@
 #include "scene/geometry/coincidence/coincident.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 /* ---- Materials ------------------------------------------------------------------------------- */
-
-static bool same_vec(struct orl_vec3 a, struct orl_vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
 
 static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
 {
@@ -35,15 +29,15 @@ static bool materials_alike(const struct orl_material *a, const struct orl_mater
             same_rgb(a->extinction, b->extinction) && same_rgb(a->scattering, b->scattering) &&
             a->asymmetry == b->asymmetry && a->roughness_pattern == b->roughness_pattern &&
             a->diffuse_side == b->diffuse_side &&
-            same_vec(a->anisotropy_axis, b->anisotropy_axis) && same_rgb(a->gloss, b->gloss) &&
+            orl_equal(a->anisotropy_axis, b->anisotropy_axis) && same_rgb(a->gloss, b->gloss) &&
             a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
             a->transmitted == b->transmitted &&
             a->transmitted_specular == b->transmitted_specular &&
             same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
             same_media(a, b) && a->max_radius == b->max_radius && a->bsdf == b->bsdf &&
-            a->thickness == b->thickness && same_vec(a->up, b->up) && a->peak == b->peak &&
+            a->thickness == b->thickness && orl_equal(a->up, b->up) && a->peak == b->peak &&
             same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
-            same_rgb(a->through, b->through) && same_vec(a->beam_axis, b->beam_axis) &&
+            same_rgb(a->through, b->through) && orl_equal(a->beam_axis, b->beam_axis) &&
             a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
             a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture &&
             a->mix == b->mix && !a->mixed == !b->mixed &&
@@ -51,8 +45,7 @@ static bool materials_alike(const struct orl_material *a, const struct orl_mater
                            materials_alike(&a->mixed[1], &b->mixed[1]))));
 }
 
-/* ---- Order --------------------------------------------------------------------------------------
- */
+/* ---- Order ----------------------------------------------------------------------------------- */
 
 int orl_coincidence_class(const struct orl_material *m)
 {
@@ -121,19 +114,6 @@ static const uint64_t most_named[ORL_COINCIDENCES] = {3, 0, 3, 0, 3};
 /* Distance behind a surface at which Radiance starts a ray, in the file's unit (FTINY). */
 static const double behind = 1e-6;
 
-static void warn(struct orl_parsed_scene *d, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-static void warn(struct orl_parsed_scene *d, const char *format, ...)
-{
-    char text[640];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    orl_parsed_scene_warn(d, text);
-}
-
 static const char *kind_name(const struct orl_surface *s)
 {
     static const char *const names[] = {
@@ -188,18 +168,21 @@ void orl_coincidence_warn(struct orl_coincidence_warnings *warnings,
     if (before >= most_named[kind])
         return;
     if (kind == ORL_COINCIDENCE_PANES)
-        warn(parsed_scene,
-             "%s and %s are panes only %.2g apart, which count as one in a scene of this size: "
-             "light passes through only one; if both are intended, move them at least %.1g apart",
-             names[0], names[1], distance_between(first, second), 2 * warnings->tolerance);
+        orl_parsed_scene_warn(
+            parsed_scene,
+            "%s and %s are panes only %.2g apart, which count as one in a scene of this size: "
+            "light passes through only one; if both are intended, move them at least %.1g apart",
+            names[0], names[1], distance_between(first, second), 2 * warnings->tolerance);
     else if (kind == ORL_COINCIDENCE_RESOLVED)
-        warn(parsed_scene, "%s coincides %swith %s: light hits %.60s there, as in Radiance",
-             names[0], wholly ? "entirely " : "", names[1], second->name);
+        orl_parsed_scene_warn(parsed_scene,
+                              "%s coincides %swith %s: light hits %.60s there, as in Radiance",
+                              names[0], wholly ? "entirely " : "", names[1], second->name);
     else
-        warn(parsed_scene,
-             "%s and %s coincide: light may hit either, unlike in Radiance; remove one, or move it "
-             "away from the other",
-             names[0], names[1]);
+        orl_parsed_scene_warn(
+            parsed_scene,
+            "%s and %s coincide: light may hit either, unlike in Radiance; remove one, or move it "
+            "away from the other",
+            names[0], names[1]);
 }
 
 static void warn_of_opposed(const struct orl_coincidence_warnings *warnings,
@@ -211,10 +194,11 @@ static void warn_of_opposed(const struct orl_coincidence_warnings *warnings,
         snprintf(more, sizeof more, " (and %llu more pair%s)", (unsigned long long)n - 1,
                  n == 2 ? "" : "s");
     if (n > 0)
-        warn(parsed_scene,
-             "%s and %s coincide and face opposite ways%s: light hits each from its front, as in "
-             "Radiance; if one is wrongly hidden, reverse it or move it away from the other",
-             warnings->opposed[0], warnings->opposed[1], more);
+        orl_parsed_scene_warn(
+            parsed_scene,
+            "%s and %s coincide and face opposite ways%s: light hits each from its front, as in "
+            "Radiance; if one is wrongly hidden, reverse it or move it away from the other",
+            warnings->opposed[0], warnings->opposed[1], more);
 }
 
 void orl_coincidence_warn_totals(struct orl_coincidence_warnings *warnings,
@@ -231,7 +215,8 @@ void orl_coincidence_warn_totals(struct orl_coincidence_warnings *warnings,
             warnings->counts[kind] -
             (warnings->counts[kind] < most_named[kind] ? warnings->counts[kind] : most_named[kind]);
         if (left > 0 && texts[kind])
-            warn(parsed_scene, "%s: %llu %spair%s", texts[kind], (unsigned long long)left,
-                 most_named[kind] > 0 ? "more " : "", left == 1 ? "" : "s");
+            orl_parsed_scene_warn(parsed_scene, "%s: %llu %spair%s", texts[kind],
+                                  (unsigned long long)left, most_named[kind] > 0 ? "more " : "",
+                                  left == 1 ? "" : "s");
     }
 }

@@ -63,8 +63,7 @@ static int warn_of_opposed(struct resolving *t, const struct orl_pairs *opposed)
     return code;
 }
 
-/* ---- Unresolved pairs
- * ------------------------------------------------------------------------- */
+/* ---- Unresolved pairs ------------------------------------------------------------------------ */
 
 /* Returns the outline of a polygon, or a polygon inscribed in a ring. */
 static struct orl_outline outline_within(const struct orl_surface *s,

@@ -92,12 +92,6 @@ static double plane_key(const struct orl_coincidence_scale *scale, const struct 
 
 /* ---- Boxes ----------------------------------------------------------------------------------- */
 
-static void include_point(struct orl_vec3 p, struct orl_box *box)
-{
-    box->low = orl_v3(fmin(box->low.x, p.x), fmin(box->low.y, p.y), fmin(box->low.z, p.z));
-    box->high = orl_v3(fmax(box->high.x, p.x), fmax(box->high.y, p.y), fmax(box->high.z, p.z));
-}
-
 static struct orl_box box_of_ring(const struct orl_surface *s)
 {
     const struct orl_vec3 n = s->normal;
@@ -115,7 +109,7 @@ struct orl_box orl_box_of_flat(const struct orl_surface *surface)
         return box_of_ring(surface);
     struct orl_box box = {surface->vertices[0], surface->vertices[0]};
     for (uint32_t i = 1; i < surface->n_vertices; i++)
-        include_point(surface->vertices[i], &box);
+        orl_box_include(surface->vertices[i], &box.low, &box.high);
     return box;
 }
 
@@ -130,8 +124,7 @@ bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double 
     return (common.x > pad) + (common.y > pad) + (common.z > pad) >= 2;
 }
 
-/* ---- Sorting
- * ---------------------------------------------------------------------------------- */
+/* ---- Sorting --------------------------------------------------------------------------------- */
 
 static bool list_flats(struct search *t)
 {
@@ -146,8 +139,8 @@ static bool list_flats(struct search *t)
             continue;
         f->box = orl_box_of_flat(&d->surfaces[i]);
         f->surface = (uint32_t)i;
-        include_point(f->box.low, &all);
-        include_point(f->box.high, &all);
+        orl_box_include(f->box.low, &all.low, &all.high);
+        orl_box_include(f->box.high, &all.low, &all.high);
         t->n_flats++;
     }
     if (t->n_flats > 0) {
@@ -174,11 +167,6 @@ static double start_of(const struct flat *f)
     return f->box.low.x + f->box.low.y + f->box.low.z;
 }
 
-static double end_of(const struct flat *f)
-{
-    return f->box.high.x + f->box.high.y + f->box.high.z;
-}
-
 static int compare_starts(const void *left, const void *right)
 {
     const struct flat *a = left, *b = right;
@@ -203,11 +191,6 @@ static bool lies_in(const struct search *t, const struct orl_surface *s,
     return true;
 }
 
-static struct orl_outline outline_of(const struct orl_surface *s)
-{
-    return (struct orl_outline){s->vertices, s->n_vertices, s->normal};
-}
-
 static bool test_pair(struct search *t, const struct flat *a, const struct flat *b)
 {
     const double tolerance = t->scale.tolerance;
@@ -218,7 +201,7 @@ static bool test_pair(struct search *t, const struct flat *a, const struct flat 
         (!lies_in(t, s, other) && !lies_in(t, other, s)))
         return true;
     if (s->kind == ORL_SURFACE_POLYGON && other->kind == ORL_SURFACE_POLYGON) {
-        const struct orl_outline first = outline_of(s), second = outline_of(other);
+        const struct orl_outline first = orl_outline_of(s), second = orl_outline_of(other);
         t->budget->n += 4 * ((uint64_t)first.n + second.n);
         if (orl_outlines_apart(&first, &second, tolerance))
             return true;
@@ -306,7 +289,8 @@ static bool test_plane(struct search *t, struct flat *flats, size_t n)
     if (n > FEW)
         return test_by_tree(t, flats, n);
     for (size_t i = 0; i < n; i++) {
-        const double end = end_of(&flats[i]) + 3 * t->scale.tolerance;
+        const struct orl_vec3 high = flats[i].box.high;
+        const double end = high.x + high.y + high.z + 3 * t->scale.tolerance;
         for (size_t j = i + 1; j < n && start_of(&flats[j]) <= end; j++) {
             t->budget->n++;
             if (!test_pair(t, &flats[i], &flats[j]))

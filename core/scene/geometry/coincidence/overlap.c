@@ -22,8 +22,7 @@ struct border {
     size_t n;
 };
 
-/* ---- Separation test
- * -------------------------------------------------------------------------- */
+/* ---- Separation test ------------------------------------------------------------------------- */
 
 /* Range of an outline's signed distances from a line through origin, along a direction. */
 static void distance_range(const struct orl_outline *o, struct orl_vec3 origin,
@@ -85,18 +84,6 @@ static bool find_layers(const struct orl_arrangement *a, uint32_t *words, uint32
             layers ^= a->edges[edge].layers;
         }
     }
-    return true;
-}
-
-static bool reserve_scratch(struct orl_overlap *o, size_t bytes)
-{
-    if (bytes <= o->scratch_room)
-        return true;
-    void *grown = realloc(o->scratch, bytes);
-    if (!grown)
-        return false;
-    o->scratch = grown;
-    o->scratch_room = bytes;
     return true;
 }
 
@@ -190,8 +177,7 @@ static int trace_loops(struct orl_overlap *o, struct border *border, double tole
     return 0;
 }
 
-/* ---- Combination
- * ------------------------------------------------------------------------------ */
+/* ---- Combination ----------------------------------------------------------------------------- */
 
 static int arrange(struct orl_overlap *o, const struct orl_outline *a,
                    const struct orl_outline *others, const uint32_t *layers, size_t n)
@@ -199,11 +185,8 @@ static int arrange(struct orl_overlap *o, const struct orl_outline *a,
     struct orl_vec3 low = a->vertices[0], high = low;
     for (size_t i = 0; i <= n; i++) {
         const struct orl_outline *outline = i < n ? &others[i] : a;
-        for (uint32_t k = 0; k < outline->n; k++) {
-            const struct orl_vec3 p = outline->vertices[k];
-            low = orl_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
-            high = orl_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
-        }
+        for (uint32_t k = 0; k < outline->n; k++)
+            orl_box_include(outline->vertices[k], &low, &high);
     }
     orl_arrangement_begin(&o->arrangement, a->normal, orl_scale(orl_add(low, high), 0.5),
                           0.5 * orl_length(orl_sub(high, low)));
@@ -224,9 +207,9 @@ int orl_outline_subtract(struct orl_overlap *o, const struct orl_outline *a,
     o->work += 32 * (n_edges + 1) + o->arrangement.tests;
     if (code < 0)
         return code;
-    if (!reserve_scratch(o, n_edges * sizeof *border.sides +
-                                (n_nodes + 2 * n_edges + orl_sweep_order_words(&o->arrangement)) *
-                                    sizeof(uint32_t)))
+    const size_t words = n_nodes + 2 * n_edges + orl_sweep_order_words(&o->arrangement);
+    if (!orl_array_reserve_more(&o->scratch, &o->scratch_room, 0,
+                                n_edges * sizeof *border.sides + words * sizeof(uint32_t), 1))
         return ORL_ERR_NOMEM;
     border.sides = o->scratch;
     border.first = (int32_t *)(border.sides + n_edges);

@@ -6,6 +6,7 @@
 
 #include <oriel/base/limits.h>
 
+#include "base/memory/memory.h"
 #include "scene/geometry/triangulation/triangulate.h"
 
 enum { MOST_PASSES = 64, LONG_PASS = 2, FEW_EDGES = 2000 };
@@ -30,25 +31,12 @@ enum scratch { BOXES, SPLITS, SPARE, TABLE }; /* BOXES: also used as scratch by 
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
 
-static bool grow_array(void *array, size_t *room, size_t wanted, size_t item)
-{
-    void **pointer = array;
-    if (wanted <= *room)
-        return true;
-    const size_t more = 2 * wanted + 16;
-    void *grown = realloc(*pointer, more * item);
-    if (!grown)
-        return false;
-    *pointer = grown;
-    *room = more;
-    return true;
-}
-
 static void *scratch_array(struct orl_arrangement *a, enum scratch which, size_t count, size_t item)
 {
-    if (!grow_array(&a->scratch[which], &a->scratch_room[which], (count + 1) * item, 1))
-        return NULL;
-    return a->scratch[which];
+    return orl_array_reserve_more(&a->scratch[which], &a->scratch_room[which], 0,
+                                  (count + 1) * item, 1)
+               ? a->scratch[which]
+               : NULL;
 }
 
 void orl_arrangement_done(struct orl_arrangement *a)
@@ -76,7 +64,7 @@ static bool make_room(struct orl_arrangement *a, size_t more)
 {
     const size_t wanted = a->n_nodes + more;
     size_t size = a->table_size ? a->table_size : 16;
-    if (!grow_array(&a->nodes, &a->nodes_room, wanted, sizeof *a->nodes))
+    if (!orl_array_reserve_more(&a->nodes, &a->nodes_room, a->n_nodes, more, sizeof *a->nodes))
         return false;
     while (size < 2 * wanted)
         size *= 2;
@@ -132,7 +120,7 @@ int orl_arrangement_add(struct orl_arrangement *a, const struct orl_vec3 *vertic
 {
     uint32_t first = 0, last = 0;
     if (!make_room(a, n) ||
-        !grow_array(&a->edges, &a->edges_room, a->n_edges + n, sizeof *a->edges))
+        !orl_array_reserve_more(&a->edges, &a->edges_room, a->n_edges, n, sizeof *a->edges))
         return ORL_ERR_NOMEM;
     for (uint32_t i = 0; i < n; i++) {
         const struct orl_vec3 d = orl_sub(vertices[i], a->middle);
@@ -322,8 +310,7 @@ static void find_meetings(struct search *s)
     }
 }
 
-/* ---- Search by a sweep
- * ------------------------------------------------------------------------ */
+/* ---- Search by a sweep ----------------------------------------------------------------------- */
 
 /* The edges that the sweep cuts, from left to right. */
 struct front {
@@ -361,9 +348,8 @@ static void pass_node(struct search *s, struct front *f, uint32_t node)
     memmove(f->edges + at + k, f->edges + at + m, (f->n - at - m) * sizeof *f->edges);
     memcpy(f->edges + at, f->order->starts + first, k * sizeof *f->edges);
     f->n = f->n - m + k;
-    for (size_t i = at > 0 ? at : 1; i <= at + k && i < f->n && s->code == 0; i++) {
+    for (size_t i = at > 0 ? at : 1; i <= at + k && i < f->n && s->code == 0; i++)
         test_pair(s, f->edges[i - 1], f->edges[i]);
-    }
     s->a->tests += k + 1;
 }
 
@@ -417,7 +403,8 @@ static int apply_splits(struct orl_arrangement *a, size_t n_splits)
     const size_t most = a->n_edges + n_splits;
     struct orl_edge *pieces = scratch_array(a, SPARE, most, sizeof *pieces);
     size_t n = 0, k = 0;
-    if (!pieces || !grow_array(&a->edges, &a->edges_room, most, sizeof *a->edges))
+    if (!pieces ||
+        !orl_array_reserve_more(&a->edges, &a->edges_room, a->n_edges, n_splits, sizeof *a->edges))
         return ORL_ERR_NOMEM;
     measure_splits(a, splits, n_splits);
     for (size_t i = 0; i < a->n_edges; i++) {

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory/memory.h"
+
 typedef bool before_fn(const struct orl_arrangement *a, uint32_t first, uint32_t second);
 
 static void merge_sort(const struct orl_arrangement *a, uint32_t *items, uint32_t *spare, size_t n,
@@ -289,19 +291,6 @@ static bool visit_node(struct state *s, uint32_t node)
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
 
-bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item)
-{
-    void **pointer = array;
-    if (wanted <= *room)
-        return true;
-    void *grown = realloc(*pointer, wanted * item);
-    if (!grown)
-        return false;
-    *pointer = grown;
-    *room = wanted;
-    return true;
-}
-
 /* Allocates the arrays. Every edge opens at most one region, and adds two beads to each of two
  * funnels at either end. */
 static int lay_out(struct state *s)
@@ -310,9 +299,9 @@ static int lay_out(struct state *s)
     const size_t bytes = (e + 1) * (sizeof *s->cuts + sizeof *s->regions) +
                          beads * sizeof *s->beads + orl_sweep_order_words(s->a) * sizeof(uint32_t);
     struct orl_sweep *out = s->out;
-    if (!orl_sweep_reserve(&out->scratch, &out->scratch_room, bytes, 1) ||
-        !orl_sweep_reserve(&out->triples, &out->triples_room, 2 * (n + e) + 1,
-                           sizeof *out->triples))
+    if (!orl_array_reserve_more(&out->scratch, &out->scratch_room, 0, bytes, 1) ||
+        !orl_array_reserve_more(&out->triples, &out->triples_room, 0, 2 * (n + e) + 1,
+                                sizeof *out->triples))
         return ORL_ERR_NOMEM;
     s->cuts = out->scratch;
     s->regions = (struct region *)(s->cuts + e + 1);

@@ -76,11 +76,8 @@ static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, u
 {
     struct orl_arrangement *a = &t->arrangement;
     struct orl_vec3 low = vertices[0], high = vertices[0];
-    for (uint32_t i = 1; i < n; i++) {
-        const struct orl_vec3 p = vertices[i];
-        low = orl_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
-        high = orl_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
-    }
+    for (uint32_t i = 1; i < n; i++)
+        orl_box_include(vertices[i], &low, &high);
     orl_arrangement_begin(a, normal, orl_scale(orl_add(low, high), 0.5),
                           0.5 * orl_length(orl_sub(high, low)));
     int code = orl_arrangement_add(a, vertices, n, 1);
@@ -90,7 +87,7 @@ static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, u
         code = orl_sweep_triangulate(&t->sweep, a);
     if (code < 0)
         return code;
-    if (!orl_sweep_reserve(&t->places, &t->places_room, a->n_nodes, sizeof *t->places))
+    if (!orl_array_reserve_more(&t->places, &t->places_room, 0, a->n_nodes, sizeof *t->places))
         return ORL_ERR_NOMEM;
     for (size_t i = 0; i < a->n_nodes; i++)
         t->places[i] = a->nodes[i].place;
@@ -103,8 +100,9 @@ static int sweep(struct orl_triangulation *t, const struct orl_vec3 *vertices, u
 int orl_triangulate(struct orl_triangulation *t, const struct orl_vec3 *vertices, uint32_t n,
                     struct orl_vec3 normal)
 {
-    if (!orl_sweep_reserve(&t->ring, &t->ring_room, n, sizeof(struct corner)) ||
-        !orl_sweep_reserve(&t->sweep.triples, &t->sweep.triples_room, n, sizeof *t->sweep.triples))
+    if (!orl_array_reserve_more(&t->ring, &t->ring_room, 0, n, sizeof(struct corner)) ||
+        !orl_array_reserve_more(&t->sweep.triples, &t->sweep.triples_room, 0, n,
+                                sizeof *t->sweep.triples))
         return ORL_ERR_NOMEM;
     const double tolerance = project(t->ring, vertices, n, normal);
     if (!is_convex(t->ring, n, tolerance))
@@ -140,33 +138,13 @@ void orl_corners_done(struct orl_corners *corners)
     free(corners->latest);
 }
 
-/* A place by its bits: 0 and -0 differ. */
-struct bits {
-    uint64_t at[3];
-};
-
-static struct bits bits_of(struct orl_vec3 place)
-{
-    struct bits bits;
-    memcpy(&bits.at[0], &place.x, sizeof place.x);
-    memcpy(&bits.at[1], &place.y, sizeof place.y);
-    memcpy(&bits.at[2], &place.z, sizeof place.z);
-    return bits;
-}
-
-static bool are_same(struct orl_vec3 a, struct orl_vec3 b)
-{
-    const struct bits x = bits_of(a), y = bits_of(b);
-    return x.at[0] == y.at[0] && x.at[1] == y.at[1] && x.at[2] == y.at[2];
-}
-
 static size_t slot_of(struct orl_vec3 place)
 {
     static const uint64_t odd = 0x9e3779b97f4a7c15U;
-    const struct bits bits = bits_of(place);
-    uint64_t mixed = 0;
+    uint64_t mixed = 0, bits[3];
+    memcpy(bits, &place, sizeof bits);
     for (int k = 0; k < 3; k++) {
-        mixed = (mixed ^ bits.at[k]) * odd;
+        mixed = (mixed ^ bits[k]) * odd;
         mixed ^= mixed >> 32;
     }
     return (mixed * odd) >> (64 - LATEST_BITS);
@@ -176,7 +154,8 @@ bool orl_corners_add(struct orl_corners *corners, struct orl_vec3 place, uint32_
 {
     struct orl_geometry *const g = corners->geometry;
     uint32_t *const latest = &corners->latest[slot_of(place)];
-    if (*latest == 0 || !are_same(g->corners[*latest - 1], place)) {
+    /* Compares bits: 0 and -0 differ. */
+    if (*latest == 0 || memcmp(&g->corners[*latest - 1], &place, sizeof place) != 0) {
         if (!orl_array_reserve(&g->corners, &corners->room, g->n_corners, sizeof *g->corners))
             return false;
         g->corners[g->n_corners++] = place;

@@ -55,9 +55,6 @@ struct orl_sweep {
 int orl_sweep_triangulate(struct orl_sweep *sweep, const struct orl_arrangement *arrangement);
 void orl_sweep_done(struct orl_sweep *sweep); /* accepts a zeroed struct */
 
-/* Grows an array to at least that many items (array: a pointer to it); false if out of memory. */
-bool orl_sweep_reserve(void *array, size_t *room, size_t wanted, size_t item);
-
 /*
  * Triangulates polygons by the even-odd rule, as Radiance does (a ray's crossing of the plane, and
  * an odd number of edges beside it): seams that run there and back cancel, inner loops are holes in

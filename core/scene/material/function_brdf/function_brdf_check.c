@@ -33,7 +33,7 @@ static void warn(struct orl_parsed_scene *d, const struct orl_pattern *pattern, 
     char text[640];
     snprintf(text, sizeof text, "%.200s:%d: %.100s %.200s: %.3g %%", pattern->file, pattern->line,
              pattern->name, what, percent);
-    orl_parsed_scene_warn(d, text);
+    orl_parsed_scene_warn(d, "%s", text);
 }
 
 static int judge_prism(struct orl_parsed_scene *d, const struct orl_material *m,

@@ -124,7 +124,7 @@ static void warn(struct orl_parsed_scene *parsed_scene, const struct orl_pattern
              "%.200s:%d: the function of %.100s has no value at %zu of %zu points of its surfaces: "
              "colours are not modified there",
              pattern->file, pattern->line, pattern->name, without, n);
-    orl_parsed_scene_warn(parsed_scene, text);
+    orl_parsed_scene_warn(parsed_scene, "%s", text);
 }
 
 /* ---- Distant light ----------------------------------------------------------------------------
@@ -158,7 +158,7 @@ static void warn_of_concentration(struct orl_parsed_scene *parsed_scene,
         "%.200s:%d: %.100s puts %.0f %% of the light of source %.100s into a thousandth of all "
         "directions, which rays find only by chance: define that light as a separate source",
         pattern->file, pattern->line, pattern->name, 100 * few / all, distant->name);
-    orl_parsed_scene_warn(parsed_scene, text);
+    orl_parsed_scene_warn(parsed_scene, "%s", text);
 }
 
 /* Evaluates a pattern over the directions of a source, in equal solid angles. */

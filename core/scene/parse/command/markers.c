@@ -17,9 +17,8 @@ enum { CORNERS_MAX = 6 };
 static int read_option(struct orl_markers *markers, struct orl_marker *marker,
                        struct orl_words *words, struct orl_error *err)
 {
-    const char *option = *words->at++;
+    const char *option = orl_words_take(words);
     const char **name = NULL;
-    words->left--;
     if (strcmp(option, "-e") == 0) {
         markers->expand = true;
         return 0;
@@ -32,7 +31,7 @@ static int read_option(struct orl_markers *markers, struct orl_marker *marker,
     } else if (strcmp(option, "-m") == 0)
         name = &marker->replacement;
     else
-        return orl_error_set(err, ORL_ERR_SYNTAX, "replmarks: '%.40s' is not an option", option);
+        return orl_words_refuse(words, option, err);
     return orl_words_name(words, option, name, err);
 }
 
@@ -80,18 +79,12 @@ const struct orl_marker *orl_marker_find(const struct orl_parser *parser,
     return NULL;
 }
 
-/* ---- Placement
- * -------------------------------------------------------------------------------- */
+/* ---- Placement ------------------------------------------------------------------------------- */
 
 struct edge {
     struct orl_vec3 from, to;
     float length2;
 };
-
-static bool same(struct orl_vec3 a, struct orl_vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
 
 static struct edge reversed(struct edge edge)
 {
@@ -121,14 +114,14 @@ static bool find_axes(const struct orl_vec3 *corners, size_t n, struct orl_vec3 
     }
     sort_edges(edges, n);
     struct edge x = edges[1], y = edges[2];
-    if (same(x.to, y.from) || same(x.to, y.to))
+    if (orl_equal(x.to, y.from) || orl_equal(x.to, y.to))
         x = reversed(x);
-    if (same(y.to, x.from))
+    if (orl_equal(y.to, x.from))
         y = reversed(y);
     *ret_origin = x.from;
     *ret_x = orl_sub(x.to, x.from);
     *ret_y = orl_sub(y.to, y.from);
-    return same(x.from, y.from);
+    return orl_equal(x.from, y.from);
 }
 
 /* ---- The words of an xform command, numbers in six decimals ---- */
@@ -159,10 +152,11 @@ static void say_axes(struct orl_shell_words *shell_words, struct orl_vec3 x, str
 
 static int fail(struct orl_parser *parser, const struct orl_scope *scope, struct orl_error *err)
 {
-    orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX, "it is not a marker for replmarks");
-    orl_error_hint(err, "a marker is a right triangle: its second longest side is the x axis, its "
-                        "shortest the y axis of the inserted object");
-    return ORL_ERR_SYNTAX;
+    return orl_parser_refuse(
+        parser, scope, err, ORL_ERR_SYNTAX,
+        "a marker is a right triangle: its second longest side is the x axis, its "
+        "shortest the y axis of the inserted object",
+        "it is not a marker for replmarks");
 }
 
 /* Reads the corners in the coordinates of the command's scope. */

@@ -66,10 +66,9 @@ static int run_stage(struct run *run, struct orl_error *err);
 static int run_before(struct run *run, const struct orl_scope *scope, struct orl_error *err)
 {
     const struct orl_scope *outer = run->scope;
-    int code;
     run->scope = scope;
     run->stage--;
-    code = run_stage(run, err);
+    const int code = run_stage(run, err);
     run->stage++;
     run->scope = outer;
     return code;
@@ -147,7 +146,6 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
     struct run *run = ctx;
     char prefix[ORL_PREFIX_BYTES];
     const struct orl_scope *outer = run->scope;
-    struct orl_scope inner;
     int code = 0;
     if ((run->stage == 0) != (use->n_files > 0))
         return orl_error_set(err, ORL_ERR_SYNTAX,
@@ -157,7 +155,7 @@ static int apply_use(void *ctx, const struct orl_xform_use *use, struct orl_erro
         strlen(use->prefix) + strlen(outer->prefix) + 2 > ORL_PREFIX_BYTES)
         return orl_error_set(err, ORL_ERR_LIMIT, "the prefixes of -n are too long together");
     run->parser->text_bytes += WORD_COST * use->n_words;
-    inner = enter_use(outer, use, prefix);
+    struct orl_scope inner = enter_use(outer, use, prefix);
     if (run->stage > 0)
         return run_before(run, &inner, err);
     for (size_t i = 0; i < use->n_files && code == 0; i++)
@@ -230,7 +228,6 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
     struct orl_markers *markers = calloc(1, sizeof *markers);
     struct orl_scope inner = *run->scope;
     size_t used = 0;
-    int code;
     if (!markers)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     inner.outer = run->scope;
@@ -238,7 +235,7 @@ static int replace_markers(struct run *run, const char *const *words, size_t cou
     inner.since = orl_xform_identity;
     markers->scope = run->scope;
     markers->replace = replace_marker;
-    code = orl_markers_read(markers, words + 1, count - 1, &used, err);
+    int code = orl_markers_read(markers, words + 1, count - 1, &used, err);
     if (code == 0 && (run->stage == 0) != (used + 1 < count))
         code = orl_error_set(err, ORL_ERR_SYNTAX,
                              run->stage == 0 ? "replmarks needs a file to read"
@@ -301,10 +298,9 @@ static int read_object(struct run *run, const char *const *words, size_t count,
     const size_t *start = run->command->start;
     const char *const *before = (const char *const *)run->command->words + start[0];
     const struct generator *generator = run->stage == 1 ? find_generator(before[0]) : NULL;
-    int code;
     if (run->stage == 0)
         return orl_parser_obj2rad(run->parser, run->scope, words, count, NULL, 0, err);
-    code = generator ? write_text(run, generator, before, start[1] - start[0], err) : 0;
+    int code = generator ? write_text(run, generator, before, start[1] - start[0], err) : 0;
     if (code == 0 && !run->text.object)
         code = orl_error_set(err, ORL_ERR_SYNTAX, "the input of obj2rad is not an OBJ file");
     if (code < 0)
@@ -315,12 +311,12 @@ static int read_object(struct run *run, const char *const *words, size_t count,
 
 static int refuse_command(const char *name, struct orl_error *err)
 {
-    orl_error_set(err, ORL_ERR_UNSUPPORTED, "the command '%.80s' is not supported", name);
-    orl_error_hint(err,
-                   "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, "
-                   "genbranch, genrev, genworm, gensurf, gensky, gendaylit, ies2rad, mgf2rad and "
-                   "pkgBSDF are supported; run others beforehand and include their output");
-    return ORL_ERR_UNSUPPORTED;
+    return orl_error_refuse(
+        err, ORL_ERR_UNSUPPORTED,
+        "xform, cat, replmarks, obj2rad, genbox, genprism, genblinds, genclock, "
+        "genbranch, genrev, genworm, gensurf, gensky, gendaylit, ies2rad, mgf2rad and "
+        "pkgBSDF are supported; run others beforehand and include their output",
+        "the command '%.80s' is not supported", name);
 }
 
 static int run_stage(struct run *run, struct orl_error *err)

@@ -92,16 +92,13 @@ static int read_package_words(const char *const *words, size_t count, struct pac
                                  words[i]);
         to_output |= words[i][1] == 's';
     }
-    if (!to_output) {
-        orl_error_set(err, ORL_ERR_SYNTAX,
-                      "pkgBSDF without -s writes a file and adds nothing to the scene");
-        orl_error_hint(err, "add -s");
-        return ORL_ERR_SYNTAX;
-    }
+    if (!to_output)
+        return orl_error_refuse(err, ORL_ERR_SYNTAX, "add -s",
+                                "pkgBSDF without -s writes a file and adds nothing to the scene");
     if (i + 1 != count)
         return orl_error_set(err, ORL_ERR_SYNTAX, "pkgBSDF -s takes one file");
     package->file = words[i];
-    const char *const slash = strrchr(words[i], '/'), *const base = slash ? slash + 1 : words[i];
+    const char *const base = basename(words[i]);
     const size_t length = strlen(base);
     if (length < 5 || length - 4 >= sizeof package->name || strchr(words[i], '\'') ||
         strcasecmp(base + length - 4, ".xml") != 0)
@@ -179,8 +176,7 @@ int orl_parser_mgf2rad(struct orl_parser *parser, const struct orl_scope *scope,
     struct orl_mgf mgf = {.unit_m = 1, .emission = 1};
     int code = 0;
     while (code == 0 && left.left > 0 && left.at[0][0] == '-') {
-        const char *const option = left.at[0];
-        left.at++, left.left--;
+        const char *const option = orl_words_take(&left);
         if (strcmp(option, "-g") == 0)
             code = orl_words_number(&left, option, &mgf.glow_radius, err);
         else if (strcmp(option, "-e") == 0)

@@ -35,8 +35,7 @@ bool orl_parser_is_compiled(const char *type)
     return strcmp(type, "instance") == 0 || strcmp(type, "mesh") == 0;
 }
 
-/* ---- Common parts
- * ----------------------------------------------------------------------------- */
+/* ---- Common parts ---------------------------------------------------------------------------- */
 
 static int read_text(void *ctx, const char *text, size_t size, struct orl_error *err)
 {

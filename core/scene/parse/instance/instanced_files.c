@@ -16,18 +16,15 @@ enum { LEAST_SURFACES = 64, LEAST_PLACES = 4 };
 
 /* ---- While files are read -------------------------------------------------------------------- */
 
-static bool same_key(const struct orl_instanced_file_key *a, const struct orl_instanced_file_key *b)
-{
-    return a->data == b->data && a->is_mesh == b->is_mesh && a->is_modified == b->is_modified &&
-           a->kind == b->kind && a->index == b->index;
-}
-
 /* Returns true if a file that was read matches the key in that scope. Patterns that depend on
  * normals differ between inverted and other places. */
 static bool stands_for(const struct orl_instanced_file *item,
                        const struct orl_instanced_file_key *key, const struct orl_scope *scope)
 {
-    return same_key(&item->key, key) &&
+    const struct orl_instanced_file_key *const own = &item->key;
+    return own->data == key->data && own->is_mesh == key->is_mesh &&
+           own->is_modified == key->is_modified && own->kind == key->kind &&
+           own->index == key->index &&
            !(item->has_patterns && item->to_file.inverted != scope->xform.inverted);
 }
 
@@ -81,7 +78,7 @@ int orl_instanced_files_place(struct orl_parser *parser, const struct orl_instan
                                .name = name,
                                .prefix = prefix,
                                .before = parser->out->n_surfaces,
-                               .main_file = parser->out->n_first_surfaces - 1};
+                               .main_file = parser->out->source.n_first_surfaces - 1};
     r->items[at].n_places++;
     return 1;
 }
@@ -101,16 +98,10 @@ static bool is_varied(const struct orl_material *m)
     return m->pattern || m->texture || m->roughness_pattern;
 }
 
-static uint64_t inputs_of(const struct orl_pattern *p)
+static uint64_t inputs_of(const struct orl_pattern *p,
+                          uint64_t (*inputs)(const struct orl_function *function))
 {
-    return (p->function ? orl_function_inputs(p->function) : 0) |
-           (p->values ? orl_function_inputs(p->values) : 0);
-}
-
-static uint64_t fixed_inputs_of(const struct orl_pattern *p)
-{
-    return (p->function ? orl_function_fixed_inputs(p->function) : 0) |
-           (p->values ? orl_function_fixed_inputs(p->values) : 0);
+    return (p->function ? inputs(p->function) : 0) | (p->values ? inputs(p->values) : 0);
 }
 
 /* Returns true if a pattern, with those under it and those it mixes, gives in each place the values
@@ -123,7 +114,8 @@ static bool moves_along(const struct orl_pattern *pattern, size_t first_within)
     for (const struct orl_pattern *p = pattern; p && moves; p = p->under) {
         const bool within = p->index >= first_within;
         moves = p->smooth || p->fixed ||
-                (within ? fixed_inputs_of(p) == 0 : !p->text && !(inputs_of(p) & ~mesh & ~data));
+                (within ? inputs_of(p, orl_function_fixed_inputs) == 0
+                        : !p->text && !(inputs_of(p, orl_function_inputs) & ~mesh & ~data));
         for (int i = 0; i < 2 && moves && p->mixture; i++)
             moves = moves_along(p->mixed[i].pattern, first_within);
     }
@@ -172,18 +164,18 @@ int orl_instanced_files_add(struct orl_parser *parser, const struct orl_instance
         r->n--;
     if (!prefix || !orl_array_reserve(&r->items, &r->room, r->n, sizeof *r->items))
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    r->items[r->n++] = (struct orl_instanced_file){.key = *key,
-                                                   .first = before->surfaces,
-                                                   .end = parser->out->n_surfaces,
-                                                   .main_file = parser->out->n_first_surfaces - 1,
-                                                   .prefix = prefix,
-                                                   .has_patterns = has_patterns,
-                                                   .to_file = orl_xform_inverse(&scope->xform)};
+    r->items[r->n++] =
+        (struct orl_instanced_file){.key = *key,
+                                    .first = before->surfaces,
+                                    .end = parser->out->n_surfaces,
+                                    .main_file = parser->out->source.n_first_surfaces - 1,
+                                    .prefix = prefix,
+                                    .has_patterns = has_patterns,
+                                    .to_file = orl_xform_inverse(&scope->xform)};
     return 0;
 }
 
-/* ---- After reading
- * ---------------------------------------------------------------------------- */
+/* ---- After reading --------------------------------------------------------------------------- */
 
 /* Orders all placements as in the files; the place where a file was read comes behind those named
  * there before. */
@@ -240,8 +232,8 @@ static void close_gaps(const struct orl_instanced_files *r, struct orl_parsed_sc
     for (size_t i = 0; i < d->n_placements; i++)
         d->placements[i].before -= count_before(r, d->placements[i].before, &next, &gone);
     next = gone = 0;
-    for (size_t i = 0; i < d->n_first_surfaces; i++)
-        d->first_surfaces[i] -= count_before(r, d->first_surfaces[i], &next, &gone);
+    for (size_t i = 0; i < d->source.n_first_surfaces; i++)
+        d->source.first_surfaces[i] -= count_before(r, d->source.first_surfaces[i], &next, &gone);
     for (size_t i = 0; i <= r->n; i++) {
         const bool last = i == r->n;
         const size_t to = last ? d->n_surfaces : r->items[i].first;

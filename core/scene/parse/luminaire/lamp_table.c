@@ -34,11 +34,6 @@ static bool is_of_word(char c)
     return isalnum((unsigned char)c) || c == '_';
 }
 
-static bool same_letter(char a, char b)
-{
-    return tolower((unsigned char)a) == tolower((unsigned char)b);
-}
-
 /* Reads "[...]", whose first character may be ']'; without an end the rest is the set. */
 static struct item read_set(struct span *pattern)
 {
@@ -90,7 +85,7 @@ static bool matches_character(const struct item *item, const struct search *sear
         return false;
     if (item->kind == SET || item->kind == NOT_IN_SET)
         return is_in_set(item->set, *at) == (item->kind == SET);
-    return item->kind == ANY || same_letter(item->letter, *at);
+    return item->kind == ANY || tolower((unsigned char)item->letter) == tolower((unsigned char)*at);
 }
 
 /* Returns true if a zero-width condition holds at a position. */

@@ -13,8 +13,7 @@
 
 static const double tiny = 1e-6;
 
-/* ---- Shape of the luminous opening, from the sizes in the IES file -----------------------------
- */
+/* ---- Shape of the luminous opening, from the sizes in the IES file --------------------------- */
 
 /* Lower bound of sizes. */
 #define MIN_M 1e-3
@@ -436,8 +435,7 @@ static int write_luminaire(struct luminaire *lamp, struct orl_parser *parser, co
 
 static int name_lamp(struct luminaire *lamp, const char *file, struct orl_error *err)
 {
-    const char *const slash = strrchr(file, '/'), *const base = slash ? slash + 1 : file;
-    const char *const dot = strrchr(base, '.');
+    const char *const base = basename(file), *const dot = strrchr(base, '.');
     if (strchr(file, '\''))
         return orl_error_set(err, ORL_ERR_SYNTAX,
                              "the name of a luminaire's file must not contain '");
@@ -485,9 +483,8 @@ static bool read_word(const char *option, const char *word, struct luminaire *la
 
 static int read_option(struct orl_words *words, struct luminaire *lamp, struct orl_error *err)
 {
-    const char *const option = words->at[0];
+    const char *const option = orl_words_take(words);
     int code = 0;
-    words->at++, words->left--;
     if (strncmp(option, "-d", 2) == 0)
         return read_unit(option, &lamp->unit, err);
     if (strcmp(option, "-s") == 0)
@@ -500,7 +497,7 @@ static int read_option(struct orl_words *words, struct luminaire *lamp, struct o
         for (int i = 0; i < 3 && code == 0; i++)
             code = orl_words_number(words, option, &lamp->color[i], err);
     else if (words->left > 0 && read_word(option, words->at[0], lamp))
-        words->at++, words->left--;
+        orl_words_take(words);
     else
         code = orl_error_set(err, ORL_ERR_UNSUPPORTED, "ies2rad: '%.40s' is not supported", option);
     if (code == 0 && !(lamp->factor >= 0 && lamp->illum_radius >= 0 && lamp->color[0] >= 0 &&
@@ -537,9 +534,8 @@ int orl_parser_ies2rad(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_luminaire_write(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_file *file, struct orl_text *text, struct orl_error *err)
 {
-    const char *const slash = strrchr(scope->file, '/');
     struct luminaire lamp = usual;
-    int code = name_lamp(&lamp, slash ? slash + 1 : scope->file, err);
+    int code = name_lamp(&lamp, basename(scope->file), err);
     if (code == 0)
         code = write_luminaire(&lamp, parser, scope->folder, scope->file, file, text, err);
     if (code == 0 && text->failed)

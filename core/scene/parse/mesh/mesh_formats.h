@@ -12,6 +12,13 @@
 #include <oriel/base/error.h>
 #include <oriel/base/vec.h>
 
+/* Returns a 32-bit integer in little-endian order. */
+static inline uint32_t orl_u32_at(const char *at)
+{
+    const unsigned char *b = (const unsigned char *)at;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
 /*
  * Wavefront OBJ: its polygonal faces with their names. Lines, points and curved surfaces are
  * counted and ignored, as are materials of .mtl files: the name in usemtl is that of a modifier.

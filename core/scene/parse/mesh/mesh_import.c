@@ -6,6 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/memory/memory.h"
 #include "scene/grid/ies.h"
 #include "scene/parse/gltf/gltf.h"
 #include "scene/parse/mesh/mesh_formats.h"
@@ -21,7 +22,7 @@ struct object {
     uint64_t unturned; /* faces whose corner normals are ignored */
     double *reals;     /* three per corner */
     size_t *next;      /* index of the next remaining corner */
-    size_t room;       /* corners allocated in both */
+    size_t reals_room, next_room;
 };
 
 enum { ID_BYTES = ORL_WAVEFRONT_GROUPS * ORL_WAVEFRONT_NAME + 32 };
@@ -49,18 +50,12 @@ static void put_corner(struct object *object, size_t at, const struct orl_vec3 *
 
 static int make_room(struct object *object, size_t n, struct orl_error *err)
 {
-    if (n <= object->room)
-        return 0;
-    double *reals = realloc(object->reals, 3 * n * sizeof *reals);
-    if (reals)
-        object->reals = reals;
-    size_t *next = realloc(object->next, n * sizeof *next);
-    if (next)
-        object->next = next;
-    if (!reals || !next)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    object->room = n;
-    return 0;
+    return orl_array_reserve_more(&object->reals, &object->reals_room, 0, 3 * n,
+                                  sizeof *object->reals) &&
+                   orl_array_reserve_more(&object->next, &object->next_room, 0, n,
+                                          sizeof *object->next)
+               ? 0
+               : orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
 }
 
 /* Returns the unit normal by Newell's method; 0 if there is no area. */
@@ -70,8 +65,7 @@ static struct orl_vec3 normal_of(const struct orl_wavefront_face *face)
     struct orl_vec3 sum = orl_v3(0, 0, 0);
     for (size_t i = 1; i + 1 < face->n_corners; i++)
         sum = orl_add(sum, orl_cross(orl_sub(v[i], v[0]), orl_sub(v[i + 1], v[0])));
-    const double length = orl_length(sum);
-    return length > 0 ? orl_scale(sum, 1 / length) : sum;
+    return orl_normalize(sum);
 }
 
 /* Returns true if the face deviates from its mean plane by at most a thousandth of its size. */
@@ -224,8 +218,7 @@ static int add_facet(void *ctx, const struct orl_vec3 corners[3], int line, stru
 /* Makes a name from the file's, without folder and extension; blanks become underscores. */
 static void name_of_file(const char *file, char ret_name[ORL_WAVEFRONT_NAME])
 {
-    const char *slash = strrchr(file, '/'), *start = slash ? slash + 1 : file;
-    const char *dot = strrchr(start, '.');
+    const char *const start = basename(file), *const dot = strrchr(start, '.');
     snprintf(ret_name, ORL_WAVEFRONT_NAME, "%.*s", dot ? (int)(dot - start) : (int)strlen(start),
              start);
     for (char *c = ret_name; *c; c++)

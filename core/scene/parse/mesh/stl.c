@@ -10,15 +10,9 @@ enum { HEADER_BYTES = 80, TRIANGLE_BYTES = 50 };
 
 /* ---- Binary ---------------------------------------------------------------------------------- */
 
-static uint32_t read_u32(const char *at)
-{
-    const unsigned char *b = (const unsigned char *)at;
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
 static double read_float(const char *at)
 {
-    const uint32_t bits = read_u32(at);
+    const uint32_t bits = orl_u32_at(at);
     float value;
     memcpy(&value, &bits, sizeof value);
     return (double)value;
@@ -28,14 +22,14 @@ static double read_float(const char *at)
 static bool is_binary(const char *data, size_t size)
 {
     return size >= HEADER_BYTES + 4 &&
-           (size - HEADER_BYTES - 4) / TRIANGLE_BYTES == read_u32(data + HEADER_BYTES) &&
+           (size - HEADER_BYTES - 4) / TRIANGLE_BYTES == orl_u32_at(data + HEADER_BYTES) &&
            (size - HEADER_BYTES - 4) % TRIANGLE_BYTES == 0;
 }
 
 static int read_binary(const char *file, const char *data, const struct orl_stl_sink *sink,
                        struct orl_error *err)
 {
-    const uint32_t count = read_u32(data + HEADER_BYTES);
+    const uint32_t count = orl_u32_at(data + HEADER_BYTES);
     const char *at = data + HEADER_BYTES + 4;
     int code = 0;
     for (uint32_t i = 0; i < count && code == 0; i++, at += TRIANGLE_BYTES) {

@@ -16,8 +16,7 @@ struct font {
     int width; /* mean width of letters */
 };
 
-/* ---- Fonts ------------------------------------------------------------------------------------
- */
+/* ---- Fonts ----------------------------------------------------------------------------------- */
 
 /* Reads the next integer from 0 to most; returns -1 at the end, -2 if it is something else. */
 static int next_number(struct orl_scanner *numbers, int most)
@@ -98,8 +97,7 @@ static int read_font(struct orl_parser *parser, const struct orl_source *source,
     return 0;
 }
 
-/* ---- Lines ------------------------------------------------------------------------------------
- */
+/* ---- Lines ----------------------------------------------------------------------------------- */
 
 /* A line being set: steps[i] is the distance from letter i - 1 to letter i. */
 struct setting {
@@ -215,8 +213,7 @@ static int make_line(struct orl_parser *parser, struct setting *s, double spacin
     return 0;
 }
 
-/* ---- Texts ------------------------------------------------------------------------------------
- */
+/* ---- Texts ----------------------------------------------------------------------------------- */
 
 static size_t count_lines(const char *text, size_t size)
 {

@@ -11,11 +11,11 @@
 
 #include "base/memory/memory.h"
 #include "function/function.h"
+#include "scene/surfaces.h"
 
 enum { MOST_EXPRESSIONS = 8 }; /* largest number of any type: prism2's */
 
-/* ---- Function files ---------------------------------------------------------------------------
- */
+/* ---- Function files -------------------------------------------------------------------------- */
 
 /* Finds a function file. The standard ones that nearly all scenes use are built in, but the scene's
  * own files come first; the user's library is not searched for them, so that scenes render the same
@@ -60,19 +60,14 @@ static int load_context(struct orl_parser *parser, const struct orl_scope *scope
     return code;
 }
 
-/* ---- Programs ---------------------------------------------------------------------------------
- */
+/* ---- Programs -------------------------------------------------------------------------------- */
 
 /* Sets the pattern's frame by inverting its transform to the scene. */
 static void place_pattern(struct orl_pattern *pattern, const struct orl_xform *to_world)
 {
-    const struct orl_vec3 *const r = to_world->row;
-    const double square = to_world->scale * to_world->scale;
-    pattern->row[0] = orl_scale(orl_v3(r[0].x, r[1].x, r[2].x), 1 / square);
-    pattern->row[1] = orl_scale(orl_v3(r[0].y, r[1].y, r[2].y), 1 / square);
-    pattern->row[2] = orl_scale(orl_v3(r[0].z, r[1].z, r[2].z), 1 / square);
-    for (int i = 0; i < 3; i++)
-        (&pattern->offset.x)[i] = -orl_dot(pattern->row[i], to_world->offset);
+    const struct orl_xform back = orl_xform_inverse(to_world);
+    memcpy(pattern->row, back.row, sizeof back.row);
+    pattern->offset = back.offset;
     pattern->scale = to_world->scale;
 }
 
@@ -121,12 +116,12 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
         pattern->directed = pattern->directed || directed;
         if (directed)
             continue;
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function uses %s: patterns may use only the point (Px Py Pz, Lu Lv), "
-                        "the normal (Nx Ny Nz), and on light sources the direction",
-                        orl_function_ray_names[i]);
-        orl_error_hint(err, "remove terms that depend on the ray's length or similar values");
-        return ORL_ERR_UNSUPPORTED;
+        return orl_parser_refuse(
+            parser, scope, err, ORL_ERR_UNSUPPORTED,
+            "remove terms that depend on the ray's length or similar values",
+            "its function uses %s: patterns may use only the point (Px Py Pz, Lu Lv), "
+            "the normal (Nx Ny Nz), and on light sources the direction",
+            orl_function_ray_names[i]);
     }
     return 0;
 }
@@ -139,11 +134,10 @@ static int check_angles(struct orl_parser *parser, const struct orl_scope *scope
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         if (!(inputs >> i & 1) || i == ORL_RAY_RDOT || i == ORL_RAY_RDOTP)
             continue;
-        orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
-                        "its function uses %s: glazing may depend only on the angle (Rdot, RdotP)",
-                        orl_function_ray_names[i]);
-        orl_error_hint(err, "describe it as a BSDF");
-        return ORL_ERR_UNSUPPORTED;
+        return orl_parser_refuse(
+            parser, scope, err, ORL_ERR_UNSUPPORTED, "describe it as a BSDF",
+            "its function uses %s: glazing may depend only on the angle (Rdot, RdotP)",
+            orl_function_ray_names[i]);
     }
     return 0;
 }
@@ -314,8 +308,7 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
     return code;
 }
 
-/* ---- Grids ------------------------------------------------------------------------------------
- */
+/* ---- Grids ----------------------------------------------------------------------------------- */
 
 /* Returns a grid that was read before; each file is read once per kind (picture or data). */
 static struct orl_grid *find_grid(const struct orl_parsed_scene *out, size_t source, bool picture)

@@ -87,8 +87,7 @@ bool orl_parser_is_mixture(const char *type)
     return found && found->n_materials > 0;
 }
 
-/* ---- Definitions ------------------------------------------------------------------------------
- */
+/* ---- Definitions ----------------------------------------------------------------------------- */
 
 /* Makes the key of all properties of the pattern; definitions with equal keys share one pattern. */
 static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
@@ -98,20 +97,10 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_primitive *const primitive = &parser->primitive;
     const size_t reals = primitive->n_reals * sizeof *primitive->reals;
     const size_t folder = strlen(scope->folder) + 1;
-    double numbers[14 + 8] = {to_world->row[0].x,
-                              to_world->row[0].y,
-                              to_world->row[0].z,
-                              to_world->row[1].x,
-                              to_world->row[1].y,
-                              to_world->row[1].z,
-                              to_world->row[2].x,
-                              to_world->row[2].y,
-                              to_world->row[2].z,
-                              to_world->offset.x,
-                              to_world->offset.y,
-                              to_world->offset.z,
-                              pattern->under ? pattern->under->index + 1.0 : 0,
-                              pattern->other ? pattern->other->index + 1.0 : 0};
+    double numbers[14 + 8] = {[12] = pattern->under ? pattern->under->index + 1.0 : 0,
+                              [13] = pattern->other ? pattern->other->index + 1.0 : 0};
+    memcpy(numbers, to_world->row, sizeof to_world->row);
+    memcpy(numbers + 9, &to_world->offset, sizeof to_world->offset);
     for (size_t i = 0; i < 2; i++) {
         const struct orl_mixed *const m = &pattern->mixed[i];
         const double numbers_of_material[4] = {m->color.r, m->color.g, m->color.b,
@@ -143,11 +132,6 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
                           (unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
                           (unsigned)pattern->n_grids << 1 | (unsigned)pattern->is_rgb);
     return 0;
-}
-
-static bool same_pattern(const struct orl_pattern *a, const struct orl_pattern *b)
-{
-    return a->key_size == b->key_size && memcmp(a->key, b->key, a->key_size) == 0;
 }
 
 int orl_parser_add_pattern(struct orl_parser *parser, struct orl_pattern *pattern)
@@ -241,7 +225,10 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
     if (old && old->kind == ORL_SYMBOL_MATERIAL && (pattern->mixture || of_material))
         other = pattern->texture ? parser->out->materials[old->index].texture
                                  : parser->out->materials[old->index].pattern;
-    return other && same_pattern(other, pattern) ? old : NULL;
+    return other && other->key_size == pattern->key_size &&
+                   memcmp(other->key, pattern->key, other->key_size) == 0
+               ? old
+               : NULL;
 }
 
 /* Returns true if the pattern is constant: it has no function. */
@@ -342,7 +329,6 @@ static int read_pattern(struct orl_parser *parser, const struct orl_scope *scope
 static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                                        const struct pattern_type *type, struct orl_error *err)
 {
-    struct orl_pattern *pattern;
     const size_t least =
         type->n_materials + type->n_before + type->n_functions + type->n_files + !is_fixed(type);
     if (is_fixed(type) && parser->primitive.n_strings != least) {
@@ -361,17 +347,16 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
                         parser->primitive.n_strings);
         return NULL;
     }
-    pattern = calloc(1, sizeof *pattern);
+    struct orl_pattern *const pattern = malloc(sizeof *pattern);
     if (!pattern)
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
     else
-        pattern->is_rgb = type->n_functions == 3 || strcmp(type->name, "colortext") == 0;
-    if (pattern) {
-        pattern->texture = type->texture;
-        pattern->function_brdf = type->function_brdf;
-        pattern->n_brdf_functions = (uint32_t)type->n_functions;
-        pattern->sided = type->n_before > 0; /* BRTDfunc's lobes */
-    }
+        *pattern = (struct orl_pattern){.is_rgb = type->n_functions == 3 ||
+                                                  strcmp(type->name, "colortext") == 0,
+                                        .texture = type->texture,
+                                        .function_brdf = type->function_brdf,
+                                        .n_brdf_functions = (uint32_t)type->n_functions,
+                                        .sided = type->n_before > 0}; /* BRTDfunc's lobes */
     return pattern;
 }
 

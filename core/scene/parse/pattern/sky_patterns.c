@@ -10,8 +10,7 @@
 
 static bool ends_with(const char *path, const char *name)
 {
-    const char *slash = strrchr(path, '/');
-    return strcmp(slash ? slash + 1 : path, name) == 0;
+    return strcmp(basename(path), name) == 0;
 }
 
 /* Returns the index of the sun's direction in the arguments, or -1 for skies without one. */
@@ -104,18 +103,19 @@ static int turn_sky(struct orl_parser *parser, const struct orl_scope *scope, st
                     struct orl_error *err)
 {
     struct orl_xform xform;
-    struct orl_vec3 up, sun;
     const int at = sun_argument(sky);
     const int code = orl_parser_string_xform(parser, scope, 2, &xform, err);
     if (code < 0)
         return code;
-    up = orl_scale(orl_xform_vector(&xform, orl_v3(0, 0, 1)), 1.0 / xform.scale);
+    const struct orl_vec3 up =
+        orl_scale(orl_xform_vector(&xform, orl_v3(0, 0, 1)), 1.0 / xform.scale);
     if (!(up.z > 1.0 - 1e-9))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "a sky can be rotated only about the vertical");
     if (at < 0)
         return 0;
-    sun = orl_xform_vector(&xform, orl_v3(sky->a[at], sky->a[at + 1], sky->a[at + 2]));
+    const struct orl_vec3 sun =
+        orl_xform_vector(&xform, orl_v3(sky->a[at], sky->a[at + 1], sky->a[at + 2]));
     sky->a[at] = sun.x / xform.scale;
     sky->a[at + 1] = sun.y / xform.scale;
     sky->a[at + 2] = sun.z / xform.scale;

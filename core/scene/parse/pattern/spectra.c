@@ -18,8 +18,7 @@ static void warn_of_range(struct orl_parser *parser, const struct orl_scope *sco
                         parser->primitive.line, 100 * white.y);
 }
 
-/* ---- Constant spectra
- * ------------------------------------------------------------------------- */
+/* ---- Constant spectra ------------------------------------------------------------------------ */
 
 /* Evenly spaced samples; the first and last are at the ends. */
 struct samples {
@@ -108,8 +107,7 @@ int orl_spectrum_read(struct orl_parser *parser, const struct orl_scope *scope,
     return code;
 }
 
-/* ---- Bands ------------------------------------------------------------------------------------
- */
+/* ---- Bands ----------------------------------------------------------------------------------- */
 
 /* Returns the start of band i, midway between its sample and the previous one; i = n: the end of
  * the last band. */
