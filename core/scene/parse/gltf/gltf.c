@@ -20,7 +20,6 @@ struct reading {
     struct orl_wavefront_face face;
     unsigned char *nodes; /* NEW, OPEN or LEFT */
     size_t n_nodes;
-    struct orl_error *err;
 };
 
 /* A glTF mesh primitive. */
@@ -40,171 +39,132 @@ static void copy_name(const char *from, char ret_name[ORL_WAVEFRONT_NAME])
         *c = strchr(" \t\r\n", *c) ? '_' : *c;
 }
 
-static int name_material(struct reading *r, const struct orl_gltf_item *primitive)
+static void name_material(struct reading *r, const struct orl_gltf_item *primitive)
 {
-    struct orl_gltf_item material;
-    size_t index = SIZE_MAX;
-    int code = orl_gltf_integer(primitive, "material", &index, r->err);
+    const size_t index = orl_gltf_integer(primitive, "material", SIZE_MAX);
     r->face.material[0] = '\0';
-    if (code || index == SIZE_MAX)
-        return code;
-    code = orl_gltf_find(primitive, "materials", index, &material, r->err);
-    if (code == 0)
+    if (index != SIZE_MAX) {
+        const struct orl_gltf_item material = orl_gltf_find(primitive, "materials", index);
         copy_name(orl_gltf_text(&material, "name"), r->face.material);
-    return code;
+    }
 }
 
 /* ---- Triangles ------------------------------------------------------------------------------- */
 
-static int find_corner(struct reading *r, const struct primitive *p, size_t i, size_t *ret_corner)
+static size_t find_corner(const struct primitive *p, size_t i)
 {
     if (p->has_indices)
         i = orl_gltf_accessor_integer(&p->indices, i);
-    *ret_corner = i;
-    return i < p->corners.count && !(p->has_indices && i == orl_gltf_accessor_max(&p->indices))
-               ? 0
-               : orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err,
-                               "a triangle uses corner %zu, which the mesh does not have", i);
+    if (i >= p->corners.count || (p->has_indices && i == orl_gltf_accessor_max(&p->indices)))
+        orl_gltf_fail(&p->item, ORL_ERR_SYNTAX,
+                      "a triangle uses corner %zu, which the mesh does not have", i);
+    return i;
 }
 
-static int read_vector(struct reading *r, const struct orl_gltf_accessor *accessor, size_t i,
-                       struct orl_vec3 *ret_vector)
+static struct orl_vec3 read_vector(const struct orl_gltf_accessor *accessor, size_t i)
 {
     double value[4];
-    const int code = orl_gltf_accessor_value(accessor, i, value, r->err);
-    if (code == 0)
-        *ret_vector = orl_v3(value[0], value[1], value[2]);
-    return code;
+    orl_gltf_accessor_value(accessor, i, value);
+    return orl_v3(value[0], value[1], value[2]);
 }
 
 /* Adds the triangle of three positions in the primitive's list of corners. */
-static int add_triangle(struct reading *r, const struct primitive *p, const size_t places[3],
-                        const struct orl_gltf_transform *transform)
+static void add_triangle(struct reading *r, const struct primitive *p, const size_t places[3],
+                         const struct orl_gltf_transform *transform)
 {
     struct orl_vec3 corners[3], normals[3];
     const bool turned = orl_gltf_transform_mirrors(transform);
-    int code = orl_gltf_file_step(&r->file, &p->item, 1, r->err);
-    for (int k = 0; k < 3 && code == 0; k++) {
-        size_t corner = 0;
-        code = find_corner(r, p, places[turned ? 2 - k : k], &corner);
-        if (code == 0)
-            code = read_vector(r, &p->corners, corner, &corners[k]);
-        if (code == 0 && p->has_normals)
-            code = read_vector(r, &p->normals, corner, &normals[k]);
-        if (code)
-            return code;
-        corners[k] = orl_gltf_transform_point(transform, corners[k]);
+    orl_gltf_step(&p->item, 1);
+    for (int k = 0; k < 3; k++) {
+        const size_t corner = find_corner(p, places[turned ? 2 - k : k]);
+        if (r->file.code)
+            return;
+        corners[k] = orl_gltf_transform_point(transform, read_vector(&p->corners, corner));
         if (p->has_normals)
-            normals[k] = orl_gltf_transform_normal(transform, normals[k]);
+            normals[k] = orl_gltf_transform_normal(transform, read_vector(&p->normals, corner));
         if (!isfinite(corners[k].x + corners[k].y + corners[k].z))
-            return orl_gltf_fail(&p->item, ORL_ERR_RANGE, r->err, "a corner is not finite");
+            orl_gltf_fail(&p->item, ORL_ERR_RANGE, "a corner is not finite");
     }
-    if (code)
-        return code;
+    if (r->file.code)
+        return;
     r->face.corners = corners;
     r->face.normals = p->has_normals ? normals : NULL;
     r->face.n_corners = 3;
     r->face.number++;
     r->face.line = (int)(r->face.number % 1000000000);
-    return r->sink->add(r->sink->ctx, &r->face, r->err);
+    r->file.code = r->sink->add(r->sink->ctx, &r->face, r->file.err);
 }
 
-static int add_triangles(struct reading *r, const struct primitive *p,
-                         const struct orl_gltf_transform *transform)
+static void add_triangles(struct reading *r, const struct primitive *p,
+                          const struct orl_gltf_transform *transform)
 {
     const size_t step = p->mode == TRIANGLES ? 3 : 1;
-    int code = 0;
-    for (size_t i = 0; i + 2 < p->n && code == 0; i += step) {
+    for (size_t i = 0; i + 2 < p->n && !r->file.code; i += step) {
         const size_t odd = p->mode == STRIP ? i % 2 : 0;
         const size_t places[3] = {p->mode == FAN ? 0 : i, i + 1 + odd, i + 2 - odd};
-        code = add_triangle(r, p, places, transform);
+        add_triangle(r, p, places, transform);
     }
-    return code;
 }
 
 /* ---- Meshes ---------------------------------------------------------------------------------- */
 
-static int open_attributes(struct reading *r, struct primitive *p)
+static void open_attributes(struct primitive *p)
 {
-    struct orl_gltf_item attributes;
-    size_t corners = SIZE_MAX, normals = SIZE_MAX;
-    int code = orl_gltf_member(&p->item, "attributes", &attributes, r->err);
-    if (code == 0)
-        code = orl_gltf_integer(&attributes, "POSITION", &corners, r->err);
-    if (code == 0)
-        code = orl_gltf_integer(&attributes, "NORMAL", &normals, r->err);
-    if (code == 0 && corners == SIZE_MAX)
-        code = orl_gltf_fail(&attributes, ORL_ERR_SYNTAX, r->err, "it has no 'POSITION'");
-    if (code == 0)
-        code = orl_gltf_accessor_open(&r->file, &attributes, corners, "VEC3", &p->corners, r->err);
-    p->has_normals = normals != SIZE_MAX;
-    if (code == 0 && p->has_normals)
-        code = orl_gltf_accessor_open(&r->file, &attributes, normals, "VEC3", &p->normals, r->err);
-    if (code)
-        return code;
-    if (p->has_normals && p->normals.count != p->corners.count)
-        return orl_gltf_fail(&attributes, ORL_ERR_SYNTAX, r->err,
-                             "it has %zu corners but %zu normals", p->corners.count,
-                             p->normals.count);
+    const struct orl_gltf_item attributes = orl_gltf_member(&p->item, "attributes");
+    const size_t corners = orl_gltf_integer(&attributes, "POSITION", SIZE_MAX);
+    const size_t normals = orl_gltf_integer(&attributes, "NORMAL", SIZE_MAX);
+    if (corners == SIZE_MAX)
+        orl_gltf_fail(&attributes, ORL_ERR_SYNTAX, "it has no 'POSITION'");
+    p->corners = orl_gltf_accessor_open(&attributes, corners, "VEC3");
     p->n = p->corners.count;
-    return 0;
+    p->has_normals = normals != SIZE_MAX;
+    if (p->has_normals)
+        p->normals = orl_gltf_accessor_open(&attributes, normals, "VEC3");
+    if (p->has_normals && p->normals.count != p->corners.count)
+        orl_gltf_fail(&attributes, ORL_ERR_SYNTAX, "it has %zu corners but %zu normals",
+                      p->corners.count, p->normals.count);
 }
 
-static int open_indices(struct reading *r, struct primitive *p)
+static void open_indices(struct primitive *p)
 {
-    size_t index = SIZE_MAX;
-    int code = orl_gltf_integer(&p->item, "indices", &index, r->err);
+    const size_t index = orl_gltf_integer(&p->item, "indices", SIZE_MAX);
     p->has_indices = index != SIZE_MAX;
-    if (code || !p->has_indices)
-        return code;
-    code = orl_gltf_accessor_open(&r->file, &p->item, index, "SCALAR", &p->indices, r->err);
-    if (code)
-        return code;
-    if (orl_gltf_accessor_max(&p->indices) == 0 || p->indices.normalized)
-        return orl_gltf_fail(&p->indices.item, ORL_ERR_SYNTAX, r->err,
-                             "it is used for indices but does not hold unsigned integers");
+    if (!p->has_indices)
+        return;
+    p->indices = orl_gltf_accessor_open(&p->item, index, "SCALAR");
     p->n = p->indices.count;
-    return 0;
+    if (orl_gltf_accessor_max(&p->indices) == 0 || p->indices.normalized)
+        orl_gltf_fail(&p->indices.item, ORL_ERR_SYNTAX,
+                      "it is used for indices but does not hold unsigned integers");
 }
 
-static int open_primitive(struct reading *r, struct primitive *p)
+static struct primitive open_primitive(const struct orl_gltf_item *mesh, size_t i)
 {
-    int code = orl_gltf_integer(&p->item, "mode", &p->mode, r->err);
-    if (code == 0)
-        code = open_attributes(r, p);
-    if (code == 0)
-        code = open_indices(r, p);
-    if (code)
-        return code;
-    if (p->mode > FAN)
-        return orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err, "the 'mode' %zu is unknown",
-                             p->mode);
-    if (p->mode == TRIANGLES && p->n % 3 != 0)
-        return orl_gltf_fail(&p->item, ORL_ERR_SYNTAX, r->err,
-                             "it has %zu corners, which is not a multiple of 3", p->n);
-    return 0;
+    struct primitive p = {.item = orl_gltf_element(mesh, "primitives", i)};
+    p.mode = orl_gltf_integer(&p.item, "mode", TRIANGLES);
+    open_attributes(&p);
+    open_indices(&p);
+    if (p.mode > FAN)
+        orl_gltf_fail(&p.item, ORL_ERR_SYNTAX, "the 'mode' %zu is unknown", p.mode);
+    if (p.mode == TRIANGLES && p.n % 3 != 0)
+        orl_gltf_fail(&p.item, ORL_ERR_SYNTAX, "it has %zu corners, which is not a multiple of 3",
+                      p.n);
+    return p;
 }
 
-static int add_mesh(struct reading *r, const struct orl_gltf_item *mesh,
-                    const struct orl_gltf_transform *transform)
+static void add_mesh(struct reading *r, const struct orl_gltf_item *mesh,
+                     const struct orl_gltf_transform *transform)
 {
-    size_t count = 0;
-    int code = orl_gltf_length(mesh, "primitives", &count, r->err);
-    for (size_t i = 0; i < count && code == 0; i++) {
-        struct primitive p = {.mode = TRIANGLES};
-        code = orl_gltf_file_step(&r->file, mesh, 1, r->err);
-        if (code == 0)
-            code = orl_gltf_element(mesh, "primitives", i, &p.item, r->err);
-        if (code == 0)
-            code = open_primitive(r, &p);
-        if (code == 0)
-            code = name_material(r, &p.item);
-        if (code == 0 && p.mode < TRIANGLES)
+    const size_t count = orl_gltf_length(mesh, "primitives");
+    for (size_t i = 0; i < count && !r->file.code; i++) {
+        orl_gltf_step(mesh, 1);
+        const struct primitive p = open_primitive(mesh, i);
+        name_material(r, &p.item);
+        if (p.mode < TRIANGLES)
             r->ignored->lines++;
-        else if (code == 0)
-            code = add_triangles(r, &p, transform);
+        else
+            add_triangles(r, &p, transform);
     }
-    return code;
 }
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
@@ -222,133 +182,98 @@ static bool is_blended(const struct orl_gltf_item *node, const struct orl_gltf_i
     return false;
 }
 
-static int add_mesh_of(struct reading *r, const struct orl_gltf_item *node,
-                       const struct orl_gltf_transform *combined)
+static void add_mesh_of(struct reading *r, const struct orl_gltf_item *node,
+                        const struct orl_gltf_transform *combined)
 {
-    struct orl_gltf_item mesh;
     struct orl_gltf_instances instances;
-    size_t index = SIZE_MAX;
-    int code = orl_gltf_integer(node, "mesh", &index, r->err);
-    if (code || index == SIZE_MAX)
-        return code;
-    code = orl_gltf_find(node, "meshes", index, &mesh, r->err);
-    if (code == 0)
-        code = orl_gltf_instances_open(&r->file, node, &instances, r->err);
-    if (code)
-        return code;
+    const size_t index = orl_gltf_integer(node, "mesh", SIZE_MAX);
+    if (index == SIZE_MAX)
+        return;
+    const struct orl_gltf_item mesh = orl_gltf_find(node, "meshes", index);
     const char *const name = orl_gltf_text(node, "name");
+    orl_gltf_instances_open(node, &instances);
     copy_name(name ? name : orl_gltf_text(&mesh, "name"), r->face.object);
     r->ignored->skinned += json_object_get(node->object, "skin") != NULL;
     r->ignored->blended += is_blended(node, &mesh);
-    for (size_t i = 0; i < instances.count && code == 0; i++) {
-        struct orl_gltf_transform own;
-        code = orl_gltf_instance_transform(&instances, i, &own, r->err);
+    for (size_t i = 0; i < instances.count && !r->file.code; i++) {
+        const struct orl_gltf_transform own = orl_gltf_instance_transform(&instances, i);
         const struct orl_gltf_transform transform = orl_gltf_transform_compose(combined, &own);
-        if (code == 0)
-            code = add_mesh(r, &mesh, &transform);
+        add_mesh(r, &mesh, &transform);
     }
-    return code;
+}
+
+static void add_node(struct reading *r, const struct orl_gltf_item *by, size_t index,
+                     const struct orl_gltf_transform *outer, int depth);
+
+/* Adds the nodes that a list of the item names. */
+static void add_nodes(struct reading *r, const struct orl_gltf_item *by, const char *list,
+                      const struct orl_gltf_transform *outer, int depth)
+{
+    const size_t count = orl_gltf_length(by, list);
+    for (size_t i = 0; i < count && !r->file.code; i++)
+        add_node(r, by, orl_gltf_integer_in_list(by, list, i), outer, depth);
 }
 
 /* Visits a node once; a node with two parents, or inside itself, is refused. */
-static int enter_node(struct reading *r, const struct orl_gltf_item *by, size_t index, int depth,
-                      struct orl_gltf_item *ret_node)
+static void add_node(struct reading *r, const struct orl_gltf_item *by, size_t index,
+                     const struct orl_gltf_transform *outer, int depth)
 {
-    const int code = orl_gltf_find(by, "nodes", index, ret_node, r->err);
-    if (code)
-        return code;
-    if (r->nodes[index] != NEW)
-        return orl_gltf_fail(ret_node, ORL_ERR_SYNTAX, r->err,
-                             r->nodes[index] == OPEN ? "it contains itself" : "it has two parents");
-    if (depth > MAX_DEPTH) {
-        orl_gltf_fail(ret_node, ORL_ERR_LIMIT, r->err, "nodes are nested more than %d deep",
-                      MAX_DEPTH);
-        orl_error_hint(r->err, "export it with its nodes merged");
-        return ORL_ERR_LIMIT;
-    }
-    r->nodes[index] = OPEN;
-    return 0;
-}
-
-static int add_node(struct reading *r, const struct orl_gltf_item *by, size_t index,
-                    const struct orl_gltf_transform *outer, int depth)
-{
-    struct orl_gltf_item node;
-    struct orl_gltf_transform own;
-    size_t count = 0;
-    int code = enter_node(r, by, index, depth, &node);
-    if (code == 0)
-        code = orl_gltf_transform_read(&node, &own, r->err);
-    if (code)
-        return code;
+    const struct orl_gltf_item node = orl_gltf_find(by, "nodes", index);
+    if (!r->file.code && r->nodes[index] != NEW)
+        orl_gltf_fail(&node, ORL_ERR_SYNTAX, "%s",
+                      r->nodes[index] == OPEN ? "it contains itself" : "it has two parents");
+    if (depth > MAX_DEPTH)
+        orl_gltf_refuse(&node, ORL_ERR_LIMIT, "export it with its nodes merged",
+                        "nodes are nested more than %d deep", MAX_DEPTH);
+    if (r->file.code)
+        return;
+    const struct orl_gltf_transform own = orl_gltf_transform_read(&node);
     const struct orl_gltf_transform combined = orl_gltf_transform_compose(outer, &own);
-    code = add_mesh_of(r, &node, &combined);
-    if (code == 0)
-        code = orl_gltf_length(&node, "children", &count, r->err);
-    for (size_t i = 0; i < count && code == 0; i++) {
-        size_t child = 0;
-        code = orl_gltf_integer_in_list(&node, "children", i, &child, r->err);
-        if (code == 0)
-            code = add_node(r, &node, child, &combined, depth + 1);
-    }
+    r->nodes[index] = OPEN;
+    add_mesh_of(r, &node, &combined);
+    add_nodes(r, &node, "children", &combined, depth + 1);
     r->nodes[index] = LEFT;
-    return code;
 }
 
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
-static int mark_children(struct reading *r, size_t index, bool *within)
+static void mark_children(struct reading *r, size_t index, bool *within)
 {
-    struct orl_gltf_item node;
-    size_t count = 0, child = 0;
-    int code = orl_gltf_find(&r->file.root, "nodes", index, &node, r->err);
-    if (code == 0)
-        code = orl_gltf_length(&node, "children", &count, r->err);
-    for (size_t i = 0; i < count && code == 0; i++) {
-        code = orl_gltf_integer_in_list(&node, "children", i, &child, r->err);
-        if (code == 0 && child < r->n_nodes)
+    const struct orl_gltf_item node = orl_gltf_find(&r->file.root, "nodes", index);
+    const size_t count = orl_gltf_length(&node, "children");
+    for (size_t i = 0; i < count; i++) {
+        const size_t child = orl_gltf_integer_in_list(&node, "children", i);
+        if (child < r->n_nodes)
             within[child] = true;
     }
-    return code;
 }
 
 /* A file without a scene: adds all nodes that have no parent. */
-static int add_all(struct reading *r)
+static void add_all(struct reading *r)
 {
     bool *const within = calloc(r->n_nodes + 1, sizeof *within);
-    int code = 0;
     if (!within)
-        return orl_error_set(r->err, ORL_ERR_NOMEM, "out of memory for a glTF file");
-    for (size_t i = 0; i < r->n_nodes && code == 0; i++)
-        code = mark_children(r, i, within);
-    for (size_t i = 0; i < r->n_nodes && code == 0; i++)
+        orl_gltf_no_memory(&r->file);
+    for (size_t i = 0; i < r->n_nodes && !r->file.code; i++)
+        mark_children(r, i, within);
+    for (size_t i = 0; i < r->n_nodes && !r->file.code; i++)
         if (!within[i])
-            code = add_node(r, &r->file.root, i, &orl_gltf_z_up, 0);
+            add_node(r, &r->file.root, i, &orl_gltf_z_up, 0);
     free(within);
-    return code;
 }
 
-static int add_scene(struct reading *r)
+static void add_scene(struct reading *r)
 {
     const struct orl_gltf_item *const root = &r->file.root;
-    struct orl_gltf_item scene;
-    size_t n_scenes = 0, index = SIZE_MAX, count = 0;
-    int code = orl_gltf_length(root, "scenes", &n_scenes, r->err);
-    if (code == 0)
-        code = orl_gltf_integer(root, "scene", &index, r->err);
-    if (code == 0 && n_scenes == 0 && index == SIZE_MAX)
-        return add_all(r);
-    if (code == 0)
-        code = orl_gltf_find(root, "scenes", index == SIZE_MAX ? 0 : index, &scene, r->err);
-    if (code == 0)
-        code = orl_gltf_length(&scene, "nodes", &count, r->err);
-    for (size_t i = 0; i < count && code == 0; i++) {
-        size_t node = 0;
-        code = orl_gltf_integer_in_list(&scene, "nodes", i, &node, r->err);
-        if (code == 0)
-            code = add_node(r, &scene, node, &orl_gltf_z_up, 0);
+    const size_t n_scenes = orl_gltf_length(root, "scenes");
+    const size_t index = orl_gltf_integer(root, "scene", SIZE_MAX);
+    if (n_scenes == 0 && index == SIZE_MAX) {
+        add_all(r);
+    } else {
+        const struct orl_gltf_item scene =
+            orl_gltf_find(root, "scenes", index == SIZE_MAX ? 0 : index);
+        add_nodes(r, &scene, "nodes", &orl_gltf_z_up, 0);
     }
-    return code;
 }
 
 int orl_gltf_read(const char *file, const char *data, size_t size,
@@ -361,14 +286,14 @@ int orl_gltf_read(const char *file, const char *data, size_t size,
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
     r->sink = sink;
     r->ignored = ret_ignored;
-    r->err = err;
-    int code = orl_gltf_file_open(&r->file, file, data, size, buffers, err);
-    if (code == 0)
-        code = orl_gltf_length(&r->file.root, "nodes", &r->n_nodes, err);
-    if (code == 0 && !(r->nodes = calloc(r->n_nodes + 1, 1)))
-        code = orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
-    if (code == 0)
-        code = add_scene(r);
+    orl_gltf_file_open(&r->file, file, data, size, buffers, err);
+    r->n_nodes = orl_gltf_length(&r->file.root, "nodes");
+    r->nodes = calloc(r->n_nodes + 1, 1);
+    if (!r->nodes)
+        orl_gltf_no_memory(&r->file);
+    if (!r->file.code)
+        add_scene(r);
+    const int code = r->file.code;
     ret_ignored->empty = r->face.number == 0;
     orl_gltf_file_done(&r->file);
     free(r->nodes);

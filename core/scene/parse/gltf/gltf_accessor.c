@@ -53,8 +53,7 @@ static double normalize(size_t component, double value)
     return fmax(value / most, -1);
 }
 
-/* ---- Buffer views
- * ----------------------------------------------------------------------------- */
+/* ---- Buffer views ---------------------------------------------------------------------------- */
 
 /* Returns true if count values from the offset on fit into length. */
 static bool fits(size_t length, size_t offset, size_t stride, size_t element, size_t count)
@@ -63,90 +62,65 @@ static bool fits(size_t length, size_t offset, size_t stride, size_t element, si
            count - 1 <= (length - offset - element) / stride;
 }
 
-/* Finds the data of the buffer view that the item names; count values start at the item's offset.
- * *stride is unchanged if the view has none; stride may be NULL. */
-static int find_values(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t element,
-                       size_t count, size_t *stride, const unsigned char **ret_data,
-                       struct orl_error *err)
+/* Returns the data of the buffer view that the item names, or NULL after an error; count values
+ * start at the item's offset. *stride is unchanged if the view has none; stride may be NULL. */
+static const unsigned char *find_values(const struct orl_gltf_item *at, size_t element,
+                                        size_t count, size_t *stride)
 {
-    struct orl_gltf_item view;
-    struct orl_gltf_bytes buffer = {NULL, 0};
-    size_t index = SIZE_MAX, of = SIZE_MAX, begin = 0, length = 0, offset = 0, step = element;
-    int code = orl_gltf_integer(at, "bufferView", &index, err);
-    if (code == 0)
-        code = orl_gltf_find(at, "bufferViews", index, &view, err);
-    if (code == 0)
-        code = orl_gltf_integer(at, "byteOffset", &offset, err);
-    if (code == 0)
-        code = orl_gltf_integer(&view, "buffer", &of, err);
-    if (code == 0)
-        code = orl_gltf_integer(&view, "byteOffset", &begin, err);
-    if (code == 0)
-        code = orl_gltf_integer(&view, "byteLength", &length, err);
-    if (code == 0 && stride)
-        code = orl_gltf_integer(&view, "byteStride", &step, err);
-    if (code == 0)
-        code = orl_gltf_file_buffer(file, &view, of, &buffer, err);
-    if (code)
-        return code;
+    const size_t index = orl_gltf_integer(at, "bufferView", SIZE_MAX);
+    const struct orl_gltf_item view = orl_gltf_find(at, "bufferViews", index);
+    const size_t offset = orl_gltf_integer(at, "byteOffset", 0);
+    const size_t of = orl_gltf_integer(&view, "buffer", SIZE_MAX);
+    const size_t begin = orl_gltf_integer(&view, "byteOffset", 0);
+    const size_t length = orl_gltf_integer(&view, "byteLength", 0);
+    const size_t step = stride ? orl_gltf_integer(&view, "byteStride", element) : element;
+    const struct orl_gltf_bytes buffer = orl_gltf_buffer(&view, of);
     if (begin > buffer.size || length > buffer.size - begin)
-        return orl_gltf_fail(&view, ORL_ERR_SYNTAX, err, "it extends beyond its buffer's end");
-    if (step < element)
-        return orl_gltf_fail(&view, ORL_ERR_SYNTAX, err,
-                             "its 'byteStride' is less than the size of a value");
-    if (!fits(length, offset, step, element, count))
-        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err,
-                             "it extends beyond the end of its bufferViews[%zu]", index);
+        orl_gltf_fail(&view, ORL_ERR_SYNTAX, "it extends beyond its buffer's end");
+    else if (step < element)
+        orl_gltf_fail(&view, ORL_ERR_SYNTAX, "its 'byteStride' is less than the size of a value");
+    else if (!fits(length, offset, step, element, count))
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "it extends beyond the end of its bufferViews[%zu]",
+                      index);
     if (stride)
         *stride = step;
-    *ret_data = buffer.data + begin + offset;
-    return 0;
+    return at->file->code ? NULL : buffer.data + begin + offset;
 }
 
-/* ---- Sparse values
- * ---------------------------------------------------------------------------- */
+/* ---- Sparse values --------------------------------------------------------------------------- */
 
 /* Checks that the sparse indices rise, because they are searched by bisection. */
-static int check_sparse_indices(const struct orl_gltf_accessor *a,
-                                const struct orl_gltf_item *sparse, struct orl_error *err)
+static void check_sparse_indices(const struct orl_gltf_accessor *a,
+                                 const struct orl_gltf_item *sparse)
 {
     const size_t size = size_of(a->sparse_component);
     size_t least = 0;
-    for (size_t i = 0; i < a->n_sparse; i++) {
+    for (size_t i = 0; i < a->n_sparse && !sparse->file->code; i++) {
         const size_t place = read_whole(a->sparse_component, a->sparse_indices + size * i);
         if (place < least || place >= a->count)
-            return orl_gltf_fail(sparse, ORL_ERR_SYNTAX, err,
-                                 "its indices do not increase, or exceed the accessor's count");
+            orl_gltf_fail(sparse, ORL_ERR_SYNTAX,
+                          "its indices do not increase, or exceed the accessor's count");
         least = place + 1;
     }
-    return 0;
 }
 
-static int open_sparse(struct orl_gltf_file *file, const struct orl_gltf_item *sparse,
-                       struct orl_gltf_accessor *a, struct orl_error *err)
+static void open_sparse(const struct orl_gltf_item *sparse, struct orl_gltf_accessor *a)
 {
-    struct orl_gltf_item indices, values;
-    int code = orl_gltf_integer(sparse, "count", &a->n_sparse, err);
-    if (code == 0)
-        code = orl_gltf_member(sparse, "indices", &indices, err);
-    if (code == 0)
-        code = orl_gltf_member(sparse, "values", &values, err);
-    if (code == 0)
-        code = orl_gltf_integer(&indices, "componentType", &a->sparse_component, err);
-    if (code)
-        return code;
-    if (a->n_sparse < 1 || a->n_sparse > a->count || most_of(a->sparse_component) == 0)
-        return orl_gltf_fail(
-            sparse, ORL_ERR_SYNTAX, err,
+    const size_t n = orl_gltf_integer(sparse, "count", 0);
+    const struct orl_gltf_item indices = orl_gltf_member(sparse, "indices");
+    const struct orl_gltf_item values = orl_gltf_member(sparse, "values");
+    a->n_sparse = n;
+    a->sparse_component = orl_gltf_integer(&indices, "componentType", 0);
+    if (n < 1 || n > a->count || most_of(a->sparse_component) == 0) {
+        orl_gltf_fail(
+            sparse, ORL_ERR_SYNTAX,
             "its 'count' is missing or exceeds the accessor's, or its indices are not integers");
-    code = find_values(file, &indices, size_of(a->sparse_component), a->n_sparse, NULL,
-                       &a->sparse_indices, err);
-    if (code == 0)
-        code = find_values(file, &values, a->n_components * size_of(a->component), a->n_sparse,
-                           NULL, &a->values, err);
-    if (code == 0)
-        code = orl_gltf_file_step(file, sparse, a->n_sparse, err);
-    return code ? code : check_sparse_indices(a, sparse, err);
+        return;
+    }
+    a->sparse_indices = find_values(&indices, size_of(a->sparse_component), n, NULL);
+    a->values = find_values(&values, a->n_components * size_of(a->component), n, NULL);
+    orl_gltf_step(sparse, n);
+    check_sparse_indices(a, sparse);
 }
 
 /* Returns the first component of a value; NULL: 0. */
@@ -169,61 +143,50 @@ static const unsigned char *find_value(const struct orl_gltf_accessor *a, size_t
 
 /* ---- Accessors ------------------------------------------------------------------------------- */
 
-static int open_values(struct orl_gltf_file *file, struct orl_gltf_accessor *a,
-                       struct orl_error *err)
+static void open_values(struct orl_gltf_accessor *a)
 {
     const size_t element = a->n_components * size_of(a->component);
-    struct orl_gltf_item sparse;
-    int code = 0;
-    if (element == 0 || a->count < 1 || (a->normalized && size_of(a->component) == 4))
-        return orl_gltf_fail(
-            &a->item, ORL_ERR_SYNTAX, err,
+    if (element == 0 || a->count < 1 || (a->normalized && size_of(a->component) == 4)) {
+        orl_gltf_fail(
+            &a->item, ORL_ERR_SYNTAX,
             "its 'componentType' or 'count' is invalid, or the type cannot be 'normalized'");
+        return;
+    }
     a->stride = element;
     if (json_object_get(a->item.object, "bufferView"))
-        code = find_values(file, &a->item, element, a->count, &a->stride, &a->data, err);
-    if (code == 0)
-        code = orl_gltf_member(&a->item, "sparse", &sparse, err);
-    return code == 0 && sparse.object ? open_sparse(file, &sparse, a, err) : code;
+        a->data = find_values(&a->item, element, a->count, &a->stride);
+    const struct orl_gltf_item sparse = orl_gltf_member(&a->item, "sparse");
+    if (sparse.object)
+        open_sparse(&sparse, a);
 }
 
-int orl_gltf_accessor_open(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t index,
-                           const char *type, struct orl_gltf_accessor *ret_accessor,
-                           struct orl_error *err)
+struct orl_gltf_accessor orl_gltf_accessor_open(const struct orl_gltf_item *at, size_t index,
+                                                const char *type)
 {
-    struct orl_gltf_accessor a = {.n_components =
-                                      strcmp(type, "SCALAR") == 0 ? 1 : (size_t)(type[3] - '0')};
-    int code = orl_gltf_find(at, "accessors", index, &a.item, err);
-    if (code)
-        return code;
+    struct orl_gltf_accessor a = {.item = orl_gltf_find(at, "accessors", index)};
     const char *const own = orl_gltf_text(&a.item, "type");
+    a.n_components = strcmp(type, "SCALAR") == 0 ? 1 : (size_t)(type[3] - '0');
     if (!own || strcmp(own, type) != 0)
-        return orl_gltf_fail(&a.item, ORL_ERR_SYNTAX, err, "its 'type' is %.20s; %s uses it as %s",
-                             own ? own : "none", at->name, type);
+        orl_gltf_fail(&a.item, ORL_ERR_SYNTAX, "its 'type' is %.20s; %s uses it as %s",
+                      own ? own : "none", at->name, type);
     a.normalized = json_is_true(json_object_get(a.item.object, "normalized"));
-    code = orl_gltf_integer(&a.item, "componentType", &a.component, err);
-    if (code == 0)
-        code = orl_gltf_integer(&a.item, "count", &a.count, err);
-    if (code == 0)
-        code = open_values(file, &a, err);
-    if (code == 0)
-        *ret_accessor = a;
-    return code;
+    a.component = orl_gltf_integer(&a.item, "componentType", 0);
+    a.count = orl_gltf_integer(&a.item, "count", 0);
+    open_values(&a);
+    return a;
 }
 
-int orl_gltf_accessor_value(const struct orl_gltf_accessor *accessor, size_t i, double ret_value[4],
-                            struct orl_error *err)
+void orl_gltf_accessor_value(const struct orl_gltf_accessor *accessor, size_t i,
+                             double ret_value[4])
 {
     const unsigned char *const at = find_value(accessor, i);
     for (size_t k = 0; k < accessor->n_components; k++) {
         const double number =
             at ? read_number(accessor->component, at + k * size_of(accessor->component)) : 0;
         if (!isfinite(number))
-            return orl_gltf_fail(&accessor->item, ORL_ERR_RANGE, err, "its value %zu is not finite",
-                                 i);
+            orl_gltf_fail(&accessor->item, ORL_ERR_RANGE, "its value %zu is not finite", i);
         ret_value[k] = accessor->normalized ? normalize(accessor->component, number) : number;
     }
-    return 0;
 }
 
 size_t orl_gltf_accessor_integer(const struct orl_gltf_accessor *accessor, size_t i)

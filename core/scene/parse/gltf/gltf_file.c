@@ -11,68 +11,68 @@
 #include <oriel/base/json_read.h>
 #include <oriel/base/limits.h>
 
-int orl_gltf_fail(const struct orl_gltf_item *at, int code, struct orl_error *err,
-                  const char *format, ...)
+void orl_gltf_refuse(const struct orl_gltf_item *at, int code, const char *hint, const char *format,
+                     ...)
 {
+    struct orl_gltf_file *const file = at->file;
     va_list args;
+    if (file->code)
+        return;
     va_start(args, format);
-    orl_error_vset(err, code, format, args);
+    file->code = orl_error_vset(file->err, code, format, args);
     va_end(args);
-    orl_error_hint(err, "the file is damaged, or its exporter is faulty: export it again");
-    orl_error_at(err, at->file, 0, at->name);
-    return code;
+    orl_error_hint(file->err, "%s", hint);
+    orl_error_at(file->err, file->name, 0, at->name);
 }
 
-int orl_gltf_find(const struct orl_gltf_item *at, const char *list, size_t index,
-                  struct orl_gltf_item *ret_item, struct orl_error *err)
+void orl_gltf_no_memory(struct orl_gltf_file *file)
 {
-    const json_t *const object = json_array_get(json_object_get(at->root, list), index);
-    if (!json_is_object(object))
-        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it refers to %s[%zu], which does not exist",
-                             list, index);
-    *ret_item = (struct orl_gltf_item){at->file, at->root, object, ""};
-    snprintf(ret_item->name, sizeof ret_item->name, "%s[%zu]", list, index);
-    return 0;
+    file->code = orl_error_set(file->err, ORL_ERR_NOMEM, "out of memory for a glTF file");
 }
 
-static void name_inner(const struct orl_gltf_item *at, const char *key,
-                       struct orl_gltf_item *ret_inner)
+struct orl_gltf_item orl_gltf_find(const struct orl_gltf_item *at, const char *list, size_t index)
 {
-    *ret_inner = (struct orl_gltf_item){at->file, at->root, json_object_get(at->object, key), ""};
-    snprintf(ret_inner->name, sizeof ret_inner->name, "%.50s%s%.30s", at->name,
-             at->name[0] ? "." : "", key);
+    const json_t *const all = json_object_get(at->file->document, list);
+    struct orl_gltf_item item = {at->file, json_array_get(all, index), ""};
+    snprintf(item.name, sizeof item.name, "%s[%zu]", list, index);
+    if (!json_is_object(item.object))
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "it refers to %s[%zu], which does not exist", list,
+                      index);
+    return item;
 }
 
-int orl_gltf_element(const struct orl_gltf_item *at, const char *list, size_t index,
-                     struct orl_gltf_item *ret_part, struct orl_error *err)
+static struct orl_gltf_item find_inner(const struct orl_gltf_item *at, const char *key)
 {
-    struct orl_gltf_item all;
-    name_inner(at, list, &all);
-    *ret_part = (struct orl_gltf_item){at->file, at->root, json_array_get(all.object, index), ""};
-    snprintf(ret_part->name, sizeof ret_part->name, "%.70s[%zu]", all.name, index);
-    return json_is_object(ret_part->object)
-               ? 0
-               : orl_gltf_fail(ret_part, ORL_ERR_SYNTAX, err, "an object is expected here");
+    struct orl_gltf_item inner = {at->file, json_object_get(at->object, key), ""};
+    snprintf(inner.name, sizeof inner.name, "%.50s%s%.30s", at->name, at->name[0] ? "." : "", key);
+    return inner;
 }
 
-int orl_gltf_member(const struct orl_gltf_item *at, const char *key,
-                    struct orl_gltf_item *ret_inner, struct orl_error *err)
+struct orl_gltf_item orl_gltf_element(const struct orl_gltf_item *at, const char *list,
+                                      size_t index)
 {
-    name_inner(at, key, ret_inner);
-    return !ret_inner->object || json_is_object(ret_inner->object)
-               ? 0
-               : orl_gltf_fail(ret_inner, ORL_ERR_SYNTAX, err, "an object is expected here");
+    const struct orl_gltf_item all = find_inner(at, list);
+    struct orl_gltf_item part = {at->file, json_array_get(all.object, index), ""};
+    snprintf(part.name, sizeof part.name, "%.70s[%zu]", all.name, index);
+    if (!json_is_object(part.object))
+        orl_gltf_fail(&part, ORL_ERR_SYNTAX, "an object is expected here");
+    return part;
 }
 
-int orl_gltf_length(const struct orl_gltf_item *at, const char *list, size_t *ret_length,
-                    struct orl_error *err)
+struct orl_gltf_item orl_gltf_member(const struct orl_gltf_item *at, const char *key)
 {
-    struct orl_gltf_item all;
-    name_inner(at, list, &all);
-    *ret_length = json_array_size(all.object);
-    return !all.object || json_is_array(all.object)
-               ? 0
-               : orl_gltf_fail(&all, ORL_ERR_SYNTAX, err, "a list is expected here");
+    const struct orl_gltf_item inner = find_inner(at, key);
+    if (inner.object && !json_is_object(inner.object))
+        orl_gltf_fail(&inner, ORL_ERR_SYNTAX, "an object is expected here");
+    return inner;
+}
+
+size_t orl_gltf_length(const struct orl_gltf_item *at, const char *list)
+{
+    const struct orl_gltf_item all = find_inner(at, list);
+    if (all.object && !json_is_array(all.object))
+        orl_gltf_fail(&all, ORL_ERR_SYNTAX, "a list is expected here");
+    return json_array_size(all.object);
 }
 
 static bool read_whole(const json_t *value, size_t *ret_value)
@@ -84,40 +84,35 @@ static bool read_whole(const json_t *value, size_t *ret_value)
     return true;
 }
 
-int orl_gltf_integer(const struct orl_gltf_item *at, const char *key, size_t *value,
-                     struct orl_error *err)
+size_t orl_gltf_integer(const struct orl_gltf_item *at, const char *key, size_t absent)
 {
     const json_t *const member = json_object_get(at->object, key);
-    return !member || read_whole(member, value)
-               ? 0
-               : orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "'%s' is not a whole number from 0 up",
-                               key);
+    if (member && !read_whole(member, &absent))
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "'%s' is not a whole number from 0 up", key);
+    return absent;
 }
 
-int orl_gltf_integer_in_list(const struct orl_gltf_item *at, const char *list, size_t i,
-                             size_t *ret_value, struct orl_error *err)
+size_t orl_gltf_integer_in_list(const struct orl_gltf_item *at, const char *list, size_t i)
 {
-    const json_t *const member = json_array_get(json_object_get(at->object, list), i);
-    return read_whole(member, ret_value)
-               ? 0
-               : orl_gltf_fail(at, ORL_ERR_SYNTAX, err,
-                               "'%s' has a member that is not a whole number from 0 up", list);
+    size_t value = 0;
+    if (!read_whole(json_array_get(json_object_get(at->object, list), i), &value))
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "'%s' has a member that is not a whole number from 0 up",
+                      list);
+    return value;
 }
 
-int orl_gltf_numbers(const struct orl_gltf_item *at, const char *key, size_t n, double *values,
-                     bool *ret_given, struct orl_error *err)
+bool orl_gltf_numbers(const struct orl_gltf_item *at, const char *key, size_t n, double *values)
 {
     const json_t *const array = json_object_get(at->object, key);
     bool sound = json_is_array(array) && json_array_size(array) == n;
-    *ret_given = array != NULL;
     for (size_t i = 0; sound && i < n; i++) {
         const json_t *const value = json_array_get(array, i);
         sound = json_is_number(value);
         values[i] = json_number_value(value);
     }
-    return !array || sound
-               ? 0
-               : orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "'%s' is not %zu numbers", key, n);
+    if (array && !sound)
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "'%s' is not %zu numbers", key, n);
+    return array != NULL;
 }
 
 const char *orl_gltf_text(const struct orl_gltf_item *at, const char *key)
@@ -126,6 +121,8 @@ const char *orl_gltf_text(const struct orl_gltf_item *at, const char *key)
 }
 
 enum { CHUNK_HEAD = 8, GLB_HEAD = 12, NAME_BYTES = 4096 };
+
+static const char as_version_2[] = "export it again as glTF 2.0";
 
 /* ---- Containers ------------------------------------------------------------------------------ */
 
@@ -154,93 +151,73 @@ bool orl_gltf_detect(const char *data, size_t size)
     return is_binary(data, size) || (at < size && data[at] == '{');
 }
 
-static size_t read_u32(const char *at)
-{
-    const unsigned char *b = (const unsigned char *)at;
-    return (size_t)b[0] | (size_t)b[1] << 8 | (size_t)b[2] << 16 | (size_t)b[3] << 24;
-}
-
-static int refuse_file(const struct orl_gltf_file *file, int code, const char *what,
-                       const char *mend, struct orl_error *err)
-{
-    orl_gltf_fail(&file->root, code, err, "%s", what);
-    orl_error_hint(err, "%s", mend);
-    return code;
-}
-
-/* Reads the chunks of a .glb: JSON, which is the first, and BIN. */
-static int read_chunks(struct orl_gltf_file *file, const char *data, size_t size,
-                       struct orl_gltf_bytes *ret_json, struct orl_error *err)
+/* Reads the chunks of a .glb: returns the JSON, which is the first; sets BIN. */
+static struct orl_gltf_bytes read_chunks(struct orl_gltf_file *file, const char *data, size_t size)
 {
     static const char cut[] = "the file is truncated: copy or export it again";
+    struct orl_gltf_bytes json = {NULL, 0};
+    const size_t whole = orl_u32_at(data + 8);
     size_t at = GLB_HEAD;
-    if (read_u32(data + 4) != 2)
-        return refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not version 2",
-                           "export it again as glTF 2.0", err);
-    if (read_u32(data + 8) > size)
-        return refuse_file(file, ORL_ERR_SYNTAX, "its header gives a longer file", cut, err);
-    size = read_u32(data + 8);
-    while (at <= size && size - at >= CHUNK_HEAD) {
-        const size_t length = read_u32(data + at);
+    if (orl_u32_at(data + 4) != 2)
+        orl_gltf_refuse(&file->root, ORL_ERR_UNSUPPORTED, as_version_2,
+                        "this is glTF, but not version 2");
+    else if (whole > size)
+        orl_gltf_refuse(&file->root, ORL_ERR_SYNTAX, cut, "its header gives a longer file");
+    while (!file->code && at <= whole && whole - at >= CHUNK_HEAD) {
+        const size_t length = orl_u32_at(data + at);
         const char *const type = data + at + 4;
         const struct orl_gltf_bytes chunk = {(const unsigned char *)type + 4, length};
-        if (length > size - at - CHUNK_HEAD)
-            return refuse_file(file, ORL_ERR_SYNTAX,
-                               "one of its chunks extends beyond the file's end", cut, err);
-        if (at == GLB_HEAD && memcmp(type, "JSON", 4) == 0)
-            *ret_json = chunk;
+        if (length > whole - at - CHUNK_HEAD)
+            orl_gltf_refuse(&file->root, ORL_ERR_SYNTAX, cut,
+                            "one of its chunks extends beyond the file's end");
+        else if (at == GLB_HEAD && memcmp(type, "JSON", 4) == 0)
+            json = chunk;
         else if (!file->chunk.data && memcmp(type, "BIN", 4) == 0)
             file->chunk = chunk;
         at += CHUNK_HEAD + length;
     }
-    return ret_json->data ? 0
-                          : refuse_file(file, ORL_ERR_SYNTAX, "its first chunk is not JSON",
-                                        "export it again as glTF 2.0", err);
+    if (!json.data)
+        orl_gltf_refuse(&file->root, ORL_ERR_SYNTAX, as_version_2, "its first chunk is not JSON");
+    return json;
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
-static int read_json(struct orl_gltf_file *file, const char *text, size_t size,
-                     struct orl_error *err)
+static void read_json(struct orl_gltf_file *file, const char *text, size_t size)
 {
     json_error_t where;
     const size_t begin = find_text(text, size);
     while (size > begin && (text[size - 1] == '\0' || is_blank(text[size - 1])))
         size--; /* strips the chunk's padding */
-    if (orl_json_memory_estimate(text + begin, size - begin) > ORL_LIMIT_JSON_MEMORY)
-        return refuse_file(file, ORL_ERR_LIMIT, "its JSON has too many values",
-                           "export it as .glb, or split it into several files", err);
+    if (orl_json_memory_estimate(text + begin, size - begin) > ORL_LIMIT_JSON_MEMORY) {
+        orl_gltf_refuse(&file->root, ORL_ERR_LIMIT,
+                        "export it as .glb, or split it into several files",
+                        "its JSON has too many values");
+        return;
+    }
     file->document = orl_json_read(text + begin, size - begin, JSON_REJECT_DUPLICATES, &where);
     if (!file->document && errno == ENOMEM)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
-    if (!file->document) {
-        orl_gltf_fail(&file->root, ORL_ERR_SYNTAX, err,
+        orl_gltf_no_memory(file);
+    else if (!file->document)
+        orl_gltf_fail(&file->root, ORL_ERR_SYNTAX,
                       "this is not a readable glTF 2.0 file: JSON line %d, column %d: %s",
                       where.line, where.column, where.text);
-        return ORL_ERR_SYNTAX;
-    }
-    file->root.root = file->root.object = file->document;
-    return 0;
+    file->root.object = file->document;
 }
 
-static int check_version(const struct orl_gltf_file *file, struct orl_error *err)
+static void check_version(const struct orl_gltf_file *file)
 {
-    struct orl_gltf_item asset;
-    const int code = orl_gltf_member(&file->root, "asset", &asset, err);
+    const struct orl_gltf_item asset = orl_gltf_member(&file->root, "asset");
     const char *const version = orl_gltf_text(&asset, "version");
     const char *const least = orl_gltf_text(&asset, "minVersion");
-    if (code)
-        return code;
     if (!version)
-        return refuse_file(
-            file, ORL_ERR_SYNTAX,
-            "this is not a readable glTF 2.0 file: it has no 'asset' with a 'version'",
-            "export it again as glTF 2.0", err);
-    return version[0] == '2' && (version[1] == '.' || !version[1]) &&
-                   (!least || strcmp(least, "2.0") == 0)
-               ? 0
-               : refuse_file(file, ORL_ERR_UNSUPPORTED, "this is glTF, but not version 2.0",
-                             "export it again as glTF 2.0", err);
+        orl_gltf_refuse(&file->root, ORL_ERR_SYNTAX, as_version_2,
+                        "this is not a readable glTF 2.0 file: "
+                        "it has no 'asset' with a 'version'");
+    else if (version[0] != '2' || (version[1] && version[1] != '.') ||
+             (least && strcmp(least, "2.0") != 0))
+        orl_gltf_refuse(&file->root, ORL_ERR_UNSUPPORTED, as_version_2,
+                        "this is glTF, but not version 2.0");
 }
 
 /* Returns true for extensions that only concern ignored content (colours, textures, lights), or
@@ -264,22 +241,18 @@ static bool is_known(const char *name)
     return false;
 }
 
-static int check_extensions(const struct orl_gltf_file *file, struct orl_error *err)
+static void check_extensions(const struct orl_gltf_file *file)
 {
     static const char list[] = "extensionsRequired";
     const json_t *const names = json_object_get(file->document, list);
-    size_t count = 0;
-    const int code = orl_gltf_length(&file->root, list, &count, err);
-    for (size_t i = 0; i < count && code == 0; i++) {
+    const size_t count = orl_gltf_length(&file->root, list);
+    for (size_t i = 0; i < count; i++) {
         const char *const name = json_string_value(json_array_get(names, i));
-        if (name && is_known(name))
-            continue;
-        orl_gltf_fail(&file->root, ORL_ERR_UNSUPPORTED, err,
-                      "the extension '%.80s' is not supported", name ? name : "");
-        orl_error_hint(err, "export it without this extension, for example without compression");
-        return ORL_ERR_UNSUPPORTED;
+        if (!name || !is_known(name))
+            orl_gltf_refuse(&file->root, ORL_ERR_UNSUPPORTED,
+                            "export it without this extension, for example without compression",
+                            "the extension '%.80s' is not supported", name ? name : "");
     }
-    return code;
 }
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
@@ -302,117 +275,101 @@ static bool decode_name(const char *name, char ret_name[NAME_BYTES])
 }
 
 /* Decodes "data:...;base64,...", with or without '=' at its end. */
-static int decode_text(const struct orl_gltf_item *at, const char *uri,
-                       struct orl_gltf_buffer *buffer, struct orl_error *err)
+static void decode_text(const struct orl_gltf_item *at, const char *uri,
+                        struct orl_gltf_buffer *buffer)
 {
     static const char mark[] = ";base64";
     const char *const comma = strchr(uri, ',');
     if (!comma || (size_t)(comma - uri) < sizeof mark - 1 ||
-        memcmp(comma - (sizeof mark - 1), mark, sizeof mark - 1) != 0)
-        return orl_gltf_fail(at, ORL_ERR_UNSUPPORTED, err, "the data in its 'uri' are not base64");
+        memcmp(comma - (sizeof mark - 1), mark, sizeof mark - 1) != 0) {
+        orl_gltf_fail(at, ORL_ERR_UNSUPPORTED, "the data in its 'uri' are not base64");
+        return;
+    }
     size_t length = strlen(comma + 1);
     while (length > 0 && comma[length] == '=')
         length--;
-    buffer->decoded = malloc(length / 4 * 3 + 3);
+    buffer->bytes.data = buffer->decoded = malloc(length / 4 * 3 + 3);
     if (!buffer->decoded)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file");
-    if (sodium_base642bin(buffer->decoded, length / 4 * 3 + 3, comma + 1, length, NULL,
-                          &buffer->bytes.size, NULL,
-                          sodium_base64_VARIANT_ORIGINAL_NO_PADDING) != 0)
-        return orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "its base64 data are invalid");
-    buffer->bytes.data = buffer->decoded;
-    return 0;
+        orl_gltf_no_memory(at->file);
+    else if (sodium_base642bin(buffer->decoded, length / 4 * 3 + 3, comma + 1, length, NULL,
+                               &buffer->bytes.size, NULL,
+                               sodium_base64_VARIANT_ORIGINAL_NO_PADDING) != 0)
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "its base64 data are invalid");
 }
 
-static int open_external(const struct orl_gltf_file *file, const struct orl_gltf_item *at,
-                         const char *uri, struct orl_gltf_bytes *ret_bytes, struct orl_error *err)
+static struct orl_gltf_bytes open_external(const struct orl_gltf_item *at, const char *uri)
 {
-    struct orl_file opened;
+    struct orl_gltf_file *const file = at->file;
+    struct orl_file opened = {0};
     char name[NAME_BYTES];
-    if (!decode_name(uri, name))
-        return orl_gltf_fail(at, ORL_ERR_LIMIT, err, "its 'uri' is too long");
-    const int code = file->external->open(file->external->ctx, name, &opened, err);
-    if (code)
-        orl_error_at(err, at->file, 0, at->name);
-    else
-        *ret_bytes = (struct orl_gltf_bytes){(const unsigned char *)opened.data, opened.size};
-    return code;
+    if (!decode_name(uri, name)) {
+        orl_gltf_fail(at, ORL_ERR_LIMIT, "its 'uri' is too long");
+    } else {
+        file->code = file->external->open(file->external->ctx, name, &opened, file->err);
+        if (file->code)
+            orl_error_at(file->err, file->name, 0, at->name);
+    }
+    return (struct orl_gltf_bytes){(const unsigned char *)opened.data, opened.size};
 }
 
-static int open_buffer(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t index,
-                       struct orl_gltf_buffer *buffer, struct orl_error *err)
+static void open_buffer(const struct orl_gltf_item *at, size_t index,
+                        struct orl_gltf_buffer *buffer)
 {
     const char *const uri = orl_gltf_text(at, "uri");
-    size_t length = 0;
-    int code = orl_gltf_integer(at, "byteLength", &length, err);
-    if (code)
-        return code;
+    const size_t length = orl_gltf_integer(at, "byteLength", 0);
+    if (at->file->code)
+        return;
     if (uri && strncmp(uri, "data:", 5) == 0)
-        code = decode_text(at, uri, buffer, err);
+        decode_text(at, uri, buffer);
     else if (uri)
-        code = open_external(file, at, uri, &buffer->bytes, err);
-    else if (index == 0 && file->chunk.data)
-        buffer->bytes = file->chunk;
+        buffer->bytes = open_external(at, uri);
+    else if (index == 0 && at->file->chunk.data)
+        buffer->bytes = at->file->chunk;
     else
-        code = orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it has neither a 'uri' nor a binary chunk");
-    if (code == 0 && buffer->bytes.size < length)
-        code = orl_gltf_fail(at, ORL_ERR_SYNTAX, err, "it has %zu bytes, but states %zu",
-                             buffer->bytes.size, length);
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "it has neither a 'uri' nor a binary chunk");
+    if (buffer->bytes.size < length)
+        orl_gltf_fail(at, ORL_ERR_SYNTAX, "it has %zu bytes, but states %zu", buffer->bytes.size,
+                      length);
     buffer->bytes.size = length;
-    return code;
 }
 
-int orl_gltf_file_buffer(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t index,
-                         struct orl_gltf_bytes *ret_bytes, struct orl_error *err)
+struct orl_gltf_bytes orl_gltf_buffer(const struct orl_gltf_item *at, size_t index)
 {
-    struct orl_gltf_item item = {0};
-    int code = orl_gltf_find(at, "buffers", index, &item, err);
-    if (code == 0 && !file->buffers[index].bytes.data)
-        code = open_buffer(file, &item, index, &file->buffers[index], err);
-    if (code == 0)
-        *ret_bytes = file->buffers[index].bytes;
-    return code;
+    struct orl_gltf_file *const file = at->file;
+    const struct orl_gltf_item item = orl_gltf_find(at, "buffers", index);
+    if (!file->code && !file->buffers[index].bytes.data)
+        open_buffer(&item, index, &file->buffers[index]);
+    return file->code ? (struct orl_gltf_bytes){NULL, 0} : file->buffers[index].bytes;
 }
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-int orl_gltf_file_step(struct orl_gltf_file *file, const struct orl_gltf_item *at, uint64_t steps,
-                       struct orl_error *err)
+void orl_gltf_step(const struct orl_gltf_item *at, uint64_t steps)
 {
-    file->steps += steps;
-    if (file->steps <= ORL_LIMIT_SURFACES)
-        return 0;
-    orl_gltf_fail(
-        at, ORL_ERR_LIMIT, err,
-        "here the file exceeds %lu triangles, counting every use of a mesh and sparse vertices",
-        ORL_LIMIT_SURFACES);
-    orl_error_hint(err, "export less of it, or repeat parts of it with octree instances");
-    return ORL_ERR_LIMIT;
+    at->file->steps += steps;
+    if (at->file->steps > ORL_LIMIT_SURFACES)
+        orl_gltf_refuse(
+            at, ORL_ERR_LIMIT, "export less of it, or repeat parts of it with octree instances",
+            "here the file exceeds %lu triangles, counting every use of a mesh and sparse vertices",
+            ORL_LIMIT_SURFACES);
 }
 
-int orl_gltf_file_open(struct orl_gltf_file *file, const char *name, const char *data, size_t size,
-                       const struct orl_gltf_buffers *external, struct orl_error *err)
+void orl_gltf_file_open(struct orl_gltf_file *file, const char *name, const char *data, size_t size,
+                        const struct orl_gltf_buffers *external, struct orl_error *err)
 {
     struct orl_gltf_bytes json = {(const unsigned char *)data, size};
-    int code = 0;
-    *file = (struct orl_gltf_file){.root = {.file = name}, .external = external};
-    if (is_binary(data, size)) {
-        json = (struct orl_gltf_bytes){NULL, 0};
-        code = read_chunks(file, data, size, &json, err);
-    }
-    if (code == 0)
-        code = read_json(file, (const char *)json.data, json.size, err);
-    if (code == 0)
-        code = check_version(file, err);
-    if (code == 0)
-        code = check_extensions(file, err);
-    if (code == 0)
-        code = orl_gltf_length(&file->root, "buffers", &file->n_buffers, err);
-    if (code == 0 && file->n_buffers > 0)
-        file->buffers = calloc(file->n_buffers, sizeof *file->buffers);
-    return code == 0 && file->n_buffers > 0 && !file->buffers
-               ? orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a glTF file")
-               : code;
+    *file =
+        (struct orl_gltf_file){.name = name, .err = err, .root.file = file, .external = external};
+    if (is_binary(data, size))
+        json = read_chunks(file, data, size);
+    if (!file->code)
+        read_json(file, (const char *)json.data, json.size);
+    check_version(file);
+    check_extensions(file);
+    file->n_buffers = orl_gltf_length(&file->root, "buffers");
+    file->buffers = calloc(file->n_buffers + 1, sizeof *file->buffers);
+    if (!file->buffers)
+        orl_gltf_no_memory(file);
 }
 
 void orl_gltf_file_done(struct orl_gltf_file *file)

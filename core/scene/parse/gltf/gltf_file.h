@@ -14,51 +14,50 @@
 
 #include "scene/parse/gltf/gltf.h"
 
-/* All pointers are borrowed. */
+struct orl_gltf_file;
+
 /*
  * Objects of a glTF file's JSON, with checked access to their members. Messages name an object by
  * its position, such as "nodes[3]".
  *
- * Functions return 0 or ORL_ERR_SYNTAX with err filled. If a member is absent they return 0 and
- * leave the output unchanged.
+ * The first error stays in the file's code and err; later ones are ignored. After an error the
+ * functions still return, but with arbitrary values: test the code before relying on one, for
+ * example as an index.
  */
-
 struct orl_gltf_item {
-    const char *file;
-    const json_t *root, *object;
-    char name[96]; /* "" for the root */
+    struct orl_gltf_file *file; /* borrowed, as is object */
+    const json_t *object;       /* NULL or another type: without members */
+    char name[96];              /* "" for the root */
 };
 
-/* Reports what is wrong with the item, and that the file must be exported again. Returns code. */
-int orl_gltf_fail(const struct orl_gltf_item *at, int code, struct orl_error *err,
-                  const char *format, ...) __attribute__((format(printf, 4, 5)));
+/* Reports what is wrong with the item, unless there was an error already. */
+void orl_gltf_refuse(const struct orl_gltf_item *at, int code, const char *hint, const char *format,
+                     ...) __attribute__((format(printf, 4, 5)));
+
+/* Reports a fault of the file's exporter. */
+#define orl_gltf_fail(at, code, ...)                                                               \
+    orl_gltf_refuse(at, code, "the file is damaged, or its exporter is faulty: export it again",   \
+                    __VA_ARGS__)
 
 /* Returns an element of one of the root's lists, which the item `at` refers to. */
-int orl_gltf_find(const struct orl_gltf_item *at, const char *list, size_t index,
-                  struct orl_gltf_item *ret_item, struct orl_error *err);
+struct orl_gltf_item orl_gltf_find(const struct orl_gltf_item *at, const char *list, size_t index);
 
 /* Returns an element of one of the item's own lists. */
-int orl_gltf_element(const struct orl_gltf_item *at, const char *list, size_t index,
-                     struct orl_gltf_item *ret_part, struct orl_error *err);
+struct orl_gltf_item orl_gltf_element(const struct orl_gltf_item *at, const char *list,
+                                      size_t index);
 
-/* Returns a member object; ret_inner->object is NULL if it is absent. */
-int orl_gltf_member(const struct orl_gltf_item *at, const char *key,
-                    struct orl_gltf_item *ret_inner, struct orl_error *err);
+/* Returns a member object; its object is NULL if it is absent. */
+struct orl_gltf_item orl_gltf_member(const struct orl_gltf_item *at, const char *key);
 
 /* Returns the length of a member list; 0 if absent. */
-int orl_gltf_length(const struct orl_gltf_item *at, const char *list, size_t *ret_length,
-                    struct orl_error *err);
+size_t orl_gltf_length(const struct orl_gltf_item *at, const char *list);
 
-/* Reads an integer from 0 to 2^53. */
-int orl_gltf_integer(const struct orl_gltf_item *at, const char *key, size_t *value,
-                     struct orl_error *err);
-/* Reads an integer from 0 to 2^53 in a list. */
-int orl_gltf_integer_in_list(const struct orl_gltf_item *at, const char *list, size_t i,
-                             size_t *ret_value, struct orl_error *err);
+/* Read an integer from 0 to 2^53: a member, or `absent` if there is none; one in a list. */
+size_t orl_gltf_integer(const struct orl_gltf_item *at, const char *key, size_t absent);
+size_t orl_gltf_integer_in_list(const struct orl_gltf_item *at, const char *list, size_t i);
 
-/* Reads an array of n numbers; *ret_given: it is present. */
-int orl_gltf_numbers(const struct orl_gltf_item *at, const char *key, size_t n, double *values,
-                     bool *ret_given, struct orl_error *err);
+/* Reads an array of n numbers. Returns false, and leaves the values unchanged, if it is absent. */
+bool orl_gltf_numbers(const struct orl_gltf_item *at, const char *key, size_t n, double *values);
 
 /* Returns NULL if the member is absent or not a string. */
 const char *orl_gltf_text(const struct orl_gltf_item *at, const char *key);
@@ -80,6 +79,9 @@ struct orl_gltf_buffer {
 };
 
 struct orl_gltf_file {
+    const char *name;
+    int code; /* of the first error, or 0 */
+    struct orl_error *err;
     struct orl_gltf_item root;
     json_t *document;            /* owned */
     struct orl_gltf_bytes chunk; /* data NULL: no chunk */
@@ -89,20 +91,21 @@ struct orl_gltf_file {
     uint64_t steps; /* work counted so far */
 };
 
-/* Borrows name, data and beside. Returns 0, ORL_ERR_SYNTAX, _UNSUPPORTED, _LIMIT or _NOMEM.
+/* Borrows its arguments. The code becomes 0, ORL_ERR_SYNTAX, _UNSUPPORTED, _LIMIT or _NOMEM.
  * Requires orl_gltf_file_done in every case. */
-int orl_gltf_file_open(struct orl_gltf_file *file, const char *name, const char *data, size_t size,
-                       const struct orl_gltf_buffers *external, struct orl_error *err);
+void orl_gltf_file_open(struct orl_gltf_file *file, const char *name, const char *data, size_t size,
+                        const struct orl_gltf_buffers *external, struct orl_error *err);
 void orl_gltf_file_done(struct orl_gltf_file *file);
 
-/* Returns the buffer that `at` names, of the length that the JSON gives. */
-int orl_gltf_file_buffer(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t index,
-                         struct orl_gltf_bytes *ret_bytes, struct orl_error *err);
+/* Sets ORL_ERR_NOMEM. */
+void orl_gltf_no_memory(struct orl_gltf_file *file);
 
-/* Counts work for the object `at`: triangles, placed meshes, sparse vertices. Returns ORL_ERR_LIMIT
- * if the total is too large: small files can ask for any amount. */
-int orl_gltf_file_step(struct orl_gltf_file *file, const struct orl_gltf_item *at, uint64_t steps,
-                       struct orl_error *err);
+/* Returns the buffer that `at` names, of the length that the JSON gives. */
+struct orl_gltf_bytes orl_gltf_buffer(const struct orl_gltf_item *at, size_t index);
+
+/* Counts work for the object `at`: triangles, placed meshes, sparse vertices. Sets ORL_ERR_LIMIT if
+ * the total is too large: small files can ask for any amount. */
+void orl_gltf_step(const struct orl_gltf_item *at, uint64_t steps);
 
 /*
  * Accessors of a glTF file: values of one to four components, integer or float, at a stride in a
@@ -133,13 +136,12 @@ struct orl_gltf_accessor {
 
 /* Opens the accessor that `at` names, and checks that all its bytes exist. type: the required type,
  * such as "VEC3". */
-int orl_gltf_accessor_open(struct orl_gltf_file *file, const struct orl_gltf_item *at, size_t index,
-                           const char *type, struct orl_gltf_accessor *ret_accessor,
-                           struct orl_error *err);
+struct orl_gltf_accessor orl_gltf_accessor_open(const struct orl_gltf_item *at, size_t index,
+                                                const char *type);
 
-/* Reads the value of index i, which is below count; ORL_ERR_RANGE if it is not finite. */
-int orl_gltf_accessor_value(const struct orl_gltf_accessor *accessor, size_t i, double ret_value[4],
-                            struct orl_error *err);
+/* Reads the value of index i, which is below count; sets ORL_ERR_RANGE if it is not finite. */
+void orl_gltf_accessor_value(const struct orl_gltf_accessor *accessor, size_t i,
+                             double ret_value[4]);
 
 /* Returns the first component of an integer value. */
 size_t orl_gltf_accessor_integer(const struct orl_gltf_accessor *accessor, size_t i);
@@ -161,21 +163,21 @@ struct orl_gltf_transform orl_gltf_transform_compose(const struct orl_gltf_trans
                                                      const struct orl_gltf_transform *inner);
 
 /* Reads a node's own transform: its matrix; or scale, rotation and translation; or the identity. */
-int orl_gltf_transform_read(const struct orl_gltf_item *node,
-                            struct orl_gltf_transform *ret_transform, struct orl_error *err);
+struct orl_gltf_transform orl_gltf_transform_read(const struct orl_gltf_item *node);
 
 /* Instances that a node's EXT_mesh_gpu_instancing makes of its mesh. */
 struct orl_gltf_instances {
     size_t count;
-    bool given[3]; /* which of these are given; they are applied in this order */
-    struct orl_gltf_accessor scale, rotation, translation;
+    /* scale, rotation and translation, applied in this order; which of them are given */
+    struct orl_gltf_accessor parts[3];
+    bool given[3];
 };
 
 /* Sets count to 1, with nothing given, if the node has no such extension. */
-int orl_gltf_instances_open(struct orl_gltf_file *file, const struct orl_gltf_item *node,
-                            struct orl_gltf_instances *ret_instances, struct orl_error *err);
-int orl_gltf_instance_transform(const struct orl_gltf_instances *instances, size_t i,
-                                struct orl_gltf_transform *ret_transform, struct orl_error *err);
+void orl_gltf_instances_open(const struct orl_gltf_item *node,
+                             struct orl_gltf_instances *ret_instances);
+struct orl_gltf_transform orl_gltf_instance_transform(const struct orl_gltf_instances *instances,
+                                                      size_t i);
 
 struct orl_vec3 orl_gltf_transform_point(const struct orl_gltf_transform *transform,
                                          struct orl_vec3 at);

@@ -21,31 +21,30 @@ struct orl_gltf_transform orl_gltf_transform_compose(const struct orl_gltf_trans
 /* ---- Reading --------------------------------------------------------------------------------- */
 
 /* Column-major; the last row must be 0 0 0 1. */
-static int read_matrix(const struct orl_gltf_item *node, const double m[16],
-                       struct orl_gltf_transform *ret_transform, struct orl_error *err)
+static struct orl_gltf_transform read_matrix(const struct orl_gltf_item *node, const double m[16])
 {
+    struct orl_gltf_transform transform;
     if (fabs(m[3]) + fabs(m[7]) + fabs(m[11]) + fabs(m[15] - 1) > 1e-5)
-        return orl_gltf_fail(node, ORL_ERR_UNSUPPORTED, err,
-                             "the last row of its 'matrix' is not 0 0 0 1");
+        orl_gltf_fail(node, ORL_ERR_UNSUPPORTED, "the last row of its 'matrix' is not 0 0 0 1");
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++)
-            ret_transform->row[i][j] = m[4 * j + i];
-    return 0;
+            transform.row[i][j] = m[4 * j + i];
+    return transform;
 }
 
 /* Composes scale, rotation (a quaternion x y z w of length 1 except for rounding to bytes) and
  * translation. */
-static int compose(const struct orl_gltf_item *at, const double scale[3], const double rotation[4],
-                   const double translation[3], struct orl_gltf_transform *ret_transform,
-                   struct orl_error *err)
+static struct orl_gltf_transform compose(const struct orl_gltf_item *at, const double scale[],
+                                         const double rotation[], const double translation[])
 {
+    struct orl_gltf_transform transform;
     double length = 0;
     for (int k = 0; k < 4; k++)
         length += rotation[k] * rotation[k];
     length = sqrt(length);
     if (!(fabs(length - 1) < 0.05))
-        return orl_gltf_fail(at, ORL_ERR_RANGE, err,
-                             "its rotation quaternion has length %.3g instead of 1", length);
+        orl_gltf_fail(at, ORL_ERR_RANGE, "its rotation quaternion has length %.3g instead of 1",
+                      length);
     const double x = rotation[0] / length, y = rotation[1] / length, z = rotation[2] / length,
                  w = rotation[3] / length;
     const double turned[3][3] = {
@@ -54,97 +53,60 @@ static int compose(const struct orl_gltf_item *at, const double scale[3], const 
         {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
-            ret_transform->row[i][j] = turned[i][j] * scale[j];
-        ret_transform->row[i][3] = translation[i];
+            transform.row[i][j] = turned[i][j] * scale[j];
+        transform.row[i][3] = translation[i];
     }
-    return 0;
+    return transform;
 }
 
-int orl_gltf_transform_read(const struct orl_gltf_item *node,
-                            struct orl_gltf_transform *ret_transform, struct orl_error *err)
+struct orl_gltf_transform orl_gltf_transform_read(const struct orl_gltf_item *node)
 {
-    double matrix[16], scale[3] = {1, 1, 1}, rotation[4] = {0, 0, 0, 1}, translation[3] = {0, 0, 0};
-    bool whole, scaled, rotated, moved;
-    int code = orl_gltf_numbers(node, "matrix", 16, matrix, &whole, err);
-    if (code == 0)
-        code = orl_gltf_numbers(node, "scale", 3, scale, &scaled, err);
-    if (code == 0)
-        code = orl_gltf_numbers(node, "rotation", 4, rotation, &rotated, err);
-    if (code == 0)
-        code = orl_gltf_numbers(node, "translation", 3, translation, &moved, err);
-    if (code)
-        return code;
+    double m[16] = {0}, scale[3] = {1, 1, 1}, rotation[4] = {0, 0, 0, 1}, translation[3] = {0};
+    const bool whole = orl_gltf_numbers(node, "matrix", 16, m);
+    const bool scaled = orl_gltf_numbers(node, "scale", 3, scale);
+    const bool rotated = orl_gltf_numbers(node, "rotation", 4, rotation);
+    const bool moved = orl_gltf_numbers(node, "translation", 3, translation);
     if (whole && (scaled || rotated || moved))
-        return orl_gltf_fail(node, ORL_ERR_SYNTAX, err,
-                             "it has both a 'matrix' and a 'scale', 'rotation' or 'translation'");
-    return whole ? read_matrix(node, matrix, ret_transform, err)
-                 : compose(node, scale, rotation, translation, ret_transform, err);
+        orl_gltf_fail(node, ORL_ERR_SYNTAX,
+                      "it has both a 'matrix' and a 'scale', 'rotation' or 'translation'");
+    return whole ? read_matrix(node, m) : compose(node, scale, rotation, translation);
 }
 
 /* ---- Copies ---------------------------------------------------------------------------------- */
 
-/* Opens an attribute of the extension, whose count must equal that of the others. */
-static int open_attribute(struct orl_gltf_file *file, const struct orl_gltf_item *attributes,
-                          const char *name, const char *type, struct orl_gltf_accessor *ret,
-                          size_t *count, bool *ret_given, struct orl_error *err)
+void orl_gltf_instances_open(const struct orl_gltf_item *node,
+                             struct orl_gltf_instances *ret_instances)
 {
-    size_t index = SIZE_MAX;
-    *ret_given = json_object_get(attributes->object, name) != NULL;
-    int code = *ret_given ? orl_gltf_integer(attributes, name, &index, err) : 0;
-    if (code == 0 && *ret_given)
-        code = orl_gltf_accessor_open(file, attributes, index, type, ret, err);
-    if (code || !*ret_given)
-        return code;
-    if (*count > 0 && *count != ret->count)
-        return orl_gltf_fail(attributes, ORL_ERR_SYNTAX, err,
-                             "its accessors have different counts");
-    *count = ret->count;
-    return 0;
-}
-
-int orl_gltf_instances_open(struct orl_gltf_file *file, const struct orl_gltf_item *node,
-                            struct orl_gltf_instances *ret_instances, struct orl_error *err)
-{
+    static const char *const names[] = {"SCALE", "ROTATION", "TRANSLATION"};
+    static const char *const types[] = {"VEC3", "VEC4", "VEC3"};
     struct orl_gltf_instances *const instances = ret_instances;
-    struct orl_gltf_item extensions, own, attributes;
-    *instances = (struct orl_gltf_instances){.count = 0};
-    int code = orl_gltf_member(node, "extensions", &extensions, err);
-    if (code == 0)
-        code = orl_gltf_member(&extensions, "EXT_mesh_gpu_instancing", &own, err);
-    if (code == 0 && !own.object)
-        instances->count = 1;
-    if (code || !own.object)
-        return code;
-    code = orl_gltf_member(&own, "attributes", &attributes, err);
-    if (code == 0)
-        code = open_attribute(file, &attributes, "SCALE", "VEC3", &instances->scale,
-                              &instances->count, &instances->given[0], err);
-    if (code == 0)
-        code = open_attribute(file, &attributes, "ROTATION", "VEC4", &instances->rotation,
-                              &instances->count, &instances->given[1], err);
-    if (code == 0)
-        code = open_attribute(file, &attributes, "TRANSLATION", "VEC3", &instances->translation,
-                              &instances->count, &instances->given[2], err);
-    return code == 0 && instances->count == 0
-               ? orl_gltf_fail(&own, ORL_ERR_SYNTAX, err,
-                               "it does not give the position of any copy")
-               : code;
+    const struct orl_gltf_item extensions = orl_gltf_member(node, "extensions");
+    const struct orl_gltf_item own = orl_gltf_member(&extensions, "EXT_mesh_gpu_instancing");
+    const struct orl_gltf_item attributes = orl_gltf_member(&own, "attributes");
+    *instances = (struct orl_gltf_instances){.count = own.object ? 0 : 1};
+    for (int k = 0; k < 3; k++) {
+        struct orl_gltf_accessor *const part = &instances->parts[k];
+        instances->given[k] = json_object_get(attributes.object, names[k]) != NULL;
+        if (!instances->given[k])
+            continue;
+        *part = orl_gltf_accessor_open(&attributes,
+                                       orl_gltf_integer(&attributes, names[k], SIZE_MAX), types[k]);
+        if (instances->count > 0 && instances->count != part->count)
+            orl_gltf_fail(&attributes, ORL_ERR_SYNTAX, "its accessors have different counts");
+        instances->count = part->count;
+    }
+    if (instances->count == 0)
+        orl_gltf_fail(&own, ORL_ERR_SYNTAX, "it does not give the position of any copy");
 }
 
-int orl_gltf_instance_transform(const struct orl_gltf_instances *instances, size_t i,
-                                struct orl_gltf_transform *ret_transform, struct orl_error *err)
+struct orl_gltf_transform orl_gltf_instance_transform(const struct orl_gltf_instances *instances,
+                                                      size_t i)
 {
-    double scale[4] = {1, 1, 1}, rotation[4] = {0, 0, 0, 1}, translation[4] = {0, 0, 0};
-    int code = 0;
-    if (instances->given[0])
-        code = orl_gltf_accessor_value(&instances->scale, i, scale, err);
-    if (code == 0 && instances->given[1])
-        code = orl_gltf_accessor_value(&instances->rotation, i, rotation, err);
-    if (code == 0 && instances->given[2])
-        code = orl_gltf_accessor_value(&instances->translation, i, translation, err);
-    return code ? code
-                : compose(&instances->rotation.item, scale, rotation, translation, ret_transform,
-                          err);
+    double values[3][4] = {{1, 1, 1}, {0, 0, 0, 1}, {0}};
+    for (int k = 0; k < 3; k++)
+        if (instances->given[k])
+            orl_gltf_accessor_value(&instances->parts[k], i, values[k]);
+    return compose(&instances->parts[1].item, values[0], values[1], values[2]);
 }
 
 /* ---- Placing --------------------------------------------------------------------------------- */
