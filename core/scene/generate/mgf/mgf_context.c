@@ -11,39 +11,41 @@
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-int orl_mgf_fail(struct orl_mgf_reader *r, int code, const char *format, ...)
+void orl_mgf_fail(struct orl_mgf_reader *r, int code, const char *format, ...)
 {
     char entity[80];
     va_list args;
+    if (r->code)
+        return;
     va_start(args, format);
-    orl_error_vset(r->err, code, format, args);
+    r->code = orl_error_vset(r->err, code, format, args);
     va_end(args);
     snprintf(entity, sizeof entity, "MGF's %.60s", r->n_words > 0 ? r->words[0] : "end");
     orl_error_at(r->err, r->texts[r->n_texts - 1].text.file, r->line, entity);
-    return code;
 }
 
-int orl_mgf_expect_words(struct orl_mgf_reader *r, size_t least, size_t most)
+void orl_mgf_expect_words(struct orl_mgf_reader *r, size_t least, size_t most)
 {
     const size_t n = r->n_words - 1;
-    if (n >= least && n <= most)
-        return 0;
     if (n > most)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes at most %zu words, not %zu", most, n);
-    return orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes %zu words%s, not %zu", least,
-                        most > least ? " or more" : "", n);
+        orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes at most %zu words, not %zu", most, n);
+    else if (n < least)
+        orl_mgf_fail(r, ORL_ERR_SYNTAX, "it takes %zu words%s, not %zu", least,
+                     most > least ? " or more" : "", n);
 }
 
-int orl_mgf_number(struct orl_mgf_reader *r, size_t i, double *ret_value)
+double orl_mgf_number(struct orl_mgf_reader *r, size_t i)
 {
-    const char *word = i < r->n_words ? r->words[i] : "";
+    double value = 0;
+    const char *const word = i < r->n_words ? r->words[i] : "";
     const struct orl_slice span = {word, strlen(word)};
-    if (orl_number_read(span.text, span.length, ret_value) == ORL_NUMBER_OK)
-        return 0;
-    if (orl_slice_is_decimal_comma(span))
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "%.60s: a decimal comma; write it with a point",
-                            word);
-    return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' is not a number", word);
+    if (orl_number_read(span.text, span.length, &value) != ORL_NUMBER_OK)
+        orl_mgf_fail(r, ORL_ERR_SYNTAX,
+                     orl_slice_is_decimal_comma(span)
+                         ? "%.60s: a decimal comma; write it with a point"
+                         : "'%.60s' is not a number",
+                     word);
+    return value;
 }
 
 /* ---- Names ----------------------------------------------------------------------------------- */
@@ -101,10 +103,10 @@ const struct orl_mgf_item *orl_mgf_find(struct orl_mgf_reader *r, enum orl_mgf_k
                                         const char *name)
 {
     static const char *const kinds[ORL_MGF_KINDS] = {"colour", "material", "vertex"};
-    const struct orl_mgf_item *item = look_up(r, kind, (char *)name);
+    const struct orl_mgf_item *const item = look_up(r, kind, (char *)name);
     if (!item)
         orl_mgf_fail(r, ORL_ERR_SYNTAX, "the %s '%.60s' has not been defined", kinds[kind], name);
-    return item;
+    return item ? item : &defaults[kind];
 }
 
 /* Returns the item of that name, created if there is none. */
@@ -126,29 +128,24 @@ static struct orl_mgf_item *find_or_add(struct orl_mgf_reader *r, enum orl_mgf_k
     return item;
 }
 
-int orl_mgf_context(struct orl_mgf_reader *r, enum orl_mgf_kind kind)
+void orl_mgf_context(struct orl_mgf_reader *r, enum orl_mgf_kind kind)
 {
     const struct orl_mgf_item *from = &defaults[kind];
     struct orl_mgf_item *item = &r->nameless[kind];
-    const int code = orl_mgf_expect_words(r, 0, 3);
-    if (code < 0)
-        return code;
     if (r->n_words > 2 && strcmp(r->words[2], "=") != 0)
-        return orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' is found where '=' is expected",
-                            r->words[2]);
+        orl_mgf_fail(r, ORL_ERR_SYNTAX, "'%.60s' is found where '=' is expected", r->words[2]);
     if (r->n_words > 3)
         from = orl_mgf_find(r, kind, r->words[3]);
     if (r->n_words == 2)
         item = (struct orl_mgf_item *)orl_mgf_find(r, kind, r->words[1]);
-    else if (r->n_words > 2 && from)
+    else if (r->n_words > 2 && !r->code)
         item = find_or_add(r, kind, (char *)r->words[1]);
-    if (!from || !item)
-        return r->err->code;
+    if (r->code)
+        return;
     if (r->n_words != 2) {
         item->is = from->is;
         if (kind == ORL_MGF_MATERIAL)
             item->is.material.written = false;
     }
     r->current[kind] = item;
-    return 0;
 }

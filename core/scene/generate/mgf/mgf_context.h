@@ -74,7 +74,8 @@ struct orl_mgf_open_text {
 struct orl_mgf_reader {
     const struct orl_mgf *mgf;
     struct orl_text *text;
-    struct orl_error *err;
+    int code;              /* of the first error, or 0 */
+    struct orl_error *err; /* may be NULL */
     struct orl_mgf_open_text texts[ORL_LIMIT_INCLUDE_DEPTH];
     size_t n_texts;
     struct orl_scanner scanner; /* position in the innermost text */
@@ -96,14 +97,19 @@ struct orl_mgf_reader {
     bool smooth;      /* some corners had normals */
 };
 
+/*
+ * The first error stays in the reader's code and err; later ones are ignored. After an error the
+ * functions still return, but with arbitrary values, and what they write is not used.
+ */
+
 /* ---- Words (mgf_context.c) ------------------------------------------------------------------- */
 
 /* Reads word i as a number; words[0] is the entity. */
-int orl_mgf_number(struct orl_mgf_reader *reader, size_t i, double *ret_value);
-int orl_mgf_fail(struct orl_mgf_reader *reader, int code, const char *format, ...)
+double orl_mgf_number(struct orl_mgf_reader *reader, size_t i);
+void orl_mgf_fail(struct orl_mgf_reader *reader, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* Fails with ORL_ERR_SYNTAX unless the number of words behind the entity is in that range. */
-int orl_mgf_expect_words(struct orl_mgf_reader *reader, size_t least, size_t most);
+void orl_mgf_expect_words(struct orl_mgf_reader *reader, size_t least, size_t most);
 
 /* ---- Names (mgf_context.c) ------------------------------------------------------------------- */
 
@@ -111,32 +117,31 @@ void orl_mgf_context_init(struct orl_mgf_reader *reader);
 void orl_mgf_context_done(struct orl_mgf_reader *reader);
 
 /* Handles "c|m|v [name [= [template]]]": creates an item or makes one current. */
-int orl_mgf_context(struct orl_mgf_reader *reader, enum orl_mgf_kind kind);
-/* Returns NULL, with an error set, if no item of that kind has the name. */
+void orl_mgf_context(struct orl_mgf_reader *reader, enum orl_mgf_kind kind);
+/* Returns the item of that kind and name, or the kind's default with an error set. */
 const struct orl_mgf_item *orl_mgf_find(struct orl_mgf_reader *reader, enum orl_mgf_kind kind,
                                         const char *name);
 
 /* ---- Colours (mgf_material.c) ---------------------------------------------------------------- */
 
-int orl_mgf_cxy(struct orl_mgf_reader *reader);
-int orl_mgf_cspec(struct orl_mgf_reader *reader);
-int orl_mgf_cct(struct orl_mgf_reader *reader);
-int orl_mgf_cmix(struct orl_mgf_reader *reader);
+/* These, and those of surfaces, handle the current entity, whose number of words is right. */
+void orl_mgf_cxy(struct orl_mgf_reader *reader);
+void orl_mgf_cspec(struct orl_mgf_reader *reader);
+void orl_mgf_cct(struct orl_mgf_reader *reader);
+void orl_mgf_cmix(struct orl_mgf_reader *reader);
 
 /* ---- Materials (mgf_material.c), surfaces (mgf_surfaces.c) ----------------------------------- */
 
-/* Writes the current material, unless it is unchanged since it was written; returns its name, or
- * NULL with an error set. */
+/* Writes the current material, unless it is unchanged since it was written; returns its name. */
 const char *orl_mgf_use_material(struct orl_mgf_reader *reader);
 
-int orl_mgf_face(struct orl_mgf_reader *reader);
-int orl_mgf_face_with_holes(struct orl_mgf_reader *reader);
-int orl_mgf_prism(struct orl_mgf_reader *reader);
-int orl_mgf_sphere(struct orl_mgf_reader *reader);
-int orl_mgf_cylinder(struct orl_mgf_reader *reader);
-int orl_mgf_cone(struct orl_mgf_reader *reader);
-int orl_mgf_ring(struct orl_mgf_reader *reader);
-
-int orl_mgf_torus(struct orl_mgf_reader *reader);
+void orl_mgf_face(struct orl_mgf_reader *reader);
+void orl_mgf_face_with_holes(struct orl_mgf_reader *reader);
+void orl_mgf_prism(struct orl_mgf_reader *reader);
+void orl_mgf_sphere(struct orl_mgf_reader *reader);
+void orl_mgf_cylinder(struct orl_mgf_reader *reader);
+void orl_mgf_cone(struct orl_mgf_reader *reader);
+void orl_mgf_ring(struct orl_mgf_reader *reader);
+void orl_mgf_torus(struct orl_mgf_reader *reader);
 
 #endif

@@ -17,11 +17,6 @@ static bool is_gray(struct orl_mgf_color color)
     return fabs(color.x - 1. / 3) <= 0.01 && fabs(color.y - 1. / 3) <= 0.01;
 }
 
-static bool is_same_color(struct orl_mgf_color a, struct orl_mgf_color b)
-{
-    return fabs(a.x - b.x) + fabs(a.y - b.y) <= 0.015;
-}
-
 /* Returns the RGB of a colour with that luminance. */
 static struct orl_rgb color_rgb(struct orl_mgf_color color, double luminance)
 {
@@ -30,97 +25,76 @@ static struct orl_rgb color_rgb(struct orl_mgf_color color, double luminance)
         (struct orl_tristimulus){color.x * scale, luminance, (1 - color.x - color.y) * scale});
 }
 
-static int set_seen(struct orl_mgf_reader *r, struct orl_tristimulus seen)
+static void set_seen(struct orl_mgf_reader *r, struct orl_tristimulus seen)
 {
     const double sum = seen.x + seen.y + seen.z;
     if (!(seen.y > 0) || !isfinite(sum))
-        return orl_mgf_fail(r, ORL_ERR_RANGE, "the colour has no visible part");
+        orl_mgf_fail(r, ORL_ERR_RANGE, "the colour has no visible part");
     *current_color(r) = (struct orl_mgf_color){seen.x / sum, seen.y / sum};
-    return 0;
 }
 
-int orl_mgf_cxy(struct orl_mgf_reader *r)
+void orl_mgf_cxy(struct orl_mgf_reader *r)
 {
-    double x = 0, y = 0;
-    int code = orl_mgf_expect_words(r, 2, 2);
-    if (code == 0)
-        code = orl_mgf_number(r, 1, &x);
-    if (code == 0)
-        code = orl_mgf_number(r, 2, &y);
-    if (code == 0 && !(x >= 0 && y > 1e-4 && x + y <= 1.0001))
-        code = orl_mgf_fail(r, ORL_ERR_RANGE, "x %g and y %g are not a chromaticity", x, y);
-    if (code == 0)
-        *current_color(r) = (struct orl_mgf_color){x, y};
-    return code;
+    const double x = orl_mgf_number(r, 1), y = orl_mgf_number(r, 2);
+    if (!(x >= 0 && y > 1e-4 && x + y <= 1.0001))
+        orl_mgf_fail(r, ORL_ERR_RANGE, "x %g and y %g are not a chromaticity", x, y);
+    *current_color(r) = (struct orl_mgf_color){x, y};
 }
 
 /* Evenly spaced values, linear in between. */
-int orl_mgf_cspec(struct orl_mgf_reader *r)
+void orl_mgf_cspec(struct orl_mgf_reader *r)
 {
     struct orl_tristimulus seen = {0};
-    double range[2] = {0, 0}, value = 0, next = 0;
-    const size_t n = r->n_words > 3 ? r->n_words - 3 : 0;
-    int code = orl_mgf_expect_words(r, 4, ORL_MGF_WORDS);
-    for (size_t i = 0; i < 2 && code == 0; i++)
-        code = orl_mgf_number(r, 1 + i, &range[i]);
-    if (code == 0 && !(range[0] > 0 && range[1] > range[0]))
-        code = orl_mgf_fail(r, ORL_ERR_RANGE, "wavelengths from %g to %g", range[0], range[1]);
-    if (code == 0)
-        code = orl_mgf_number(r, 3, &value);
-    for (size_t i = 1; i < n && code == 0; i++) {
-        const double step = (range[1] - range[0]) / (double)(n - 1);
-        const double from = range[0] + (double)(i - 1) * step;
+    const size_t n = r->n_words - 3;
+    const double begin = orl_mgf_number(r, 1), end = orl_mgf_number(r, 2);
+    if (!(begin > 0 && end > begin))
+        orl_mgf_fail(r, ORL_ERR_RANGE, "wavelengths from %g to %g", begin, end);
+    double value = orl_mgf_number(r, 3);
+    for (size_t i = 1; i < n && !r->code; i++) {
+        const double step = (end - begin) / (double)(n - 1);
+        const double from = begin + (double)(i - 1) * step;
         const int parts = (int)fmin(64, ceil(step / STEP_NM));
-        code = orl_mgf_number(r, 3 + i, &next);
+        const double next = orl_mgf_number(r, 3 + i);
         for (int k = 0; k < parts; k++)
             orl_tristimulus_add(&seen, from + step * k / parts, from + step * (k + 1) / parts,
                                 value + (next - value) * (k + 0.5) / parts);
         value = next;
     }
-    return code == 0 ? set_seen(r, seen) : code;
+    set_seen(r, seen);
 }
 
 /* Colour of a black body by Planck's law; temperature in K. */
-int orl_mgf_cct(struct orl_mgf_reader *r)
+void orl_mgf_cct(struct orl_mgf_reader *r)
 {
     const double second_radiation_constant = 1.4388e7; /* nm K */
+    const double kelvin = orl_mgf_number(r, 1);
     struct orl_tristimulus seen = {0};
-    double kelvin = 0;
-    int code = orl_mgf_expect_words(r, 1, 1);
-    if (code == 0)
-        code = orl_mgf_number(r, 1, &kelvin);
-    if (code == 0 && !(kelvin >= 300 && kelvin <= 1e6))
-        code = orl_mgf_fail(r, ORL_ERR_RANGE, "a temperature of %g K", kelvin);
-    for (int nm = 380; nm < 780 && code == 0; nm += STEP_NM) {
+    if (!(kelvin >= 300 && kelvin <= 1e6))
+        orl_mgf_fail(r, ORL_ERR_RANGE, "a temperature of %g K", kelvin);
+    for (int nm = 380; nm < 780 && !r->code; nm += STEP_NM) {
         const double middle = nm + STEP_NM / 2.;
         const double exponent = second_radiation_constant / kelvin * (1 / middle - 1. / 560);
         const double below = -expm1(-second_radiation_constant / (middle * kelvin));
         orl_tristimulus_add(&seen, nm, nm + STEP_NM, pow(560 / middle, 5) * exp(-exponent) / below);
     }
-    return code == 0 ? set_seen(r, seen) : code;
+    set_seen(r, seen);
 }
 
 /* Sum of colours, each weighted by a luminance. */
-int orl_mgf_cmix(struct orl_mgf_reader *r)
+void orl_mgf_cmix(struct orl_mgf_reader *r)
 {
     struct orl_tristimulus seen = {0};
-    int code = orl_mgf_expect_words(r, 4, ORL_MGF_WORDS);
-    if (code == 0 && r->n_words % 2 == 0)
-        code = orl_mgf_fail(r, ORL_ERR_SYNTAX, "the last weight has no colour");
-    for (size_t i = 1; i + 1 < r->n_words && code == 0; i += 2) {
-        double weight = 0;
-        const struct orl_mgf_item *item;
-        code = orl_mgf_number(r, i, &weight);
-        if (code < 0)
-            return code;
-        item = orl_mgf_find(r, ORL_MGF_COLOR, r->words[i + 1]);
-        if (!item)
-            return r->err->code;
-        seen.x += weight * item->is.color.x / item->is.color.y;
+    if (r->n_words % 2 == 0)
+        orl_mgf_fail(r, ORL_ERR_SYNTAX, "the last weight has no colour");
+    for (size_t i = 1; i + 1 < r->n_words; i += 2) {
+        const double weight = orl_mgf_number(r, i);
+        const struct orl_mgf_color color =
+            orl_mgf_find(r, ORL_MGF_COLOR, r->words[i + 1])->is.color;
+        seen.x += weight * color.x / color.y;
         seen.y += weight;
-        seen.z += weight * (1 - item->is.color.x - item->is.color.y) / item->is.color.y;
+        seen.z += weight * (1 - color.x - color.y) / color.y;
     }
-    return code == 0 ? set_seen(r, seen) : code;
+    set_seen(r, seen);
 }
 
 /*
@@ -161,8 +135,7 @@ static struct orl_rgb part_rgb(const struct orl_mgf_component *part, double scal
     return part->value > 0 ? color_rgb(part->color, part->value * scale) : orl_gray(0);
 }
 
-/* ---- Lamps and clear materials
- * ---------------------------------------------------------------- */
+/* ---- Lamps and clear materials --------------------------------------------------------------- */
 
 static void write_lamp(struct orl_mgf_reader *r, const material_t *m, const char *name)
 {
@@ -194,13 +167,13 @@ static void write_clear(struct orl_mgf_reader *r, const material_t *m, const cha
         orl_text_add(r->text, "4 %f %f %f %f\n", color.r, color.g, color.b, m->index);
 }
 
-/* ---- Materials with several colours or roughnesses --------------------------------------------
- */
+/* ---- Materials with several colours or roughnesses ------------------------------------------- */
 
 /* Returns true if both components exist and have different colours. */
 static bool colors_differ(const struct orl_mgf_component *a, const struct orl_mgf_component *b)
 {
-    return a->value > 0.01 && b->value > 0.01 && !is_same_color(a->color, b->color);
+    return a->value > 0.01 && b->value > 0.01 &&
+           fabs(a->color.x - b->color.x) + fabs(a->color.y - b->color.y) > 0.015;
 }
 
 static bool needs_parts(const material_t *m)
@@ -270,14 +243,10 @@ static void write_trans(struct orl_mgf_reader *r, const material_t *m, const cha
     orl_text_add(r->text, " %f %f %f %f\n", m->rs.value, roughness, share, m->ts.value / passed);
 }
 
-static bool is_plastic(const material_t *m)
-{
-    return m->rs.value < 0.1 && (m->rs.value < 0.1 * m->rd.value || is_gray(m->rs.color));
-}
-
 static void write_opaque(struct orl_mgf_reader *r, const material_t *m, const char *name)
 {
-    const bool plastic = is_plastic(m);
+    const bool plastic =
+        m->rs.value < 0.1 && (m->rs.value < 0.1 * m->rd.value || is_gray(m->rs.color));
     const double all = m->rd.value + m->rs.value;
     const struct orl_rgb color = plastic ? part_rgb(&m->rd, 1 / (1 - m->rs.value))
                                          : orl_rgb_add(part_rgb(&m->rd, 1), part_rgb(&m->rs, 1));
@@ -287,8 +256,7 @@ static void write_opaque(struct orl_mgf_reader *r, const material_t *m, const ch
     orl_text_add(r->text, " %f %f\n", plastic ? m->rs.value : m->rs.value / all, m->rs.roughness);
 }
 
-/* ---- Selection
- * -------------------------------------------------------------------------------- */
+/* ---- Selection ------------------------------------------------------------------------------- */
 
 static void write_material(struct orl_mgf_reader *r, const material_t *m, const char *name)
 {
@@ -312,12 +280,10 @@ const char *orl_mgf_use_material(struct orl_mgf_reader *r)
     const char *const name = item->name[0] ? item->name : "mat";
     if (m->written)
         return name;
-    if (!(all <= 1.0001)) {
+    if (!(all <= 1.0001))
         orl_mgf_fail(r, ORL_ERR_RANGE,
                      "the material '%.60s' reflects and transmits %g of the incident light", name,
                      all);
-        return NULL;
-    }
     write_material(r, m, name);
     m->written = true;
     return name;
