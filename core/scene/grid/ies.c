@@ -11,17 +11,20 @@ static const double feet_m = 0.3048;
 /* Angles closer than this are equal. */
 static const double least_step_deg = 1e-3;
 
+/* The first error stays in code and err; later ones are ignored. */
 struct reading {
     struct orl_scanner scanner;
     struct orl_cells cells; /* unread part of the current line of numbers */
     bool separated;         /* the previous line ended in a comma */
     struct orl_ies *ies;
+    int code;
+    struct orl_error *err;
 };
 
-static int fail(const struct reading *r, int code, const char *what, struct orl_error *err)
+static void fail(struct reading *r, int code, const char *what)
 {
-    orl_scanner_fail(&r->scanner, code, err, "%s", what);
-    return code;
+    if (!r->code)
+        r->code = orl_scanner_fail(&r->scanner, code, r->err, "%s", what);
 }
 
 /* ---- Header ---------------------------------------------------------------------------------- */
@@ -111,48 +114,47 @@ bool orl_ies_next_lamp(const char **at, const char *text, size_t size, const cha
     return false;
 }
 
+/* Copies a file's name; returns false if it is not one. */
+static bool copy_name(struct orl_slice name, char ret_name[ORL_IES_NAME])
+{
+    if (name.length >= ORL_IES_NAME || memchr(name.text, '\0', name.length))
+        return false;
+    memcpy(ret_name, name.text, name.length);
+    ret_name[name.length] = '\0';
+    return true;
+}
+
 /* Takes the name behind the keyword of the luminaire's geometry; ignores other keywords. */
-static int read_keyword(struct reading *r, struct orl_slice line, struct orl_error *err)
+static void read_keyword(struct reading *r, struct orl_slice line)
 {
     static const char key[] = "[LUMINOUSGEOMETRY]";
     line = behind(line, 0);
-    if (!orl_slice_begins(line, key))
-        return 0;
-    line = behind(line, sizeof key - 1);
-    if (line.length >= sizeof r->ies->geometry || memchr(line.text, '\0', line.length))
-        return fail(r, ORL_ERR_SYNTAX, "a file name is expected after [LUMINOUSGEOMETRY]", err);
-    memcpy(r->ies->geometry, line.text, line.length);
-    r->ies->geometry[line.length] = '\0';
-    return 0;
+    if (orl_slice_begins(line, key) && !copy_name(behind(line, sizeof key - 1), r->ies->geometry))
+        fail(r, ORL_ERR_SYNTAX, "a file name is expected after [LUMINOUSGEOMETRY]");
 }
 
-/* Reads up to TILT=. *ret_tilted: the lamp's tilt table follows in the file, at r. */
-static int read_head(struct reading *r, bool *ret_tilted, struct orl_error *err)
+/* Reads up to TILT=. Returns true if the lamp's tilt table follows in the file. */
+static bool read_head(struct reading *r)
 {
     static const char tilt[] = "TILT=";
     bool keywords = false;
     struct orl_slice line;
-    while (next_line(&r->scanner, &line)) {
+    while (next_line(&r->scanner, &line) && !r->code) {
         if (r->scanner.line == 1)
             r->ies->year = year_of(line, &keywords);
-        if (!orl_slice_begins(line, tilt)) {
-            const int code = keywords ? read_keyword(r, line, err) : 0;
-            if (code < 0)
-                return code;
-            continue;
+        if (orl_slice_begins(line, tilt)) {
+            line = behind(line, sizeof tilt - 1);
+            const bool tilted = orl_slice_is(line, "INCLUDE");
+            if (!tilted && !orl_slice_is(line, "NONE") &&
+                (line.length == 0 || !copy_name(line, r->ies->tilt_file)))
+                fail(r, ORL_ERR_SYNTAX, "NONE, INCLUDE or a file name is expected after TILT=");
+            return tilted;
         }
-        line = behind(line, sizeof tilt - 1);
-        *ret_tilted = orl_slice_is(line, "INCLUDE");
-        if (*ret_tilted || orl_slice_is(line, "NONE"))
-            return 0;
-        if (line.length == 0 || line.length >= sizeof r->ies->tilt_file ||
-            memchr(line.text, '\0', line.length))
-            return fail(r, ORL_ERR_SYNTAX,
-                        "NONE, INCLUDE or a file name is expected after TILT=", err);
-        memcpy(r->ies->tilt_file, line.text, line.length);
-        return 0;
+        if (keywords)
+            read_keyword(r, line);
     }
-    return fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is not an IES file", err);
+    fail(r, ORL_ERR_SYNTAX, "no line begins with TILT=: this is not an IES file");
+    return false;
 }
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
@@ -178,15 +180,19 @@ static bool next_cell(struct reading *r, struct orl_slice *ret_cell)
     }
 }
 
-static int read_number(struct reading *r, double *ret, struct orl_error *err)
+static double read_number(struct reading *r)
 {
     struct orl_slice cell;
-    if (!next_cell(r, &cell))
-        return fail(r, ORL_ERR_SYNTAX, "the file ends before its last number", err);
-    const int code = orl_scanner_number(&r->scanner, cell, NULL, ret, err);
-    if (code < 0)
-        return code;
-    return fabs(*ret) <= 1e12 ? 0 : fail(r, ORL_ERR_SYNTAX, "a number is expected here", err);
+    double value = 0;
+    if (r->code)
+        return 0;
+    if (next_cell(r, &cell))
+        r->code = orl_scanner_number(&r->scanner, cell, NULL, &value, r->err);
+    else
+        fail(r, ORL_ERR_SYNTAX, "the file ends before its last number");
+    if (!(fabs(value) <= 1e12))
+        fail(r, ORL_ERR_SYNTAX, "a number is expected here");
+    return value;
 }
 
 static size_t bytes_left(const struct reading *r)
@@ -194,141 +200,120 @@ static size_t bytes_left(const struct reading *r)
     return (size_t)(r->scanner.end - (r->cells.at ? r->cells.at : r->scanner.at));
 }
 
-/* The count is bounded by the file's size: each number takes two bytes of it. */
-static int read_count(struct reading *r, double least, uint32_t *ret, struct orl_error *err)
+/* The count is bounded by the file's size: each number takes two bytes of it. 0 after an error. */
+static uint32_t read_count(struct reading *r, double least)
 {
-    double value = 0;
-    const int code = read_number(r, &value, err);
-    if (code == 0 &&
-        !(value >= least && value <= (double)bytes_left(r) / 2 + 1 && value == floor(value)))
-        return fail(r, ORL_ERR_SYNTAX,
-                    "this is not a number of angles, or more than the file holds", err);
-    *ret = code == 0 ? (uint32_t)value : 0;
-    return code;
+    const double value = read_number(r);
+    if (!(value >= least && value <= (double)bytes_left(r) / 2 + 1 && value == floor(value)))
+        fail(r, ORL_ERR_SYNTAX, "this is not a number of angles, or more than the file holds");
+    return r->code ? 0 : (uint32_t)value;
 }
 
-/* Lamps, their lumens, the multiplier, counts of angles, type, units, sizes, and factors. */
-static int read_sizes(struct reading *r, struct orl_error *err)
+/* Lamps, their lumens, the multiplier, counts of angles, type, units, sizes, factors, watts. */
+static void read_sizes(struct reading *r)
 {
     struct orl_ies *const ies = r->ies;
-    double unused = 0, multiplier = 1, type = 0, units = 0, ballast = 1, photometric = 1;
-    double *const first[] = {&unused, &unused, &multiplier}, *const rest[] = {
-                                                                 &type,        &units,
-                                                                 &ies->width,  &ies->length,
-                                                                 &ies->height, &ballast,
-                                                                 &photometric, &unused};
-    int code = 0;
-    for (size_t i = 0; i < 3 && code == 0; i++)
-        code = read_number(r, first[i], err);
-    if (code == 0)
-        code = read_count(r, 2, &ies->n_vertical, err);
-    if (code == 0)
-        code = read_count(r, 1, &ies->n_horizontal, err);
-    for (size_t i = 0; i < 8 && code == 0; i++)
-        code = read_number(r, rest[i], err);
-    if (code < 0)
-        return code;
-    if (type != 1 && type != 2)
-        return fail(r, ORL_ERR_UNSUPPORTED, "its photometry is neither type C nor type B", err);
-    if (units != 1 && units != 2)
-        return fail(r, ORL_ERR_SYNTAX, "its units are neither 1 (feet) nor 2 (metres)", err);
+    read_number(r);
+    read_number(r);
+    const double multiplier = read_number(r);
+    ies->n_vertical = read_count(r, 2);
+    ies->n_horizontal = read_count(r, 1);
+    const double type = read_number(r), units = read_number(r);
     const double unit_m = units == 1 ? feet_m : 1;
     ies->type_b = type == 2;
+    ies->width = unit_m * read_number(r);
+    ies->length = unit_m * read_number(r);
+    ies->height = unit_m * read_number(r);
+    const double ballast = read_number(r), photometric = read_number(r);
     ies->factor = multiplier * ballast * (ies->year == 1986 ? photometric : 1);
-    ies->width *= unit_m;
-    ies->length *= unit_m;
-    ies->height *= unit_m;
+    read_number(r);
+    if (type != 1 && type != 2)
+        fail(r, ORL_ERR_UNSUPPORTED, "its photometry is neither type C nor type B");
+    if (units != 1 && units != 2)
+        fail(r, ORL_ERR_SYNTAX, "its units are neither 1 (feet) nor 2 (metres)");
     if (!(ies->factor >= 0))
-        return fail(r, ORL_ERR_RANGE, "the product of its factors is negative", err);
-    return 0;
+        fail(r, ORL_ERR_RANGE, "the product of its factors is negative");
 }
 
-static int read_numbers(struct reading *r, uint32_t n, double **ret, struct orl_error *err)
+static double *read_numbers(struct reading *r, uint32_t n)
 {
-    double *const numbers = *ret = malloc(n * sizeof *numbers);
-    int code = numbers ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
-    for (uint32_t i = 0; i < n && code == 0; i++)
-        code = read_number(r, &numbers[i], err);
-    return code;
+    double *const numbers = malloc(n * sizeof *numbers);
+    if (!numbers)
+        fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire");
+    for (uint32_t i = 0; i < n && !r->code; i++)
+        numbers[i] = read_number(r);
+    return numbers;
 }
 
-static int read_angles(struct reading *r, uint32_t n, double **ret, struct orl_error *err)
+static double *read_angles(struct reading *r, uint32_t n)
 {
-    const int code = read_numbers(r, n, ret, err);
-    for (uint32_t i = 0; i < n && code == 0; i++)
-        if (fabs((*ret)[i]) > 360 || (i > 0 && !((*ret)[i] > (*ret)[i - 1])))
-            return fail(r, ORL_ERR_SYNTAX, "angles must rise and stay within 360 degrees", err);
-    return code;
+    double *const angles = read_numbers(r, n);
+    for (uint32_t i = 0; i < n && !r->code; i++)
+        if (fabs(angles[i]) > 360 || (i > 0 && !(angles[i] > angles[i - 1])))
+            fail(r, ORL_ERR_SYNTAX, "angles must rise and stay within 360 degrees");
+    return angles;
 }
 
 /* Reads the lamp's geometry, the number of angles, the angles, and a factor for each. */
-static int read_tilt(struct reading *r, struct orl_error *err)
+static void read_tilt(struct reading *r)
 {
     struct orl_ies_tilt *const tilt = &r->ies->tilt;
-    double geometry = 0;
-    int code = read_number(r, &geometry, err);
-    if (code == 0 && geometry != 1 && geometry != 2 && geometry != 3)
-        return fail(r, ORL_ERR_SYNTAX, "the lamp-to-luminaire geometry must be 1, 2 or 3", err);
-    if (code == 0)
-        code = read_count(r, 1, &tilt->n, err);
-    if (code == 0)
-        code = read_angles(r, tilt->n, &tilt->angles, err);
-    if (code == 0)
-        code = read_numbers(r, tilt->n, &tilt->factors, err);
-    for (uint32_t i = 0; i < tilt->n && code == 0; i++)
+    const double geometry = read_number(r);
+    if (geometry != 1 && geometry != 2 && geometry != 3)
+        fail(r, ORL_ERR_SYNTAX, "the lamp-to-luminaire geometry must be 1, 2 or 3");
+    tilt->n = read_count(r, 1);
+    tilt->angles = read_angles(r, tilt->n);
+    tilt->factors = read_numbers(r, tilt->n);
+    for (uint32_t i = 0; i < tilt->n && !r->code; i++)
         if (!(tilt->factors[i] >= 0))
-            return fail(r, ORL_ERR_RANGE, "a lamp's factor is negative", err);
-    return code;
+            fail(r, ORL_ERR_RANGE, "a lamp's factor is negative");
 }
 
 int orl_ies_read_tilt(const char *name, const char *text, size_t size, struct orl_ies *ies,
                       struct orl_error *err)
 {
-    struct reading r = {.ies = ies};
-    const int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
-    return code < 0 ? code : read_tilt(&r, err);
+    struct reading r = {.ies = ies, .err = err};
+    r.code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
+    if (!r.code)
+        read_tilt(&r);
+    return r.code;
 }
 
-static int read_candela(struct reading *r, struct orl_error *err)
+static void read_candela(struct reading *r)
 {
     struct orl_ies *const ies = r->ies;
     const size_t n = (size_t)ies->n_vertical * ies->n_horizontal;
-    if (n > bytes_left(r) / 2 + 1)
-        return fail(r, ORL_ERR_SYNTAX, "it has fewer numbers than angles", err);
+    if (n > bytes_left(r) / 2 + 1) {
+        fail(r, ORL_ERR_SYNTAX, "it has fewer numbers than angles");
+        return;
+    }
     ies->candela = malloc(n * sizeof *ies->candela);
-    int code = ies->candela ? 0 : fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire", err);
-    for (size_t i = 0; i < n && code == 0; i++) {
-        double value = 0;
-        code = read_number(r, &value, err);
-        if (code == 0 && value < 0)
-            code = fail(r, ORL_ERR_RANGE, "an intensity is negative", err);
+    if (!ies->candela)
+        fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire");
+    for (size_t i = 0; i < n && !r->code; i++) {
+        const double value = read_number(r);
+        if (value < 0)
+            fail(r, ORL_ERR_RANGE, "an intensity is negative");
         ies->candela[i] = (float)value;
     }
-    return code;
 }
 
 int orl_ies_read(const char *name, const char *text, size_t size, struct orl_ies *ret_ies,
                  struct orl_error *err)
 {
     *ret_ies = (struct orl_ies){.year = 1986};
-    struct reading r = {.ies = ret_ies};
-    bool tilted = false;
-    int code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
-    if (code == 0)
-        code = read_head(&r, &tilted, err);
-    if (code == 0 && tilted)
-        code = read_tilt(&r, err);
-    if (code == 0)
-        code = read_sizes(&r, err);
-    if (code == 0)
-        code = read_angles(&r, ret_ies->n_vertical, &ret_ies->vertical, err);
-    if (code == 0)
-        code = read_angles(&r, ret_ies->n_horizontal, &ret_ies->horizontal, err);
-    if (code == 0)
-        code = read_candela(&r, err);
-    if (code < 0)
+    struct reading r = {.ies = ret_ies, .err = err};
+    r.code = orl_scanner_init(&r.scanner, name, text, size, 0, err);
+    if (!r.code && read_head(&r))
+        read_tilt(&r);
+    read_sizes(&r);
+    ret_ies->vertical = read_angles(&r, ret_ies->n_vertical);
+    ret_ies->horizontal = read_angles(&r, ret_ies->n_horizontal);
+    if (!r.code)
+        read_candela(&r);
+    if (r.code)
         orl_ies_done(ret_ies);
-    return code;
+    return r.code;
 }
 
 void orl_ies_done(struct orl_ies *ies)
