@@ -145,7 +145,7 @@ static double lobe_pdf(const struct orl_material *material, const struct orl_hit
  * rays only. */
 static bool rays_count_lamp(const struct orl_material *lamp)
 {
-    return !(lamp->focus > 0);
+    return !(orl_material_focus(lamp) > 0);
 }
 
 /* Returns the ray's MIS weight for the light of a lamp at that hit. */
@@ -239,7 +239,8 @@ static struct orl_rgb lamp_radiance(const struct orl_lit_scene *lit_scene,
     const struct orl_material *m = &lit_scene->materials[facet->material];
     if (!orl_spotlight_covers(m, orl_neg(sample->light)))
         return orl_gray(0);
-    const double spread = m->focus > 0 ? orl_spotlight_falloff(m->focus, sample->distance) : 1;
+    const double focus = orl_material_focus(m);
+    const double spread = focus > 0 ? orl_spotlight_falloff(focus, sample->distance) : 1;
     return orl_rgb_scale(radiance_of(emitter, m, sample, from), sample->measure_sr * spread);
 }
 

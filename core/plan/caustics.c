@@ -102,20 +102,33 @@ static bool decide_lobes(const struct orl_plan_survey *survey, const struct orl_
 
 /* Returns true for glass of index 1 that is clear, such as the panes of openings
  * (scene/built/ports.h). */
-static bool is_invisible(const struct orl_material *m)
+static bool is_invisible(const struct orl_glass *glass)
 {
-    return m->ior == 1 && m->transmissivity.r == 1 && m->transmissivity.g == 1 &&
-           m->transmissivity.b == 1;
+    const struct orl_rgb t = glass->transmissivity;
+    return glass->ior == 1 && t.r == 1 && t.g == 1 && t.b == 1;
+}
+
+/* Returns true for trans that transmits light without spreading it. */
+static bool transmits_straight(const struct orl_reflector *trans)
+{
+    return !(trans->roughness[0] > 0) && trans->shares.transmitted > 0 &&
+           trans->shares.transmitted_specular > 0;
 }
 
 static bool is_glass(const struct orl_material *m)
 {
-    if (m->kind == ORL_MATERIAL_MIXTURE)
-        return is_glass(&m->mixed[0]) || is_glass(&m->mixed[1]);
-    return (m->kind == ORL_MATERIAL_GLASS && !is_invisible(m)) || m->kind == ORL_MATERIAL_GLAZING ||
-           (m->kind == ORL_MATERIAL_BSDF && m->peak) ||
-           (m->kind == ORL_MATERIAL_TRANS && !(m->roughness[0] > 0) && m->transmitted > 0 &&
-            m->transmitted_specular > 0);
+    switch (m->kind) {
+    case ORL_MATERIAL_MIXTURE:
+        return is_glass(&orl_mixture_of(m)->mixed[0]) || is_glass(&orl_mixture_of(m)->mixed[1]);
+    case ORL_MATERIAL_GLASS:
+        return !is_invisible(orl_glass_of(m));
+    case ORL_MATERIAL_BSDF:
+        return orl_bsdf_surface_of(m)->peak;
+    case ORL_MATERIAL_TRANS:
+        return transmits_straight(orl_reflector_of(m));
+    default:
+        return m->kind == ORL_MATERIAL_GLAZING;
+    }
 }
 
 static void decide_glass(const struct orl_plan_survey *survey, struct orl_decision *decision)

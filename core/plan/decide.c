@@ -82,11 +82,12 @@ static void convert_gloss_to_diffuse(struct orl_material *m)
 {
     /* Gloss has no pattern; the mean attenuation by the pattern is compensated. */
     const double left = m->pattern ? fmax(orl_luma(m->pattern->mean), least_pattern) : 1;
+    struct orl_reflector *const reflector = &m->as.reflector;
+    const double specular = reflector->shares.specular;
     if (m->kind == ORL_MATERIAL_PLASTIC)
-        m->color =
-            orl_rgb_add(orl_rgb_scale(m->color, 1 - m->specular), orl_gray(m->specular / left));
-    m->specular = 0;
-    m->roughness[0] = m->roughness[1] = 0;
+        m->color = orl_rgb_add(orl_rgb_scale(m->color, 1 - specular), orl_gray(specular / left));
+    reflector->shares.specular = 0;
+    reflector->roughness[0] = reflector->roughness[1] = 0;
 }
 
 static void decide_glossy(struct orl_plan_survey *survey, struct orl_plan *plan)
@@ -125,7 +126,7 @@ static double least_clear(const struct orl_material *m)
 {
     double least = 1;
     for (int side = 0; side < 2; side++) {
-        const struct orl_rgb t = m->media[side].transmissivity;
+        const struct orl_rgb t = orl_interface_of(m)->media[side].transmissivity;
         least = fmin(least, fmin(t.r, fmin(t.g, t.b)));
     }
     return least;
@@ -154,8 +155,10 @@ static void decide_media(struct orl_plan_survey *survey, struct orl_plan *plan)
         return;
     for (size_t i = 0; i < lit_scene->n_materials; i++) {
         struct orl_material *m = &lit_scene->materials[i];
-        if (is_dielectric(m))
-            m->media[0].transmissivity = m->media[1].transmissivity = orl_gray(1);
+        if (!is_dielectric(m))
+            continue;
+        struct orl_medium *const media = m->as.interface.media;
+        media[0].transmissivity = media[1].transmissivity = orl_gray(1);
     }
     lit_scene->omit.media = count > 0;
 }
@@ -174,7 +177,7 @@ static void decide_refraction(struct orl_plan_survey *survey, struct orl_plan *p
     for (size_t i = 0; i < lit_scene->n_materials; i++) {
         struct orl_material *m = &lit_scene->materials[i];
         if (is_dielectric(m))
-            m->media[0].ior = m->media[1].ior = 1;
+            m->as.interface.media[0].ior = m->as.interface.media[1].ior = 1;
     }
     lit_scene->omit.refraction = count > 0;
 }
@@ -286,16 +289,39 @@ static bool is_gray(struct orl_rgb c)
     return c.r == c.g && c.g == c.b;
 }
 
-static bool media_are_gray(const struct orl_material *m)
+enum { MOST_COLORS = 4 };
+
+/* Lists the colours that a material's kind has, without those of mixed materials; returns their
+ * number. */
+static size_t list_colors(struct orl_material *m, struct orl_rgb *ret_colors[MOST_COLORS])
 {
-    return is_gray(m->media[0].transmissivity) && is_gray(m->media[1].transmissivity);
+    struct orl_diffuse_parts *const diffuse =
+        m->kind == ORL_MATERIAL_GLAZING ? &m->as.glazing.diffuse
+        : m->kind == ORL_MATERIAL_BSDF  ? &m->as.bsdf_surface.diffuse
+                                        : NULL;
+    size_t n = 0;
+    ret_colors[n++] = &m->color;
+    if (m->kind == ORL_MATERIAL_ASHIKHMIN)
+        ret_colors[n++] = &m->as.ashikhmin.gloss;
+    if (m->kind == ORL_MATERIAL_GLASS)
+        ret_colors[n++] = &m->as.glass.transmissivity;
+    if (m->kind == ORL_MATERIAL_ILLUM)
+        ret_colors[n++] = &m->as.illum.pane.transmissivity;
+    for (size_t i = 0; m->kind == ORL_MATERIAL_DIELECTRIC && i < 2; i++)
+        ret_colors[n++] = &m->as.interface.media[i].transmissivity;
+    if (diffuse) {
+        ret_colors[n++] = &diffuse->front;
+        ret_colors[n++] = &diffuse->back;
+        ret_colors[n++] = &diffuse->through;
+    }
+    return n;
 }
 
 static bool has_coloured_bsdf(const struct orl_material *m)
 {
     struct orl_bsdf_info info = {.colored = false};
-    if (m->bsdf)
-        orl_bsdf_describe(m->bsdf, &info);
+    if (m->kind == ORL_MATERIAL_BSDF)
+        orl_bsdf_describe(orl_material_bsdf(m), &info);
     return info.colored;
 }
 
@@ -304,18 +330,23 @@ static bool is_coloured(const struct orl_material *m);
 /* Returns true for coloured data that cannot be converted to gray. */
 static bool has_coloured_data(const struct orl_material *m)
 {
-    if (m->kind == ORL_MATERIAL_MIXTURE && (is_coloured(&m->mixed[0]) || is_coloured(&m->mixed[1])))
+    const struct orl_material *const mixed = orl_material_mixed(m);
+    if (mixed && (is_coloured(&mixed[0]) || is_coloured(&mixed[1])))
         return true;
-    return has_coloured_bsdf(m) || (m->angles && m->angles->coloured) ||
+    return has_coloured_bsdf(m) ||
+           (m->kind == ORL_MATERIAL_GLAZING && orl_glazing_of(m)->angles->coloured) ||
            (m->pattern && m->pattern->coloured);
 }
 
-/* Fields that a material's kind does not use are zero, which is gray. */
 static bool is_coloured(const struct orl_material *m)
 {
-    return !(is_gray(m->color) && is_gray(m->gloss) && is_gray(m->transmissivity) &&
-             media_are_gray(m) && is_gray(m->front) && is_gray(m->back) && is_gray(m->through)) ||
-           has_coloured_data(m);
+    struct orl_material copy = *m;
+    struct orl_rgb *colors[MOST_COLORS];
+    const size_t n = list_colors(&copy, colors);
+    for (size_t i = 0; i < n; i++)
+        if (!is_gray(*colors[i]))
+            return true;
+    return has_coloured_data(m);
 }
 
 static bool has_coloured_sky(const struct orl_lit_scene *lit_scene)
@@ -345,13 +376,16 @@ static double vividness(struct orl_rgb c)
 
 static double vividness_of(const struct orl_material *m)
 {
-    const struct orl_rgb colors[] = {m->color, m->transmissivity, m->front,
-                                     m->back,  m->through,        m->gloss};
+    const struct orl_material *const mixed = orl_material_mixed(m);
+    struct orl_material copy = *m;
+    struct orl_rgb *colors[MOST_COLORS];
+    /* A medium's colour is not included: it depends on the length of the path. */
+    const size_t n = m->kind == ORL_MATERIAL_DIELECTRIC ? 0 : list_colors(&copy, colors);
     double most = 1;
-    for (size_t k = 0; k < sizeof colors / sizeof *colors; k++)
-        most = fmax(most, vividness(colors[k]));
-    for (int i = 0; m->mixed && i < 2; i++)
-        most = fmax(most, vividness_of(&m->mixed[i]));
+    for (size_t k = 0; k < n; k++)
+        most = fmax(most, vividness(*colors[k]));
+    for (int i = 0; mixed && i < 2; i++)
+        most = fmax(most, vividness_of(&mixed[i]));
     return most;
 }
 
@@ -378,15 +412,10 @@ static struct orl_rgb gray_of(struct orl_rgb c)
 static void convert_to_gray(struct orl_lit_scene *lit_scene)
 {
     for (size_t i = 0; i < lit_scene->n_materials; i++) {
-        struct orl_material *m = &lit_scene->materials[i];
-        m->color = gray_of(m->color);
-        m->gloss = gray_of(m->gloss);
-        m->transmissivity = gray_of(m->transmissivity);
-        m->front = gray_of(m->front);
-        m->back = gray_of(m->back);
-        m->through = gray_of(m->through);
-        for (int k = 0; k < 2; k++)
-            m->media[k].transmissivity = gray_of(m->media[k].transmissivity);
+        struct orl_rgb *colors[MOST_COLORS];
+        const size_t n = list_colors(&lit_scene->materials[i], colors);
+        for (size_t k = 0; k < n; k++)
+            *colors[k] = gray_of(*colors[k]);
     }
     for (size_t i = 0; i < lit_scene->n_suns; i++) {
         lit_scene->suns[i].radiance = gray_of(lit_scene->suns[i].radiance);

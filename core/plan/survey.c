@@ -94,7 +94,7 @@ static void count_surfaces(struct orl_plan_survey *survey)
             survey->surfaces[orl_facet_material(prototype, k)] += (uint32_t)prototype->n_uses;
     }
     for (size_t i = 0; i < lit_scene->n_materials; i++) {
-        const int32_t behind = lit_scene->materials[i].seen_as;
+        const int32_t behind = orl_material_seen_as(&lit_scene->materials[i]);
         if (survey->surfaces[i] > 0 && behind >= 0 && survey->surfaces[behind] == 0)
             survey->surfaces[behind] = survey->surfaces[i];
     }

@@ -90,8 +90,9 @@ static int mark_facets(const struct orl_view_out_request *view_out_request, stru
     for (size_t i = 0; i < n; i++) {
         const struct orl_material *material = orl_scene_material(scene, i);
         if (view_out_request->n_openings == 0)
-            o->clear[i] = material->kind == ORL_MATERIAL_GLASS ||
-                          (material->kind == ORL_MATERIAL_GLAZING && material->transmitted > 0);
+            o->clear[i] =
+                material->kind == ORL_MATERIAL_GLASS || (material->kind == ORL_MATERIAL_GLAZING &&
+                                                         orl_glazing_of(material)->transmitted > 0);
         o->clear[i] = o->clear[i] && orl_material_is_window(material);
         struct orl_facet own;
         if (view_out_request->n_ground == 0)

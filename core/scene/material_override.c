@@ -25,7 +25,6 @@ static int add_black(struct orl_parsed_scene *d, uint32_t *ret_index)
     const struct orl_material black = {
         .kind = ORL_MATERIAL_PLASTIC,
         .name = orl_arena_copy_text(d->arena, black_name, sizeof black_name - 1),
-        .seen_as = ORL_SEEN_AS_ITSELF,
         .sky = -1};
     return black.name ? orl_parsed_scene_add_material(d, &black, ret_index) : ORL_ERR_NOMEM;
 }
@@ -151,8 +150,8 @@ int orl_material_add_group_copy(struct orl_parsed_scene *d, uint32_t material,
     copy.window_group = window_group;
     copy.copy_of = orl_material_origin(&copy, material) + 1;
     const int code = orl_parsed_scene_add_material(d, &copy, ret_index);
-    if (code == 0 && copy.bsdf)
-        orl_bsdf_ref(copy.bsdf);
+    if (code == 0 && orl_material_bsdf(&copy))
+        orl_bsdf_ref(orl_material_bsdf(&copy));
     return code;
 }
 

@@ -63,8 +63,10 @@ bool orl_bsdf_up_is_undefined(const struct orl_material *material,
 {
     static const double parallel = 1e-6; /* sine of the angle between both */
     const bool flat = orl_surface_kind_is_flat(surface->kind);
-    return material->kind == ORL_MATERIAL_BSDF && flat &&
-           !(orl_length(orl_cross(orl_normalize(material->up), surface->normal)) > parallel);
+    if (material->kind != ORL_MATERIAL_BSDF || !flat)
+        return false;
+    const struct orl_vec3 up = orl_normalize(orl_bsdf_surface_of(material)->up);
+    return !(orl_length(orl_cross(up, surface->normal)) > parallel);
 }
 
 void orl_parsed_scene_done(struct orl_parsed_scene *parsed_scene)
@@ -72,7 +74,7 @@ void orl_parsed_scene_done(struct orl_parsed_scene *parsed_scene)
     if (!parsed_scene)
         return;
     for (size_t i = 0; i < parsed_scene->n_materials; i++)
-        orl_bsdf_unref(parsed_scene->materials[i].bsdf);
+        orl_bsdf_unref(orl_material_bsdf(&parsed_scene->materials[i]));
     for (size_t i = 0; i < parsed_scene->n_patterns; i++)
         orl_pattern_free(parsed_scene->patterns[i]);
     free(parsed_scene->patterns);

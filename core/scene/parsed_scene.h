@@ -21,120 +21,14 @@
 #include <stdint.h>
 
 #include <oriel/base/vec.h>
-#include <oriel/bsdf/bsdf.h>
 
 #include "base/io/checked_file.h"
 #include "scene/generate/xform.h"
+#include "scene/parsed_material.h"
 
 struct orl_arena;
 struct orl_grid;
 struct orl_surface_labels;
-struct orl_pattern;
-
-enum orl_material_kind {
-    ORL_MATERIAL_VOID,    /* placeholder for void or a refused modifier while files are read */
-    ORL_MATERIAL_PLASTIC, /* color, specular, roughness, anisotropy axis (plastic2) */
-    ORL_MATERIAL_METAL,   /* color, specular, roughness, anisotropy axis (metal2) */
-    /* color, specular, roughness, anisotropy axis (trans2), transmitted, transmitted_specular */
-    ORL_MATERIAL_TRANS,
-    ORL_MATERIAL_ASHIKHMIN,      /* color, gloss, power, anisotropy axis (ashik2) */
-    ORL_MATERIAL_GLASS,          /* transmissivity, ior */
-    ORL_MATERIAL_GLAZING,        /* angles, front/back/through, transmitted (BRTDfunc) */
-    ORL_MATERIAL_DIELECTRIC,     /* media: a dielectric has air in front, an interface any medium */
-    ORL_MATERIAL_FUNCTION_LOBES, /* the fields of trans, tints_lobes, lobes (plasfunc) */
-    ORL_MATERIAL_PRISM,          /* prism_rays (prism1, prism2) */
-    ORL_MATERIAL_MIRROR,         /* color on the front; the back is black */
-    ORL_MATERIAL_BSDF,      /* bsdf, up, thickness, peak, front/back/through diffuse additions */
-    ORL_MATERIAL_LIGHT,     /* radiance; sampled directly */
-    ORL_MATERIAL_GLOW,      /* radiance, max_radius; sampled directly if max_radius is above 0 */
-    ORL_MATERIAL_SPOTLIGHT, /* a light within a cone: beam_axis, cos_cone, focus */
-    ORL_MATERIAL_MIXTURE,   /* mixed, mix: two materials of different kinds (material/scatter.h) */
-    ORL_MATERIAL_ILLUM,     /* a light that view rays see as another material: seen_as */
-    /* participating medium inside: extinction, scattering, asymmetry (built/scene.h) */
-    ORL_MATERIAL_MIST,
-    ORL_MATERIAL_ANTIMATTER, /* removes surfaces inside it: cut, lining
-                                (geometry/antimatter/antimatter.h) */
-};
-
-enum { ORL_SEEN_AS_ITSELF = -1, ORL_SEEN_AS_NOTHING = -2 };
-
-struct orl_medium {
-    struct orl_rgb transmissivity; /* per unit of length, 0..1 */
-    double ior;
-};
-
-/* Incident side of the diffuse reflection: both sides, or only the front or the back. */
-enum orl_diffuse_side { ORL_DIFFUSE_SIDE_BOTH, ORL_DIFFUSE_SIDE_FRONT, ORL_DIFFUSE_SIDE_BACK };
-
-struct orl_material {
-    enum orl_material_kind kind;
-    char *name;
-    struct orl_rgb color; /* reflectors: reflectance as written; lights: radiance */
-    double specular;      /* reflectors: share of color, or of white for plastic and trans */
-    double
-        roughness[2]; /* reflectors: rms slope along anisotropy axis and across; equal: isotropic */
-    struct orl_pattern
-        *roughness_pattern; /* reflectors: factors of both roughnesses over the surface; or NULL */
-    enum orl_diffuse_side
-        diffuse_side;                /* plastic as a term of a sum: sides that reflect diffusely */
-    struct orl_vec3 anisotropy_axis; /* plastic2 and the like: as written, not projected */
-    bool tints_lobes;     /* function lobes: reflection has the material's colour (metfunc) */
-    bool is_whole_bsdf;   /* function lobes: the function is the whole BRDF and BTDF (BRTDfunc) */
-    struct orl_rgb gloss; /* ashik2: specular reflectance at the normal */
-    double power[2];      /* ashik2: exponents of the lobe, along the anisotropy axis and across */
-    /* glazing: upper bound of the direct transmittance; trans: fraction of the light not reflected
-     * specularly that is transmitted */
-    double transmitted;
-    /* trans: fraction of the transmitted light that is not diffuse */
-    double transmitted_specular;
-    struct orl_rgb transmissivity; /* glass: as written (at normal incidence, one pass) */
-    double ior;                    /* glass: 1.52 unless written */
-    struct orl_medium media[2];    /* dielectric, interface: behind the normal, in front of it */
-    double max_radius;             /* glow: fourth argument */
-    struct orl_bsdf *bsdf;         /* BSDF: one reference, owned */
-    uint32_t bsdf_file;            /* BSDF: index into the parsed scene's files */
-    double thickness;              /* BSDF: as written, signed */
-    struct orl_vec3 up;            /* BSDF: as written, not projected */
-    bool peak;                     /* aBSDF: nearly direct transmission is taken as direct */
-    /* BSDF: additional diffuse reflectance and transmittance (3, 6 or 9 reals) */
-    struct orl_rgb front, back, through;
-    struct orl_vec3 beam_axis; /* spotlight: unit axis; zero: isotropic */
-    double cos_cone;           /* spotlight: cosine of the half angle */
-    /* spotlight: distance of the beam's apex behind the lamp */
-    double focus;
-    struct orl_rgb extinction, scattering; /* mist: coefficients, 1/m */
-    double asymmetry; /* mist: asymmetry of its phase function (built/scene.h) */
-    /* illum: index of the material that view rays see, or ORL_SEEN_AS_* */
-    int32_t seen_as;
-    /* factor of color, for glass of its transmissivity (material/patterns/pattern.h); or NULL */
-    struct orl_pattern *pattern;
-    struct orl_pattern *texture; /* perturbs the normal (material/patterns/texture.h); or NULL */
-    struct orl_pattern
-        *angles; /* glazing: six functions of the angle (material/function_brdf/glazing.c) */
-    struct orl_pattern *prism_rays; /* prism: directions of the outgoing rays
-                                       (material/function_brdf/function_brdf.h) */
-    struct orl_pattern *lobes;      /* function lobes: BRDF values by direction
-                                       (material/function_brdf/function_brdf.h) */
-    /* mixture: the first material's share (a factor of 1, see pattern.h); NULL: the sum of both */
-    struct orl_pattern *mix;
-    /* mixture: two materials, in the arena; none of them has a BSDF */
-    const struct orl_material *mixed;
-    /* antimatter: materials that are removed inside it; in the arena */
-    const uint32_t *cut;
-    size_t n_cut;
-    int32_t lining; /* antimatter: material of the inner face where it cuts a surface, or -1 */
-    /* index + 1 of the material that this one copies, except for texture or window group; 0: none
-     */
-    uint32_t copy_of;
-    int32_t sky;           /* light, glow: index into skies that scales color, or -1 */
-    uint32_t window_group; /* window group (surfaces.h), from 1; 0: none */
-};
-
-/* Returns the index of the material that this one is a copy of, or its own index. */
-static inline uint32_t orl_material_origin(const struct orl_material *material, uint32_t index)
-{
-    return material->copy_of > 0 ? material->copy_of - 1 : index;
-}
 
 enum orl_surface_kind {
     ORL_SURFACE_POLYGON,

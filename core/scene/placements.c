@@ -265,7 +265,8 @@ bool orl_parsed_scene_must_split(const struct orl_parsed_scene *parsed_scene)
     for (size_t i = 0; i < parsed_scene->n_surfaces; i++) {
         const struct orl_material *const m =
             &parsed_scene->materials[parsed_scene->surfaces[i].material];
-        if (m->kind == ORL_MATERIAL_ANTIMATTER || m->kind == ORL_MATERIAL_MIST || m->thickness != 0)
+        if (m->kind == ORL_MATERIAL_ANTIMATTER || m->kind == ORL_MATERIAL_MIST ||
+            orl_material_thickness(m) != 0)
             return true;
     }
     return false;

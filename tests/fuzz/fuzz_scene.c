@@ -51,44 +51,105 @@ static void check_scatter(const struct orl_material *m)
     }
 }
 
+static bool is_share(double share)
+{
+    return share >= 0 && share <= 1;
+}
+
+static void check_shares(const struct orl_reflector_shares *shares)
+{
+    FUZZ_PROMISE(is_share(shares->specular) && is_share(shares->transmitted) &&
+                 is_share(shares->transmitted_specular));
+}
+
+static void check_reflector(const struct orl_reflector *reflector)
+{
+    check_shares(&reflector->shares);
+    FUZZ_PROMISE(is_share(reflector->roughness[0]) && is_share(reflector->roughness[1]));
+    fuzz_check_finite(reflector->anisotropy_axis);
+    if (reflector->roughness[0] != reflector->roughness[1])
+        fuzz_check_unit(reflector->anisotropy_axis);
+}
+
+static void check_diffuse(const struct orl_diffuse_parts *diffuse)
+{
+    check_color(diffuse->front);
+    check_color(diffuse->back);
+    check_color(diffuse->through);
+}
+
+static void check_medium(const struct orl_medium *medium)
+{
+    const struct orl_rgb t = medium->transmissivity;
+    check_color(t);
+    FUZZ_PROMISE(t.r >= 0 && t.g >= 0 && t.b >= 0 && orl_rgb_max(t) <= 1);
+    FUZZ_PROMISE(medium->ior >= 1 && medium->ior <= 10);
+}
+
+static void check_bsdf(const struct orl_bsdf_surface *surface)
+{
+    FUZZ_PROMISE(surface->bsdf != NULL && isfinite(surface->thickness));
+    fuzz_check_finite(surface->up);
+    check_diffuse(&surface->diffuse);
+}
+
+static void check_glass(const struct orl_glass *glass)
+{
+    check_color(glass->transmissivity);
+    FUZZ_PROMISE(isfinite(glass->ior));
+}
+
+static void check_spotlight(const struct orl_spotlight *spot)
+{
+    fuzz_check_unit(spot->beam_axis);
+    FUZZ_PROMISE(spot->cos_cone >= -1 && spot->cos_cone <= 1 && spot->focus >= 0 &&
+                 isfinite(spot->focus));
+}
+
+static void check_illum(const struct orl_parsed_scene *d, const struct orl_illum *illum)
+{
+    check_glass(&illum->pane);
+    FUZZ_PROMISE(illum->seen_as == ORL_SEEN_AS_NOTHING ||
+                 (illum->seen_as >= 0 && (size_t)illum->seen_as < d->n_materials &&
+                  d->materials[illum->seen_as].kind != ORL_MATERIAL_ILLUM));
+}
+
+/* Checks the struct of the material's kind. */
+static void check_model(const struct orl_parsed_scene *d, const struct orl_material *m)
+{
+    if (orl_material_is_reflector(m))
+        check_reflector(orl_reflector_of(m));
+    if (m->kind == ORL_MATERIAL_FUNCTION_LOBES)
+        check_shares(&orl_function_lobes_of(m)->shares);
+    if (m->kind == ORL_MATERIAL_ASHIKHMIN)
+        fuzz_check_unit(orl_ashikhmin_of(m)->anisotropy_axis);
+    if (m->kind == ORL_MATERIAL_GLASS)
+        check_glass(orl_glass_of(m));
+    if (m->kind == ORL_MATERIAL_GLAZING)
+        check_diffuse(&orl_glazing_of(m)->diffuse);
+    for (int side = 0; m->kind == ORL_MATERIAL_DIELECTRIC && side < 2; side++)
+        check_medium(&orl_interface_of(m)->media[side]);
+    if (m->kind == ORL_MATERIAL_BSDF)
+        check_bsdf(orl_bsdf_surface_of(m));
+    if (m->kind == ORL_MATERIAL_GLOW)
+        FUZZ_PROMISE(isfinite(orl_glow_of(m)->max_radius));
+    if (m->kind == ORL_MATERIAL_SPOTLIGHT)
+        check_spotlight(orl_spotlight_of(m));
+    if (m->kind == ORL_MATERIAL_ILLUM)
+        check_illum(d, orl_illum_of(m));
+    if (m->kind == ORL_MATERIAL_ANTIMATTER)
+        for (size_t i = 0; i < orl_antimatter_of(m)->n_cut; i++)
+            FUZZ_PROMISE(orl_antimatter_of(m)->cut[i] < d->n_materials);
+}
+
 static void check_material(const struct orl_parsed_scene *d, const struct orl_material *m)
 {
-    FUZZ_PROMISE(m->kind >= ORL_MATERIAL_VOID && m->kind <= ORL_MATERIAL_ANTIMATTER);
+    FUZZ_PROMISE((unsigned)m->kind < ORL_MATERIAL_KINDS);
     FUZZ_PROMISE(m->name != NULL);
     check_color(m->color);
-    check_color(m->transmissivity);
-    check_color(m->front);
-    check_color(m->back);
-    check_color(m->through);
-    fuzz_check_finite(m->up);
-    FUZZ_PROMISE(isfinite(m->specular) && isfinite(m->roughness[0]) && isfinite(m->roughness[1]) &&
-                 isfinite(m->ior));
-    FUZZ_PROMISE(isfinite(m->max_radius) && isfinite(m->thickness));
-    FUZZ_PROMISE(m->specular >= 0 && m->specular <= 1 && m->roughness[0] >= 0 &&
-                 m->roughness[0] <= 1 && m->roughness[1] >= 0 && m->roughness[1] <= 1);
-    FUZZ_PROMISE(m->transmitted >= 0 && m->transmitted <= 1 && m->transmitted_specular >= 0 &&
-                 m->transmitted_specular <= 1);
-    fuzz_check_finite(m->anisotropy_axis);
-    fuzz_check_finite(m->beam_axis);
-    if (m->roughness[0] != m->roughness[1])
-        fuzz_check_unit(m->anisotropy_axis);
-    for (int side = 0; m->kind == ORL_MATERIAL_DIELECTRIC && side < 2; side++) {
-        const struct orl_rgb t = m->media[side].transmissivity;
-        check_color(t);
-        FUZZ_PROMISE(t.r >= 0 && t.g >= 0 && t.b >= 0 && orl_rgb_max(t) <= 1);
-        FUZZ_PROMISE(m->media[side].ior >= 1 && m->media[side].ior <= 10);
-    }
-    if (m->kind == ORL_MATERIAL_SPOTLIGHT)
-        fuzz_check_unit(m->beam_axis);
-    FUZZ_PROMISE(m->cos_cone >= -1 && m->cos_cone <= 1 && m->focus >= 0 && isfinite(m->focus));
-    FUZZ_PROMISE(m->seen_as >= ORL_SEEN_AS_NOTHING &&
-                 (m->seen_as < 0 || ((size_t)m->seen_as < d->n_materials &&
-                                     d->materials[m->seen_as].kind != ORL_MATERIAL_ILLUM)));
-    for (size_t i = 0; i < m->n_cut; i++)
-        FUZZ_PROMISE(m->cut[i] < d->n_materials);
+    check_model(d, m);
     FUZZ_PROMISE(m->copy_of <= d->n_materials);
     check_scatter(m);
-    FUZZ_PROMISE((m->kind == ORL_MATERIAL_BSDF) == (m->bsdf != NULL));
     FUZZ_PROMISE(m->sky >= -1 && (m->sky < 0 || (size_t)m->sky < d->n_skies));
 }
 

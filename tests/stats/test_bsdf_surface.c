@@ -37,7 +37,9 @@ static const struct orl_hit hit = {.normal = {0, 0, 1}};
 static struct panel panel_of(const char *what, struct text t, bool peak)
 {
     return (struct panel){
-        what, {.kind = ORL_MATERIAL_BSDF, .bsdf = load_text(t), .up = {0, 1, 0}, .peak = peak}};
+        what,
+        {.kind = ORL_MATERIAL_BSDF,
+         .as.bsdf_surface = {.bsdf = load_text(t), .up = {0, 1, 0}, .peak = peak}}};
 }
 
 static int load_all(void **state)
@@ -46,23 +48,23 @@ static int load_all(void **state)
     const struct orl_rgb red = {0.3, 0.05, 0}, gray = {0.1, 0.1, 0.1}, pale = {0.05, 0.1, 0.15};
     panels[0] = panel_of("aBSDF of a clear pane", make_clear_file(4, 0.5, 0.2), true);
     panels[1] = panel_of("aBSDF, additions", make_clear_file(4, 0.5, 0.1), true);
-    panels[1].material.front = red;
-    panels[1].material.back = gray;
-    panels[1].material.through = pale;
+    panels[1].material.as.bsdf_surface.diffuse.front = red;
+    panels[1].material.as.bsdf_surface.diffuse.back = gray;
+    panels[1].material.as.bsdf_surface.diffuse.through = pale;
     panels[2] = panel_of("BSDF, additions", read_fixture("tests/fixtures/bsdf_klems41.xml"), false);
-    panels[2].material.front = gray;
-    panels[2].material.through = pale;
+    panels[2].material.as.bsdf_surface.diffuse.front = gray;
+    panels[2].material.as.bsdf_surface.diffuse.through = pale;
     panels[3] = panel_of("BSDF that would gain", make_clear_file(3, 0.5, 0.4), true);
-    panels[3].material.front = red;
-    panels[3].material.back = red;
-    panels[3].material.through = gray;
+    panels[3].material.as.bsdf_surface.diffuse.front = red;
+    panels[3].material.as.bsdf_surface.diffuse.back = red;
+    panels[3].material.as.bsdf_surface.diffuse.through = gray;
     panels[4] = panel_of("aBSDF of rank 3", make_clear_iso_file(4, 0.4, 0.3), true);
-    panels[4].material.front = pale;
+    panels[4].material.as.bsdf_surface.diffuse.front = pale;
     panels[5] = panel_of("colour", make_tinted_file(4, 0.1, 0.1, 0.3, 0.5), true);
-    panels[5].material.front = red;
+    panels[5].material.as.bsdf_surface.diffuse.front = red;
     *state = panels;
     for (int i = 0; i < PANELS; i++)
-        if (!panels[i].material.bsdf)
+        if (!orl_material_bsdf(&panels[i].material))
             return -1;
     return 0;
 }
@@ -71,7 +73,7 @@ static int unload_all(void **state)
 {
     struct panel *panels = *state;
     for (int i = 0; i < PANELS; i++)
-        orl_bsdf_unref(panels[i].material.bsdf);
+        orl_bsdf_unref(orl_material_bsdf(&panels[i].material));
     return 0;
 }
 
@@ -251,17 +253,18 @@ static void additions_are_on_their_sides(void **state)
 {
     const struct panel *panels = *state;
     const struct orl_material *m = &panels[1].material;
+    const struct orl_diffuse_parts *added = &orl_bsdf_surface_of(m)->diffuse;
     const struct orl_vec3 in = orl_v3(0.6, 0, 0.8), out = orl_v3(-0.48, 0.6, 0.64);
     const struct orl_vec3 below = orl_v3(in.x, in.y, -in.z), under = orl_v3(out.x, out.y, -out.z);
     const double even = 0.1 / ORL_PI;
     assert_near("front", orl_material_eval_lobes(m, &hit, in, out),
-                orl_rgb_scale(m->front, 1 / ORL_PI), 1e-9);
+                orl_rgb_scale(added->front, 1 / ORL_PI), 1e-9);
     assert_near("back", orl_material_eval_lobes(m, &hit, below, under),
-                orl_rgb_scale(m->back, 1 / ORL_PI), 1e-9);
+                orl_rgb_scale(added->back, 1 / ORL_PI), 1e-9);
     assert_near("through", orl_material_eval_lobes(m, &hit, in, under),
-                orl_rgb_add(orl_rgb_scale(m->through, 1 / ORL_PI), orl_gray(even)), 1e-7);
+                orl_rgb_add(orl_rgb_scale(added->through, 1 / ORL_PI), orl_gray(even)), 1e-7);
     assert_near("back through", orl_material_eval_lobes(m, &hit, below, out),
-                orl_rgb_add(orl_rgb_scale(m->through, 1 / ORL_PI), orl_gray(even)), 1e-7);
+                orl_rgb_add(orl_rgb_scale(added->through, 1 / ORL_PI), orl_gray(even)), 1e-7);
 }
 
 /* A BSDF that is not an aBSDF scatters its peak. */
@@ -270,7 +273,7 @@ static void without_the_a_nothing_goes_straight(void **state)
     const struct panel *panels = *state;
     struct orl_material m = panels[0].material;
     struct orl_random random = orl_random_stream(3, ORL_PURPOSE_BENCH, 7);
-    m.peak = false;
+    m.as.bsdf_surface.peak = false;
     for (int i = 0; i < 1000; i++) {
         const struct orl_vec3 d = any_direction(&random);
         assert_true(orl_rgb_max(orl_material_straight(&m, &hit, d)) == 0);

@@ -101,7 +101,7 @@ static void test_directed(void **state)
     struct subject s = subject_of(kinds[4].text, NULL, NULL);
     const struct orl_vec3 eye = subject_direction(&s, 60, 10);
     const struct orl_vec3 light = subject_direction(&s, 20, 200);
-    const struct orl_material *m = s.material->mixed;
+    const struct orl_material *m = orl_mixture_of(s.material)->mixed;
     const double sum =
         .5 * (orl_material_eval_lobes(&m[0], &s.hit, light, eye).g +
               orl_material_eval_lobes(&m[1], &s.hit, light, eye).g) +

@@ -256,7 +256,7 @@ static void test_geometry(void **state)
     const struct orl_material *const shine = &d.materials[d.surfaces[1].material];
     assert_int_equal(light->kind, ORL_MATERIAL_ILLUM);
     assert_int_equal(shine->kind, ORL_MATERIAL_GLOW);
-    assert_true(fabs(shine->max_radius - 70) < 1e-4);
+    assert_true(fabs(orl_glow_of(shine)->max_radius - 70) < 1e-4);
     assert_true(fabs(shine->color.g / (1.6 * 3000 / (179 * M_PI)) - 1) < 1e-5);
     assert_true(fabs(d.surfaces[1].vertices[0].y - 10) < 1e-9);
     orl_parsed_scene_done(&d);

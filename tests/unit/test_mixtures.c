@@ -215,10 +215,11 @@ static void test_texture(void **state)
                      0);
     const struct orl_material *const x = &parsed_scene.materials[parsed_scene.surfaces[0].material];
     assert_non_null(x->texture);
-    assert_ptr_equal(x->mixed[0].texture, x->texture);
-    assert_ptr_equal(x->mixed[0].mixed[0].texture, x->texture);
-    assert_null(x->mixed[0].mixed[1].texture);
-    assert_ptr_equal(x->mixed[1].texture, x->texture);
+    const struct orl_material *const mixed = orl_mixture_of(x)->mixed;
+    assert_ptr_equal(mixed[0].texture, x->texture);
+    assert_ptr_equal(orl_mixture_of(&mixed[0])->mixed[0].texture, x->texture);
+    assert_null(orl_mixture_of(&mixed[0])->mixed[1].texture);
+    assert_ptr_equal(mixed[1].texture, x->texture);
     orl_parsed_scene_done(&parsed_scene);
 }
 

@@ -68,7 +68,7 @@ static void a_panel_alone_is_its_face(void **state)
                      0);
     assert_int_equal(d.n_surfaces, 1);
     assert_string_equal(d.materials[0].name, "m_p");
-    assert_near(d.materials[0].thickness, 0);
+    assert_near(orl_material_thickness(&d.materials[0]), 0);
     const struct orl_vec3 *corner = d.surfaces[0].vertices;
     assert_near(corner[0].x, -0.25);
     assert_near(corner[0].y, -0.15);
@@ -93,10 +93,10 @@ static void a_panel_with_geometry_is_a_proxy(void **state)
                          0);
         assert_int_equal(d.n_surfaces, 2 + behind);
         const struct orl_vec3 *face = d.surfaces[0].vertices;
-        assert_near(d.materials[0].thickness, 0.0400016);
+        assert_near(orl_material_thickness(&d.materials[0]), 0.0400016);
         assert_near(face->z, 8e-7);
         if (behind) {
-            assert_near(d.materials[1].thickness, -0.0400016);
+            assert_near(orl_material_thickness(&d.materials[1]), -0.0400016);
             assert_near(d.surfaces[1].vertices[0].z, -0.0400008);
         }
         const struct orl_vec3 *slat = d.surfaces[1 + behind].vertices;

@@ -40,16 +40,23 @@ static void test_reflectors(void **state)
     (void)state;
     assert_int_equal(d.n_materials, 4);
     assert_int_equal(m[0].kind, ORL_MATERIAL_TRANS);
-    assert_true(same_rgb(m[0].color, .8, .7, .6) && near(m[0].specular, .1));
-    assert_true(near(m[0].roughness[0], .2) && near(m[0].roughness[1], .2));
-    assert_true(near(m[0].transmitted, .5) && near(m[0].transmitted_specular, .4));
+    assert_true(same_rgb(m[0].color, .8, .7, .6) &&
+                near(orl_reflector_of(&m[0])->shares.specular, .1));
+    assert_true(near(orl_reflector_of(&m[0])->roughness[0], .2) &&
+                near(orl_reflector_of(&m[0])->roughness[1], .2));
+    assert_true(near(orl_reflector_of(&m[0])->shares.transmitted, .5) &&
+                near(orl_reflector_of(&m[0])->shares.transmitted_specular, .4));
     assert_int_equal(m[1].kind, ORL_MATERIAL_PLASTIC);
-    assert_true(near(m[1].roughness[0], .1) && near(m[1].roughness[1], .2));
-    assert_true(near(m[1].anisotropy_axis.x, 1.0 / 3) && near(m[1].anisotropy_axis.y, 2.0 / 3));
+    assert_true(near(orl_reflector_of(&m[1])->roughness[0], .1) &&
+                near(orl_reflector_of(&m[1])->roughness[1], .2));
+    assert_true(near(orl_reflector_of(&m[1])->anisotropy_axis.x, 1.0 / 3) &&
+                near(orl_reflector_of(&m[1])->anisotropy_axis.y, 2.0 / 3));
     assert_int_equal(m[2].kind, ORL_MATERIAL_METAL);
-    assert_true(near(m[2].anisotropy_axis.x, 0) && near(m[2].anisotropy_axis.y, 1));
+    assert_true(near(orl_reflector_of(&m[2])->anisotropy_axis.x, 0) &&
+                near(orl_reflector_of(&m[2])->anisotropy_axis.y, 1));
     assert_int_equal(m[3].kind, ORL_MATERIAL_TRANS);
-    assert_true(near(m[3].transmitted, .6) && near(m[3].transmitted_specular, .7));
+    assert_true(near(orl_reflector_of(&m[3])->shares.transmitted, .6) &&
+                near(orl_reflector_of(&m[3])->shares.transmitted_specular, .7));
     orl_parsed_scene_done(&d);
 }
 
@@ -62,11 +69,13 @@ static void test_clear_materials(void **state)
     const struct orl_material *m = d.materials;
     (void)state;
     assert_int_equal(m[0].kind, ORL_MATERIAL_DIELECTRIC);
-    assert_true(same_rgb(m[0].media[0].transmissivity, .9, .8, .7) && near(m[0].media[0].ior, 1.5));
-    assert_true(same_rgb(m[0].media[1].transmissivity, 1, 1, 1) && near(m[0].media[1].ior, 1));
+    assert_true(same_rgb(orl_interface_of(&m[0])->media[0].transmissivity, .9, .8, .7) &&
+                near(orl_interface_of(&m[0])->media[0].ior, 1.5));
+    assert_true(same_rgb(orl_interface_of(&m[0])->media[1].transmissivity, 1, 1, 1) &&
+                near(orl_interface_of(&m[0])->media[1].ior, 1));
     assert_int_equal(m[1].kind, ORL_MATERIAL_DIELECTRIC);
-    assert_true(same_rgb(m[1].media[1].transmissivity, 1, .5, 1));
-    assert_true(near(m[1].media[1].ior, 1.33));
+    assert_true(same_rgb(orl_interface_of(&m[1])->media[1].transmissivity, 1, .5, 1));
+    assert_true(near(orl_interface_of(&m[1])->media[1].ior, 1.33));
     assert_int_equal(m[2].kind, ORL_MATERIAL_MIRROR);
     assert_true(same_rgb(m[2].color, .9, .8, 1));
     assert_int_equal(d.n_warnings, 0);
@@ -87,8 +96,8 @@ static void test_mirrors_are_what_they_are_seen_as(void **state)
     assert_int_equal(d.n_surfaces, 1);
     const struct orl_material *const m = d.materials + d.surfaces[0].material;
     assert_int_equal(m->kind, ORL_MATERIAL_GLASS);
-    assert_true(same_rgb(m->transmissivity, d.materials[0].transmissivity.r,
-                         d.materials[0].transmissivity.g, d.materials[0].transmissivity.b));
+    const struct orl_rgb t = orl_glass_of(&d.materials[0])->transmissivity;
+    assert_true(same_rgb(orl_glass_of(m)->transmissivity, t.r, t.g, t.b));
     assert_null(m->pattern);
     assert_int_equal(d.n_warnings, 3); /* two mirrors, and a surface of void */
     assert_non_null(strstr(d.warnings[0], "mirror m at"));
@@ -108,13 +117,14 @@ static void test_lights(void **state)
     const struct orl_material *m = d.materials;
     (void)state;
     assert_int_equal(m[1].kind, ORL_MATERIAL_SPOTLIGHT);
-    assert_true(near(m[1].focus, 2) && near(m[1].beam_axis.z, -1) &&
-                near(m[1].cos_cone, sqrt(.75)));
+    assert_true(near(orl_spotlight_of(&m[1])->focus, 2) &&
+                near(orl_spotlight_of(&m[1])->beam_axis.z, -1) &&
+                near(orl_spotlight_of(&m[1])->cos_cone, sqrt(.75)));
     assert_int_equal(m[2].kind, ORL_MATERIAL_ILLUM);
-    assert_int_equal(m[2].seen_as, ORL_SEEN_AS_NOTHING);
-    assert_int_equal(m[3].seen_as, ORL_SEEN_AS_NOTHING);
-    assert_int_equal(m[4].seen_as, 0);
-    assert_int_equal(m[5].seen_as, 0);
+    assert_int_equal(orl_material_seen_as(&m[2]), ORL_SEEN_AS_NOTHING);
+    assert_int_equal(orl_material_seen_as(&m[3]), ORL_SEEN_AS_NOTHING);
+    assert_int_equal(orl_material_seen_as(&m[4]), 0);
+    assert_int_equal(orl_material_seen_as(&m[5]), 0);
     for (int i = 1; i < 6; i++)
         assert_true(orl_material_is_lamp(&m[i]) && orl_material_emits(&m[i]));
     orl_parsed_scene_done(&d);
@@ -153,10 +163,11 @@ static void test_transforms(void **state)
     struct orl_error err = {0};
     (void)state;
     assert_int_equal(orl_scene_parse(names, 1, &files, &d, &err), 0);
-    assert_true(near(d.materials[0].media[0].transmissivity.g, pow(.5, .1)));
-    assert_true(near(d.materials[1].focus, 20) && near(d.materials[1].beam_axis.y, 1));
-    assert_true(near(d.materials[2].max_radius, 30));
-    assert_true(near(d.materials[3].anisotropy_axis.y, 1));
+    assert_true(near(orl_interface_of(&d.materials[0])->media[0].transmissivity.g, pow(.5, .1)));
+    const struct orl_spotlight *const spot = orl_spotlight_of(&d.materials[1]);
+    assert_true(near(spot->focus, 20) && near(spot->beam_axis.y, 1));
+    assert_true(near(orl_glow_of(&d.materials[2])->max_radius, 30));
+    assert_true(near(orl_reflector_of(&d.materials[3])->anisotropy_axis.y, 1));
     orl_parsed_scene_done(&d);
 }
 
@@ -215,7 +226,8 @@ static void test_bytes_of_bsdfs(void **state)
             build_lit_scene(text, i > 0 ? "a.xml" : NULL, file.data, NULL);
         bytes[i] = orl_scene_bytes(lit_scene->scene);
         if (i == 1)
-            orl_bsdf_describe(lit_scene->scene->parsed_scene.materials[1].bsdf, &info);
+            orl_bsdf_describe(orl_material_bsdf(&lit_scene->scene->parsed_scene.materials[1]),
+                              &info);
         orl_lit_scene_free(lit_scene);
     }
     assert_true(info.bytes > 64);

@@ -146,11 +146,13 @@ static void test_materials(void **state)
     (void)state;
     assert_int_equal(d.materials[0].kind, ORL_MATERIAL_PLASTIC);
     assert_string_equal(d.materials[0].name, "p");
-    assert_true(d.materials[0].color.g == .2 && d.materials[0].specular == .04);
-    assert_true(d.materials[0].roughness[0] == .05 && d.materials[0].sky == -1);
-    assert_true(d.materials[1].transmissivity.b == .9 && d.materials[1].ior == 1.52);
-    assert_true(d.materials[2].ior == 1.4);
-    assert_true(d.materials[3].color.b == 3 && d.materials[3].max_radius == -1);
+    const struct orl_reflector *const plastic = orl_reflector_of(&d.materials[0]);
+    const struct orl_glass *const glass = orl_glass_of(&d.materials[1]);
+    assert_true(d.materials[0].color.g == .2 && plastic->shares.specular == .04);
+    assert_true(plastic->roughness[0] == .05 && d.materials[0].sky == -1);
+    assert_true(glass->transmissivity.b == .9 && glass->ior == 1.52);
+    assert_true(orl_glass_of(&d.materials[2])->ior == 1.4);
+    assert_true(d.materials[3].color.b == 3 && orl_glow_of(&d.materials[3])->max_radius == -1);
     orl_parsed_scene_done(&d);
 }
 
@@ -251,7 +253,7 @@ static void test_numbers(void **state)
     assert_true(d.surfaces[0].quadric->radius[0] == 0.1);
     assert_true(d.materials[1].color.r == 1e22 && d.materials[1].color.g == 5);
     assert_true(d.materials[1].color.b == 9007199254740992.0);
-    assert_true(d.materials[1].max_radius == 3.0000000000000004);
+    assert_true(orl_glow_of(&d.materials[1])->max_radius == 3.0000000000000004);
     orl_parsed_scene_done(&d);
 }
 
@@ -357,7 +359,7 @@ static void test_xform_mirror(void **state)
     assert_true(d.surfaces[1].quadric->radius[0] == 6);
     assert_vec(d.surfaces[2].normal, -1, 0, 0);
     assert_vec(d.distant_sources[0].direction, -sqrt(.5), sqrt(.5), 0);
-    assert_true(d.materials[2].max_radius == 6);
+    assert_true(orl_glow_of(&d.materials[2])->max_radius == 6);
     /* inverted: turned over in place */
     assert_vec(d.surfaces[3].normal, -1, 0, 0);
     assert_vec(d.surfaces[3].vertices[2], 1, 0, 0);
@@ -426,11 +428,13 @@ static void test_bsdf_is_shared(void **state)
     if (code < 0)
         fail_msg("%s: %s", err.primitive, err.message);
     assert_int_equal(d.materials[0].kind, ORL_MATERIAL_BSDF);
-    assert_non_null(d.materials[0].bsdf);
-    assert_ptr_equal(d.materials[0].bsdf, d.materials[1].bsdf);
-    assert_true(d.materials[0].back.g == .2 && d.materials[0].through.b == .3);
-    assert_vec(d.materials[0].up, 0, 0, 1);
-    assert_vec(d.materials[1].up, 0, -1, 0);
+    const struct orl_bsdf_surface *const first = orl_bsdf_surface_of(&d.materials[0]);
+    const struct orl_bsdf_surface *const second = orl_bsdf_surface_of(&d.materials[1]);
+    assert_non_null(first->bsdf);
+    assert_ptr_equal(first->bsdf, second->bsdf);
+    assert_true(first->diffuse.back.g == .2 && first->diffuse.through.b == .3);
+    assert_vec(first->up, 0, 0, 1);
+    assert_vec(second->up, 0, -1, 0);
     orl_parsed_scene_done(&d);
 }
 

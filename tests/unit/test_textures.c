@@ -178,7 +178,7 @@ static void test_sides(void **state)
                 continue;
             assert_true((orl_dot(sent.direction, hit.normal) * orl_dot(from, hit.normal) < 0) ==
                         sent.transmitted);
-            if (m->kind == ORL_MATERIAL_METAL && !(m->roughness[0] > 0))
+            if (m->kind == ORL_MATERIAL_METAL && !(orl_reflector_of(m)->roughness[0] > 0))
                 assert_true(sent.weight.r <= .9 + 1e-9);
         }
         orl_scene_release(scene);

@@ -182,8 +182,8 @@ static bool copy_matrix(const struct matrices *p, size_t window)
     size_t rows, columns;
     float *values;
     if (material->kind != ORL_MATERIAL_BSDF || port->outside_is_front || material->pattern ||
-        orl_rgb_max(material->through) > 0 ||
-        orl_bsdf_transmission(material->bsdf, &rows, &columns, &values, &err) < 0)
+        orl_rgb_max(orl_bsdf_surface_of(material)->diffuse.through) > 0 ||
+        orl_bsdf_transmission(orl_material_bsdf(material), &rows, &columns, &values, &err) < 0)
         return false;
     const bool fits = rows == CELLS && columns == CELLS;
     for (size_t i = 0; fits && i < (size_t)CELLS * CELLS; i++)

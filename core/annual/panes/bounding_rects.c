@@ -410,7 +410,7 @@ static void add_port_rect(struct orl_port_rects *windows, const struct orl_lit_s
     const struct orl_bounding_rect window = orl_bounding_rect_of(lit_scene->geometry, facet);
     const struct orl_material *m = orl_lit_scene_material_of(lit_scene, facet);
     windows->at[windows->count++] = window;
-    if (m->kind != ORL_MATERIAL_BSDF || m->peak) /* it transmits straight */
+    if (m->kind != ORL_MATERIAL_BSDF || orl_bsdf_surface_of(m)->peak) /* it transmits straight */
         windows->clear[windows->n_clear++] = window;
 }
 

@@ -40,7 +40,8 @@ static void find_cell(const struct orl_bsdf_pane_kind *k, const struct orl_hour_
         const struct orl_bsdf_incidence rim = orl_bsdf_pane_incidence(
             k, orl_normalize(
                    orl_to_world(&frame, orl_v3(radius * turn.cosine, radius * turn.sine, 1))));
-        samples->in_one_cell = orl_bsdf_in_one_cell(k->material->bsdf, &samples->middle, &rim);
+        samples->in_one_cell =
+            orl_bsdf_in_one_cell(orl_material_bsdf(k->material), &samples->middle, &rim);
     }
 }
 

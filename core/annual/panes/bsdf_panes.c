@@ -246,8 +246,8 @@ static void sample_pane_points(struct pane_view *b, uint64_t name)
                                 .geometry_term = share * here * leaving / (distance * distance),
                                 .density = distance * distance / (leaving * bsdf_pane->area)};
         if (k->data_alone)
-            b->seen[i].out =
-                orl_bsdf_locate(k->material->bsdf, orl_to_local(&k->frame, orl_neg(there)));
+            b->seen[i].out = orl_bsdf_locate(orl_material_bsdf(k->material),
+                                             orl_to_local(&k->frame, orl_neg(there)));
         b->any = b->any || share > 0;
         least = fmin(least, share);
         most = fmax(most, share);
@@ -305,7 +305,7 @@ static double transmitted_to(const struct orl_bsdf_pane_kind *k,
             own = orl_bsdf_pane_incidence(k, from);
             in = &own;
         }
-        return orl_luma(orl_bsdf_transmit(k->material->bsdf, in, &s->out, ret_pdf));
+        return orl_luma(orl_bsdf_transmit(orl_material_bsdf(k->material), in, &s->out, ret_pdf));
     }
     const double f = orl_luma(orl_material_eval_lobes(k->material, hit, from, s->towards));
     *ret_pdf = f > 0 ? orl_material_pdf(k->material, hit, from, ORL_TRANSPORT_LIGHT,

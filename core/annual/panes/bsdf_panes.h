@@ -54,7 +54,8 @@ static inline struct orl_sun orl_bsdf_pane_sun_disc(const struct orl_hour_sun *s
 static inline struct orl_bsdf_incidence
 orl_bsdf_pane_incidence(const struct orl_bsdf_pane_kind *kind, struct orl_vec3 from)
 {
-    return orl_bsdf_locate_incident(kind->material->bsdf, orl_to_local(&kind->frame, from));
+    return orl_bsdf_locate_incident(orl_material_bsdf(kind->material),
+                                    orl_to_local(&kind->frame, from));
 }
 
 /* Samples a kind's BSDF for a sun. seed: for these samples alone. */

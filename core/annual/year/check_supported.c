@@ -94,30 +94,45 @@ static bool is_gray(struct orl_rgb color)
     return color.r == color.g && color.g == color.b;
 }
 
+static bool are_gray(const struct orl_diffuse_parts *diffuse)
+{
+    return is_gray(diffuse->front) && is_gray(diffuse->back) && is_gray(diffuse->through);
+}
+
+static bool is_gray_bsdf(const struct orl_bsdf_surface *surface)
+{
+    struct orl_bsdf_info info;
+    orl_bsdf_describe(surface->bsdf, &info);
+    return !info.colored && are_gray(&surface->diffuse);
+}
+
+/* Returns true if the colour and its pattern are gray. */
+static bool has_gray_color(const struct orl_material *m)
+{
+    return is_gray(m->color) && !(m->pattern && m->pattern->coloured);
+}
+
 /* Returns true if light that the material sends on, other than diffusely, keeps its colour. */
 static bool is_colourless(const struct orl_material *m)
 {
-    const bool patterned = m->pattern && m->pattern->coloured;
-    const bool gray_sides = is_gray(m->front) && is_gray(m->back) && is_gray(m->through);
-    struct orl_bsdf_info info;
     switch (m->kind) {
     case ORL_MATERIAL_BSDF:
-        orl_bsdf_describe(m->bsdf, &info);
-        return !info.colored && gray_sides;
+        return is_gray_bsdf(orl_bsdf_surface_of(m));
     case ORL_MATERIAL_GLASS:
-        return is_gray(m->transmissivity) && !patterned;
+        return is_gray(orl_glass_of(m)->transmissivity) && !(m->pattern && m->pattern->coloured);
     case ORL_MATERIAL_ASHIKHMIN:
-        return is_gray(m->color) && is_gray(m->gloss) && !patterned;
+        return has_gray_color(m) && is_gray(orl_ashikhmin_of(m)->gloss);
     case ORL_MATERIAL_GLAZING:
-        return !m->angles->coloured && gray_sides;
+        return !orl_glazing_of(m)->angles->coloured && are_gray(&orl_glazing_of(m)->diffuse);
     case ORL_MATERIAL_MIXTURE:
-        return is_colourless(&m->mixed[0]) && is_colourless(&m->mixed[1]);
+        return is_colourless(&orl_mixture_of(m)->mixed[0]) &&
+               is_colourless(&orl_mixture_of(m)->mixed[1]);
     case ORL_MATERIAL_FUNCTION_LOBES:
-        return is_gray(m->color) && !patterned;
+        return has_gray_color(m);
     case ORL_MATERIAL_TRANS:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_MIRROR:
-        return (is_gray(m->color) && !patterned) || orl_material_is_matt(m);
+        return has_gray_color(m) || orl_material_is_matt(m);
     default: /* plastic's specular reflection is white */
         return true;
     }

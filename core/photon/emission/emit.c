@@ -9,7 +9,7 @@
 
 /* Samples a direction uniformly over a spotlight's cone. Returns the flux for radiance 1 from a
  * unit of area. */
-static double spot_direction(const struct orl_material *spot, struct orl_vec3 normal,
+static double spot_direction(const struct orl_spotlight *spot, struct orl_vec3 normal,
                              const double u[2], struct orl_vec3 *ret_direction)
 {
     const struct orl_frame frame = orl_frame_about(spot->beam_axis);
@@ -34,8 +34,8 @@ static bool emit_from_lamp(const struct orl_emission *e, const struct orl_stratu
     orl_facet_sample(lit_scene->geometry, emitter->facet, u + 1, &point, &normal);
     ret_photon_ray->origin = orl_madd(point, normal, facet->offset);
     /* A cone of 60 degrees half angle has the solid angle pi, the same as the cosine's measure. */
-    if (m->kind == ORL_MATERIAL_SPOTLIGHT && m->cos_cone > 0.5)
-        measure = spot_direction(m, normal, u + 3, &ret_photon_ray->direction);
+    if (m->kind == ORL_MATERIAL_SPOTLIGHT && orl_spotlight_of(m)->cos_cone > 0.5)
+        measure = spot_direction(orl_spotlight_of(m), normal, u + 3, &ret_photon_ray->direction);
     else
         ret_photon_ray->direction = orl_hemisphere_about(normal, u[3], u[4]);
     if (!orl_spotlight_covers(m, ret_photon_ray->direction))
@@ -48,7 +48,7 @@ static bool emit_from_lamp(const struct orl_emission *e, const struct orl_stratu
     ret_photon_ray->flux = orl_rgb_scale(radiance, measure * facet->area);
     ret_photon_ray->from_light = ret_photon_ray->lamp = emitter->direct;
     ret_photon_ray->lamp_facet = emitter->facet;
-    ret_photon_ray->focus = m->focus;
+    ret_photon_ray->focus = orl_material_focus(m);
     return measure > 0;
 }
 

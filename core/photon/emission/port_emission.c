@@ -191,7 +191,8 @@ bool orl_port_lamp_is_outside(const struct orl_emission *emission, size_t emitte
 double orl_emitter_focus(const struct orl_lit_scene *lit_scene, uint32_t emitter)
 {
     const uint32_t facet = lit_scene->emitters[emitter].facet;
-    return lit_scene->materials[orl_facet_material(lit_scene->geometry, facet)].focus;
+    return orl_material_focus(
+        &lit_scene->materials[orl_facet_material(lit_scene->geometry, facet)]);
 }
 
 /* Samples a point of the lamp from a point near the port. Returns false if the sampled point is

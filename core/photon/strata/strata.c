@@ -337,7 +337,9 @@ static double emitter_flux(const struct orl_lit_scene *lit_scene, const struct o
     struct orl_facet own;
     const struct orl_facet *facet = orl_facet_get_own(lit_scene->geometry, emitter->facet, &own);
     const struct orl_material *m = &lit_scene->materials[facet->material];
-    const double cone = m->kind == ORL_MATERIAL_SPOTLIGHT ? 2 * ORL_PI * (1 - m->cos_cone) : ORL_PI;
+    const double cone = m->kind == ORL_MATERIAL_SPOTLIGHT
+                            ? 2 * ORL_PI * (1 - orl_spotlight_of(m)->cos_cone)
+                            : ORL_PI;
     return fmin(cone, ORL_PI) * facet->area * orl_luma(emitter->radiance);
 }
 

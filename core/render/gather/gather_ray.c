@@ -209,7 +209,8 @@ static bool is_dim_pane(const struct orl_material *m, const struct orl_hit *hit,
                         struct orl_vec3 eye)
 {
     if (!orl_material_is_window(m) || orl_material_deviates(m) ||
-        (m->kind == ORL_MATERIAL_GLASS && orl_rgb_max(orl_transmissivity_at(m, hit)) > clear_glass))
+        (m->kind == ORL_MATERIAL_GLASS &&
+         orl_rgb_max(orl_glass_of(m)->transmissivity) > clear_glass))
         return false;
     const double through = orl_luma(orl_material_albedo(m, hit, eye, ORL_LOBE_TRANSMITTED));
     /* No pane reflects more than it does not transmit. */

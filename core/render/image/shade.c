@@ -248,9 +248,9 @@ static void push_branches(struct look *look, const struct branch *at, const stru
                                           .weight = orl_material_straight(m, hit, eye),
                                           .transmitted = true};
     struct orl_surface_sample back = {.direction = orl_mirrored_at(m, hit, eye),
-                                      .weight = orl_material_mirrored(m, hit, eye),
-                                      .medium_transmissivity =
-                                          m->media[hit->front ? 1 : 0].transmissivity};
+                                      .weight = orl_material_mirrored(m, hit, eye)};
+    if (m->kind == ORL_MATERIAL_DIELECTRIC)
+        back.medium_transmissivity = orl_interface_of(m)->media[hit->front ? 1 : 0].transmissivity;
     push_branch(look, at, hit, &back);
     push_branch(look, at, hit, &on);
     for (int i = orl_material_deviated_rays(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
@@ -267,7 +267,8 @@ static const struct orl_material *seen_at(const struct look *look, const struct 
         return NULL;
     if (m->kind != ORL_MATERIAL_ILLUM)
         return m;
-    return m->seen_as >= 0 ? &lit_scene->materials[m->seen_as] : NULL;
+    const int32_t seen_as = orl_illum_of(m)->seen_as;
+    return seen_as >= 0 ? &lit_scene->materials[seen_as] : NULL;
 }
 
 static bool is_straight(const struct look *look, struct orl_vec3 direction)

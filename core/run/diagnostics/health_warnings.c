@@ -99,13 +99,14 @@ void orl_run_count_scene_faults(struct orl_run_state *state, const struct orl_sc
     h->instances = d->n_placements;
     for (size_t i = 0; i < d->n_materials; i++) {
         const struct orl_material *m = &d->materials[i];
+        const struct orl_bsdf *const bsdf = orl_material_bsdf(m);
         struct orl_bsdf_info info;
         size_t first = 0;
-        while (d->materials[first].bsdf != m->bsdf)
+        while (orl_material_bsdf(&d->materials[first]) != bsdf)
             first++;
-        if (!m->bsdf || first < i)
+        if (!bsdf || first < i)
             continue;
-        orl_bsdf_describe(m->bsdf, &info);
+        orl_bsdf_describe(bsdf, &info);
         const double most = fmax(info.max_albedo[0], info.max_albedo[1]);
         h->bsdf_values += info.values;
         h->bsdf_clamped += info.clamped;

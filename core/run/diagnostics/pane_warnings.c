@@ -34,7 +34,7 @@ static bool is_pane(const struct orl_scene *scene, uint32_t facet)
     const struct orl_material *m = orl_scene_material(scene, facet);
     return f->kind == ORL_SURFACE_POLYGON && f->area > 0 && orl_material_is_window(m) &&
            m->kind != ORL_MATERIAL_DIELECTRIC && m->kind != ORL_MATERIAL_PRISM &&
-           !(m->kind == ORL_MATERIAL_BSDF && m->thickness != 0);
+           orl_material_thickness(m) == 0;
 }
 
 /* Returns true if an opaque surface lies on a pane at a point of the pane. */
@@ -158,9 +158,9 @@ void orl_run_warn_of_turned_panes(struct orl_run_state *state)
         const struct orl_material *m = orl_scene_material(scene, scene->ports[i].facet);
         if (!scene->ports[i].outside_is_front || m->kind != ORL_MATERIAL_BSDF)
             continue;
-        if (m->bsdf != last)
-            differs = differs_when_turned(m->bsdf);
-        last = m->bsdf;
+        if (orl_material_bsdf(m) != last)
+            differs = differs_when_turned(orl_material_bsdf(m));
+        last = orl_material_bsdf(m);
         if (differs && count++ == 0)
             first = scene->ports[i].facet;
     }

@@ -213,10 +213,8 @@ static int add_material(struct orl_parsed_scene *d, uint32_t *ret_index)
     const struct orl_material pane = {.kind = ORL_MATERIAL_GLASS,
                                       .name = orl_arena_copy_text(d->arena, name, sizeof name - 1),
                                       .color = orl_gray(1),
-                                      .transmissivity = orl_gray(1),
-                                      .ior = 1,
-                                      .lining = -1,
-                                      .sky = -1};
+                                      .sky = -1,
+                                      .as.glass = {orl_gray(1), 1}};
     return pane.name ? orl_parsed_scene_add_material(d, &pane, ret_index) : ORL_ERR_NOMEM;
 }
 

@@ -211,8 +211,8 @@ static uint64_t bsdf_bytes(const struct orl_parsed_scene *d)
     size_t count = 0;
     uint64_t bytes = 0;
     for (size_t i = 0; found && i < d->n_materials; i++)
-        if (d->materials[i].bsdf)
-            found[count++] = d->materials[i].bsdf;
+        if (orl_material_bsdf(&d->materials[i]))
+            found[count++] = orl_material_bsdf(&d->materials[i]);
     if (count > 0)
         qsort(found, count, sizeof(struct orl_bsdf *), by_address);
     for (size_t i = 0; i < count; i++)

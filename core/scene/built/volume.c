@@ -56,7 +56,7 @@ int orl_volume_split(struct orl_scene *scene, struct orl_error *err)
 /* A crossing of a volume's boundary; change: 1 for entering, -1 for leaving. */
 struct crossing {
     double at;
-    const struct orl_material *mist;
+    const struct orl_mist *mist;
     int change;
 };
 
@@ -65,13 +65,13 @@ struct way {
     struct crossing crossings[MOST_CROSSINGS];
     int n;
     struct {
-        const struct orl_material *mist;
+        const struct orl_mist *mist;
         int depth; /* number of this medium's volumes that contain the position */
     } within[MOST_MISTS];
     int n_mists;
 };
 
-static int index_of(struct way *way, const struct orl_material *mist)
+static int index_of(struct way *way, const struct orl_mist *mist)
 {
     for (int i = 0; i < way->n_mists; i++)
         if (way->within[i].mist == mist)
@@ -115,8 +115,8 @@ static void find_crossings(const struct orl_scene *scene, struct orl_vec3 origin
         struct orl_facet own;
         const struct orl_facet *const facet = orl_facet_get_own(scene->mist, hit.facet, &own);
         at += hit.distance;
-        ret->crossings[ret->n++] = (struct crossing){
-            at, &scene->parsed_scene.materials[facet->material], hit.front ? 1 : -1};
+        const struct orl_material *const m = &scene->parsed_scene.materials[facet->material];
+        ret->crossings[ret->n++] = (struct crossing){at, orl_mist_of(m), hit.front ? 1 : -1};
         at += facet->offset;
     }
     find_start(ret);

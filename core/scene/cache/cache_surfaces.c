@@ -3,45 +3,65 @@
 
 #include "scene/cache/scene_cache_file.h"
 
-enum { PATTERNS = 7, MIXED = 2 };
+enum { MOST_SLOTS = 3, MIXED = 2 };
 
-static void list_patterns(struct orl_material *m, struct orl_pattern **ret_slots[PATTERNS])
+/* Lists where a material refers to patterns; returns their number. */
+static int list_patterns(struct orl_material *m, struct orl_pattern **ret_slots[MOST_SLOTS])
 {
-    struct orl_pattern **const slots[PATTERNS] = {
-        &m->roughness_pattern, &m->pattern, &m->texture, &m->angles,
-        &m->prism_rays,        &m->lobes,   &m->mix};
-    for (int i = 0; i < PATTERNS; i++)
-        ret_slots[i] = slots[i];
+    int n = 0;
+    ret_slots[n++] = &m->pattern;
+    ret_slots[n++] = &m->texture;
+    if (orl_material_is_reflector(m))
+        ret_slots[n++] = &m->as.reflector.roughness_pattern;
+    if (m->kind == ORL_MATERIAL_GLAZING)
+        ret_slots[n++] = &m->as.glazing.angles;
+    if (m->kind == ORL_MATERIAL_PRISM)
+        ret_slots[n++] = &m->as.prism.rays;
+    if (m->kind == ORL_MATERIAL_FUNCTION_LOBES)
+        ret_slots[n++] = &m->as.function_lobes.functions;
+    if (m->kind == ORL_MATERIAL_MIXTURE)
+        ret_slots[n++] = &m->as.mixture.share;
+    return n;
+}
+
+static void clear_pointers(struct orl_material *m)
+{
+    struct orl_pattern **slots[MOST_SLOTS];
+    const int n = list_patterns(m, slots);
+    for (int i = 0; i < n; i++)
+        *slots[i] = NULL;
+    m->name = NULL;
+    if (m->kind == ORL_MATERIAL_BSDF)
+        m->as.bsdf_surface.bsdf = NULL;
+    if (m->kind == ORL_MATERIAL_MIXTURE)
+        m->as.mixture.mixed = NULL;
+    if (m->kind == ORL_MATERIAL_ANTIMATTER)
+        m->as.antimatter.cut = NULL;
 }
 
 /* Writes or reads the struct without its pointers. */
-static void pass_image(struct orl_serializer *serializer, struct orl_material *m, bool *has_bsdf)
+static void pass_image(struct orl_serializer *serializer, struct orl_material *m)
 {
-    struct orl_pattern **slots[PATTERNS];
     struct orl_material image = *m;
-    *has_bsdf = image.bsdf != NULL;
-    image.name = NULL;
-    image.bsdf = NULL;
-    image.mixed = NULL;
-    image.cut = NULL;
-    list_patterns(&image, slots);
-    for (int i = 0; i < PATTERNS; i++)
-        *slots[i] = NULL;
+    clear_pointers(&image);
     orl_serialize_value(serializer, &image);
-    orl_serialize_value(serializer, has_bsdf);
-    if (orl_serializer_reads(serializer))
+    if (!orl_serializer_reads(serializer))
+        return;
+    if ((unsigned)image.kind >= ORL_MATERIAL_KINDS)
+        orl_serializer_fail(serializer, ORL_ERR_CORRUPT);
+    else
         *m = image;
 }
 
 /* Loads the BSDF from the scene's file. */
-static void load_bsdf(struct orl_scene_cache_stream *k, struct orl_material *m)
+static void load_bsdf(struct orl_scene_cache_stream *k, struct orl_bsdf_surface *surface)
 {
     struct orl_bsdf *bsdf = NULL;
-    int code = m->bsdf_file < k->sources.count ? 0 : ORL_ERR_CORRUPT;
+    int code = surface->file < k->sources.count ? 0 : ORL_ERR_CORRUPT;
     if (code == 0)
-        code = orl_sources_bsdf(&k->sources, m->bsdf_file, &bsdf, k->err);
+        code = orl_sources_bsdf(&k->sources, surface->file, &bsdf, k->err);
     if (code == 0)
-        m->bsdf = orl_bsdf_ref(bsdf);
+        surface->bsdf = orl_bsdf_ref(bsdf);
     else
         orl_serializer_fail(&k->serializer, code);
 }
@@ -49,18 +69,21 @@ static void load_bsdf(struct orl_scene_cache_stream *k, struct orl_material *m)
 /* Passes one material without the two that it mixes. */
 static void pass_material(struct orl_scene_cache_stream *k, struct orl_material *m)
 {
-    struct orl_pattern **slots[PATTERNS];
+    struct orl_pattern **slots[MOST_SLOTS];
     struct orl_serializer *const serializer = &k->serializer;
     const bool reads = orl_serializer_reads(serializer);
-    bool has_bsdf;
-    pass_image(serializer, m, &has_bsdf);
-    list_patterns(m, slots);
-    for (int i = 0; i < PATTERNS; i++)
+    pass_image(serializer, m);
+    const int n = list_patterns(m, slots);
+    for (int i = 0; i < n; i++)
         orl_cache_pattern(k, slots[i]);
     orl_serialize_text(serializer, k->d->arena, (const char **)&m->name);
-    orl_serialize_arena_array(serializer, k->d->arena, &m->cut, m->n_cut, sizeof *m->cut);
-    if (reads && has_bsdf && serializer->code == 0)
-        load_bsdf(k, m);
+    if (m->kind == ORL_MATERIAL_ANTIMATTER) {
+        struct orl_antimatter *const antimatter = &m->as.antimatter;
+        orl_serialize_arena_array(serializer, k->d->arena, &antimatter->cut, antimatter->n_cut,
+                                  sizeof *antimatter->cut);
+    }
+    if (reads && m->kind == ORL_MATERIAL_BSDF && serializer->code == 0)
+        load_bsdf(k, &m->as.bsdf_surface);
 }
 
 static struct orl_material *room_for_mixed(struct orl_scene_cache_stream *k)
@@ -77,20 +100,19 @@ static struct orl_material *room_for_mixed(struct orl_scene_cache_stream *k)
 /* Passes a material and, recursively, those it mixes; the parser bounds the depth. */
 static void pass_with_mixed(struct orl_scene_cache_stream *k, struct orl_material *m)
 {
-    bool mixes = m->mixed != NULL;
     pass_material(k, m);
-    orl_serialize_value(&k->serializer, &mixes);
-    if (!mixes || k->serializer.code < 0)
+    if (m->kind != ORL_MATERIAL_MIXTURE || k->serializer.code < 0)
         return;
-    struct orl_material *const two = orl_serializer_reads(&k->serializer)
-                                         ? room_for_mixed(k)
-                                         : (struct orl_material *)(uintptr_t)m->mixed;
+    struct orl_material *const two =
+        orl_serializer_reads(&k->serializer)
+            ? room_for_mixed(k)
+            : (struct orl_material *)(uintptr_t)orl_mixture_of(m)->mixed;
     if (!two)
         return;
     for (int i = 0; i < MIXED; i++)
         pass_with_mixed(k, &two[i]);
     if (orl_serializer_reads(&k->serializer))
-        m->mixed = two;
+        m->as.mixture.mixed = two;
 }
 
 void orl_cache_materials(struct orl_scene_cache_stream *k)

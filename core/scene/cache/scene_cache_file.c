@@ -58,7 +58,7 @@ bool orl_program_id_add(struct orl_sha256 *hash)
 
 static const struct orl_checked_file_kind kind = {
     .magic = "ORIELSC",
-    .version = 1,
+    .version = 2,
     .shape =
         (((((uint64_t)sizeof(struct orl_parsed_scene) * 1000 + sizeof(struct orl_material)) * 1000 +
            sizeof(struct orl_pattern)) *

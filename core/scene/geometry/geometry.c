@@ -170,7 +170,8 @@ static int add_facets(struct builder *b)
         g->facets[facet].material = surface->material;
         g->facets[facet].surface = (uint32_t)i;
         g->facets[facet].quadric = &orl_quadric_none;
-        g->facets[facet].has_proxy_offset = d->materials[surface->material].thickness != 0;
+        g->facets[facet].has_proxy_offset =
+            orl_material_thickness(&d->materials[surface->material]) != 0;
         g->facets[facet].has_extra = g->facets[facet].has_proxy_offset;
         if (flat)
             code = add_polygon(b, surface, facet);
@@ -195,7 +196,7 @@ static bool list_extra(struct orl_geometry *g, const struct orl_parsed_scene *d,
     for (size_t i = 0; g->extra && i < g->n_facets; i++)
         if (g->facets[i].has_extra)
             g->extra[g->n_extra++] = (struct orl_facet_extra){
-                (uint32_t)i, 0, 0, d->materials[g->facets[i].material].thickness};
+                (uint32_t)i, 0, 0, orl_material_thickness(&d->materials[g->facets[i].material])};
     return g->extra != NULL;
 }
 

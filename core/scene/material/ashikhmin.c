@@ -20,10 +20,11 @@ struct lobe {
 
 static struct lobe lobe_at(const struct orl_material *m, struct orl_vec3 normal)
 {
-    const struct orl_vec3 flat =
-        orl_madd(m->anisotropy_axis, normal, -orl_dot(m->anisotropy_axis, normal));
-    const double along = m->power[0], across = m->power[1];
-    if (!(orl_length(flat) > 1e-9 * orl_length(m->anisotropy_axis))) {
+    const struct orl_ashikhmin *const ashikhmin = orl_ashikhmin_of(m);
+    const struct orl_vec3 axis = ashikhmin->anisotropy_axis;
+    const struct orl_vec3 flat = orl_madd(axis, normal, -orl_dot(axis, normal));
+    const double along = ashikhmin->power[0], across = ashikhmin->power[1];
+    if (!(orl_length(flat) > 1e-9 * orl_length(axis))) {
         /* An anisotropy axis along the normal has no direction in the surface: use one mean
          * exponent. */
         const double mean = 2 / (1 / (along + 1) + 1 / (across + 1)) - 1;
@@ -40,7 +41,7 @@ static double fifth(double x)
 
 struct orl_rgb orl_ashikhmin_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
-    const struct orl_rgb c = orl_color_at(material, hit), gloss = material->gloss;
+    const struct orl_rgb c = orl_color_at(material, hit), gloss = orl_ashikhmin_of(material)->gloss;
     return (struct orl_rgb){orl_smaller(c.r, 1 - gloss.r), orl_smaller(c.g, 1 - gloss.g),
                             orl_smaller(c.b, 1 - gloss.b)};
 }
@@ -50,9 +51,10 @@ static struct orl_rgb gloss_at(const struct orl_material *material, struct orl_r
                                double cosine)
 {
     const double grown = fifth(1 - orl_smaller(cosine, 1));
-    const struct orl_rgb sum = orl_rgb_add(material->gloss, diffuse);
+    const struct orl_rgb gloss = orl_ashikhmin_of(material)->gloss;
+    const struct orl_rgb sum = orl_rgb_add(gloss, diffuse);
     const struct orl_rgb left = {1 - sum.r, 1 - sum.g, 1 - sum.b};
-    return orl_rgb_add(material->gloss, orl_rgb_scale(left, grown));
+    return orl_rgb_add(gloss, orl_rgb_scale(left, grown));
 }
 
 struct orl_rgb orl_ashikhmin_gloss(const struct orl_material *material, const struct orl_hit *hit,

@@ -22,7 +22,7 @@ static struct orl_material at_most(const struct orl_material *material)
 /* For a mixture, the larger bound of the two materials, for any share; for a sum, their sum. */
 static double both_most(const struct orl_material *mixture, double first, double second)
 {
-    return mixture->mix ? fmax(first, second) : fmin(first + second, 1);
+    return orl_mixture_of(mixture)->share ? fmax(first, second) : fmin(first + second, 1);
 }
 
 double orl_material_max_diffuse(const struct orl_material *material)
@@ -30,10 +30,11 @@ double orl_material_max_diffuse(const struct orl_material *material)
     if (material->kind == ORL_MATERIAL_MIXTURE && orl_mixture_is_directed(material))
         return 0;
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return both_most(material, orl_material_max_diffuse(&material->mixed[0]),
-                         orl_material_max_diffuse(&material->mixed[1]));
-    const struct orl_hit hit =
-        orl_hit_surface_mean(up, material->diffuse_side != ORL_DIFFUSE_SIDE_BACK);
+        return both_most(material, orl_material_max_diffuse(&orl_mixture_of(material)->mixed[0]),
+                         orl_material_max_diffuse(&orl_mixture_of(material)->mixed[1]));
+    const bool only_back = orl_material_is_reflector(material) &&
+                           orl_reflector_of(material)->diffuse_side == ORL_DIFFUSE_SIDE_BACK;
+    const struct orl_hit hit = orl_hit_surface_mean(up, !only_back);
     const struct orl_material maximum = at_most(material);
     return orl_rgb_max(orl_material_diffuse(&maximum, &hit));
 }
@@ -43,9 +44,10 @@ double orl_material_max_albedo(const struct orl_material *material, bool front, 
 {
     if (material->kind == ORL_MATERIAL_MIXTURE) {
         const enum orl_lobes within = orl_mixture_lobes_within(material, lobes);
-        return both_most(material,
-                         orl_material_max_albedo(&material->mixed[0], front, cosine, within),
-                         orl_material_max_albedo(&material->mixed[1], front, cosine, within));
+        return both_most(
+            material,
+            orl_material_max_albedo(&orl_mixture_of(material)->mixed[0], front, cosine, within),
+            orl_material_max_albedo(&orl_mixture_of(material)->mixed[1], front, cosine, within));
     }
     const struct orl_hit hit = orl_hit_surface_mean(up, front);
     const struct orl_material maximum = at_most(material);
@@ -55,8 +57,9 @@ double orl_material_max_albedo(const struct orl_material *material, bool front, 
 double orl_material_max_mirrored(const struct orl_material *material, bool front, double cosine)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
-        return both_most(material, orl_material_max_mirrored(&material->mixed[0], front, cosine),
-                         orl_material_max_mirrored(&material->mixed[1], front, cosine));
+        return both_most(
+            material, orl_material_max_mirrored(&orl_mixture_of(material)->mixed[0], front, cosine),
+            orl_material_max_mirrored(&orl_mixture_of(material)->mixed[1], front, cosine));
     const struct orl_hit hit = orl_hit_surface_mean(up, front);
     const struct orl_material maximum = at_most(material);
     return orl_rgb_max(orl_material_mirrored(&maximum, &hit, direction_at(front, cosine)));
@@ -64,10 +67,12 @@ double orl_material_max_mirrored(const struct orl_material *material, bool front
 
 double orl_material_max_lobes(const struct orl_material *material, bool front, double cosine)
 {
-    if (material->kind == ORL_MATERIAL_BSDF)
-        return fmin(1, orl_bsdf_max_albedo(material->bsdf, front) +
-                           orl_rgb_max(front ? material->front : material->back) +
-                           orl_rgb_max(material->through));
+    if (material->kind == ORL_MATERIAL_BSDF) {
+        const struct orl_bsdf_surface *const s = orl_bsdf_surface_of(material);
+        return fmin(1, orl_bsdf_max_albedo(s->bsdf, front) +
+                           orl_rgb_max(front ? s->diffuse.front : s->diffuse.back) +
+                           orl_rgb_max(s->diffuse.through));
+    }
     return orl_material_max_albedo(material, front, cosine,
                                    (enum orl_lobes)(ORL_LOBE_REFLECTED | ORL_LOBE_TRANSMITTED));
 }
@@ -81,10 +86,11 @@ bool orl_material_is_mirror(const struct orl_material *material)
 struct orl_rgb orl_material_mean_radiance(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE) {
-        const double first = orl_smaller(material->mix->mean.r, 1);
+        const double first = orl_smaller(orl_mixture_of(material)->share->mean.r, 1);
         return orl_rgb_add(
-            orl_rgb_scale(orl_material_mean_radiance(&material->mixed[0]), first),
-            orl_rgb_scale(orl_material_mean_radiance(&material->mixed[1]), 1 - first));
+            orl_rgb_scale(orl_material_mean_radiance(&orl_mixture_of(material)->mixed[0]), first),
+            orl_rgb_scale(orl_material_mean_radiance(&orl_mixture_of(material)->mixed[1]),
+                          1 - first));
     }
     if (!orl_material_emits(material))
         return orl_gray(0);
@@ -95,8 +101,8 @@ struct orl_rgb orl_material_mean_radiance(const struct orl_material *material)
 struct orl_rgb orl_material_max_radiance(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE) {
-        const struct orl_rgb a = orl_material_max_radiance(&material->mixed[0]);
-        const struct orl_rgb b = orl_material_max_radiance(&material->mixed[1]);
+        const struct orl_rgb a = orl_material_max_radiance(&orl_mixture_of(material)->mixed[0]);
+        const struct orl_rgb b = orl_material_max_radiance(&orl_mixture_of(material)->mixed[1]);
         return (struct orl_rgb){fmax(a.r, b.r), fmax(a.g, b.g), fmax(a.b, b.b)};
     }
     if (!orl_material_emits(material))

@@ -14,8 +14,9 @@
 struct orl_frame orl_bsdf_frame(const struct orl_material *material, struct orl_vec3 normal)
 {
     struct orl_frame frame;
+    const struct orl_vec3 up = orl_bsdf_surface_of(material)->up;
     frame.n = normal;
-    frame.v = orl_normalize(orl_madd(material->up, normal, -orl_dot(material->up, normal)));
+    frame.v = orl_normalize(orl_madd(up, normal, -orl_dot(up, normal)));
     frame.u = orl_cross(frame.v, frame.n);
     return frame;
 }
@@ -35,13 +36,14 @@ struct added {
     struct orl_rgb reflected, transmitted;
 };
 
-static struct added added_to(const struct orl_material *material, bool front,
+static struct added added_to(const struct orl_bsdf_surface *surface, bool front,
                              enum orl_bsdf_side sides)
 {
+    const struct orl_diffuse_parts *const diffuse = &surface->diffuse;
     const struct orl_rgb none = orl_gray(0);
-    return (struct added){sides & ORL_BSDF_REFLECT ? (front ? material->front : material->back)
+    return (struct added){sides & ORL_BSDF_REFLECT ? (front ? diffuse->front : diffuse->back)
                                                    : none,
-                          sides & ORL_BSDF_TRANSMIT ? material->through : none};
+                          sides & ORL_BSDF_TRANSMIT ? diffuse->through : none};
 }
 
 static double added_luma(const struct added *added)
@@ -50,30 +52,30 @@ static double added_luma(const struct added *added)
 }
 
 /* Returns the divisor that keeps the albedo for light from that direction at most 1. */
-static double excess(const struct orl_material *material, struct orl_vec3 in)
+static double excess(const struct orl_bsdf_surface *surface, struct orl_vec3 in)
 {
-    const struct added a = added_to(material, in.z > 0, ORL_BSDF_BOTH);
+    const struct added a = added_to(surface, in.z > 0, ORL_BSDF_BOTH);
     const struct orl_rgb sum = orl_rgb_add(a.reflected, a.transmitted);
     if (!(orl_rgb_max(sum) > 0) ||
-        orl_rgb_max(sum) + orl_bsdf_max_albedo(material->bsdf, in.z > 0) <= 1)
+        orl_rgb_max(sum) + orl_bsdf_max_albedo(surface->bsdf, in.z > 0) <= 1)
         return 1;
     return fmax(1,
-                orl_rgb_max(orl_rgb_add(sum, orl_bsdf_albedo(material->bsdf, in, ORL_BSDF_BOTH))));
+                orl_rgb_max(orl_rgb_add(sum, orl_bsdf_albedo(surface->bsdf, in, ORL_BSDF_BOTH))));
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
 /* f without straight transmission; directions in the surface's frame. */
-static struct orl_rgb lobes_between(const struct orl_material *material, struct orl_vec3 in,
+static struct orl_rgb lobes_between(const struct orl_bsdf_surface *surface, struct orl_vec3 in,
                                     struct orl_vec3 out)
 {
-    const struct added a = added_to(material, in.z > 0, ORL_BSDF_BOTH);
-    struct orl_rgb f = orl_bsdf_eval(material->bsdf, in, out);
-    if (material->peak && orl_rgb_max(f) > 0)
-        f = orl_rgb_scale(f, 1 - orl_bsdf_straight_part(material->bsdf, in, out));
+    const struct added a = added_to(surface, in.z > 0, ORL_BSDF_BOTH);
+    struct orl_rgb f = orl_bsdf_eval(surface->bsdf, in, out);
+    if (surface->peak && orl_rgb_max(f) > 0)
+        f = orl_rgb_scale(f, 1 - orl_bsdf_straight_part(surface->bsdf, in, out));
     f = orl_rgb_add(
         f, orl_rgb_scale((in.z > 0) == (out.z > 0) ? a.reflected : a.transmitted, 1 / ORL_PI));
-    return orl_rgb_scale(f, 1 / excess(material, in));
+    return orl_rgb_scale(f, 1 / excess(surface, in));
 }
 
 struct orl_rgb orl_bsdf_surface_lobes(const struct orl_material *material,
@@ -81,44 +83,47 @@ struct orl_rgb orl_bsdf_surface_lobes(const struct orl_material *material,
                                       struct orl_vec3 eye)
 {
     const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
-    return lobes_between(material, orl_to_local(&frame, light), orl_to_local(&frame, eye));
+    return lobes_between(orl_bsdf_surface_of(material), orl_to_local(&frame, light),
+                         orl_to_local(&frame, eye));
 }
 
 struct orl_rgb orl_bsdf_surface_albedo(const struct orl_material *material,
                                        const struct orl_hit *hit, struct orl_vec3 light,
                                        enum orl_lobes lobes)
 {
+    const struct orl_bsdf_surface *const surface = orl_bsdf_surface_of(material);
     const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
     const struct orl_vec3 in = orl_to_local(&frame, light);
     const enum orl_bsdf_side sides = sides_of(lobes);
-    const struct added a = added_to(material, in.z > 0, sides);
+    const struct added a = added_to(surface, in.z > 0, sides);
     if (!sides)
         return orl_gray(0);
     return orl_rgb_scale(orl_rgb_add(orl_rgb_add(a.reflected, a.transmitted),
-                                     orl_bsdf_albedo(material->bsdf, in, sides)),
-                         1 / excess(material, in));
+                                     orl_bsdf_albedo(surface->bsdf, in, sides)),
+                         1 / excess(surface, in));
 }
 
 /* Straight transmittance of light from that direction; in the surface's frame. */
-static struct orl_rgb straight_from(const struct orl_material *material, struct orl_vec3 in)
+static struct orl_rgb straight_from(const struct orl_bsdf_surface *surface, struct orl_vec3 in)
 {
-    return orl_rgb_scale(orl_bsdf_straight(material->bsdf, in), 1 / excess(material, in));
+    return orl_rgb_scale(orl_bsdf_straight(surface->bsdf, in), 1 / excess(surface, in));
 }
 
 struct orl_rgb orl_bsdf_surface_straight(const struct orl_material *material,
                                          const struct orl_hit *hit, struct orl_vec3 eye)
 {
-    if (!material->peak)
+    const struct orl_bsdf_surface *const surface = orl_bsdf_surface_of(material);
+    if (!surface->peak)
         return orl_gray(0);
     const struct orl_frame frame = orl_bsdf_frame(material, hit->normal);
-    return straight_from(material, orl_neg(orl_to_local(&frame, eye)));
+    return straight_from(surface, orl_neg(orl_to_local(&frame, eye)));
 }
 
 /* ---- Sampling -------------------------------------------------------------------------------- */
 
 /* The arguments of a query in the surface's frame. */
 struct local {
-    const struct orl_material *material;
+    const struct orl_bsdf_surface *surface;
     struct orl_vec3 from;
     bool adjoint;
     enum orl_bsdf_side sides;
@@ -129,28 +134,28 @@ struct local {
 
 static struct local local_of(const struct orl_bsdf_query *query, const struct orl_frame *frame)
 {
-    struct local l = {.material = query->material,
+    struct local l = {.surface = orl_bsdf_surface_of(query->material),
                       .from = orl_to_local(frame, query->from),
                       .adjoint = query->transport == ORL_TRANSPORT_EYE,
                       .sides = sides_of(query->lobes)};
-    l.added = added_to(l.material, l.from.z > 0, l.sides);
+    l.added = added_to(l.surface, l.from.z > 0, l.sides);
     l.data = l.sides ? 1 : 0;
     if (l.sides && added_luma(&l.added) > 0)
-        l.data = orl_bsdf_total(l.material->bsdf, l.from, l.adjoint, l.sides);
+        l.data = orl_bsdf_total(l.surface->bsdf, l.from, l.adjoint, l.sides);
     l.sum = l.data + added_luma(&l.added);
     return l;
 }
 
 static double local_pdf(const struct local *l, struct orl_vec3 towards)
 {
-    const struct orl_bsdf *bsdf = l->material->bsdf;
+    const struct orl_bsdf *bsdf = l->surface->bsdf;
     const struct orl_rgb added =
         (towards.z > 0) == (l->from.z > 0) ? l->added.reflected : l->added.transmitted;
     double pdf = l->adjoint ? orl_bsdf_pdf_adjoint(bsdf, l->from, l->sides, towards)
                             : orl_bsdf_pdf(bsdf, l->from, l->sides, towards);
     if (!(l->sum > 0))
         return 0;
-    if (l->material->peak && pdf > 0)
+    if (l->surface->peak && pdf > 0)
         pdf *= 1 - (l->adjoint ? orl_bsdf_straight_part(bsdf, towards, l->from)
                                : orl_bsdf_straight_part(bsdf, l->from, towards));
     return (l->data * pdf + orl_luma(added) * fabs(towards.z) / ORL_PI) / l->sum;
@@ -177,7 +182,7 @@ static struct orl_vec3 sample_added(const struct local *l, double choice, const 
 static void scale_weight(const struct local *l, struct orl_bsdf_sample_result *sample)
 {
     const struct orl_vec3 in = l->adjoint ? sample->direction : l->from;
-    sample->weight = orl_rgb_scale(sample->weight, l->sum / l->data / excess(l->material, in));
+    sample->weight = orl_rgb_scale(sample->weight, l->sum / l->data / excess(l->surface, in));
 }
 
 /* Samples the data or the additions; false if nothing is scattered. */
@@ -186,11 +191,11 @@ static bool sample_local(const struct local *l, const double u[3],
 {
     const double choice = u[2] * l->sum, v[3] = {u[0], u[1], l->data > 0 ? choice / l->data : 0};
     const bool mixed = l->sum > l->data;
-    const struct orl_bsdf *bsdf = l->material->bsdf;
+    const struct orl_bsdf *bsdf = l->surface->bsdf;
     *ret = (struct orl_bsdf_sample_result){.straight = false};
     if (mixed && choice >= l->data)
         ret->direction = sample_added(l, choice - l->data, u);
-    else if (l->material->peak) {
+    else if (l->surface->peak) {
         if (!orl_bsdf_sample_split(bsdf, l->from, l->adjoint, l->sides, mixed ? v : u, ret))
             return false;
     } else if (!(l->adjoint ? orl_bsdf_sample_adjoint(bsdf, l->from, l->sides, mixed ? v : u,
@@ -205,7 +210,7 @@ static bool sample_local(const struct local *l, const double u[3],
     }
     const struct orl_vec3 in = l->adjoint ? ret->direction : l->from;
     const struct orl_vec3 out = l->adjoint ? l->from : ret->direction;
-    ret->weight = orl_rgb_scale(lobes_between(l->material, in, out),
+    ret->weight = orl_rgb_scale(lobes_between(l->surface, in, out),
                                 fabs(ret->direction.z) / local_pdf(l, ret->direction));
     return true;
 }
@@ -234,8 +239,11 @@ struct orl_surface_sample orl_bsdf_surface_sample(const struct orl_bsdf_query *q
 
 bool orl_bsdf_surface_is_data_only(const struct orl_material *m)
 {
-    return m->kind == ORL_MATERIAL_BSDF && !m->peak && !(orl_rgb_max(m->front) > 0) &&
-           !(orl_rgb_max(m->back) > 0) && !(orl_rgb_max(m->through) > 0);
+    if (m->kind != ORL_MATERIAL_BSDF)
+        return false;
+    const struct orl_bsdf_surface *const s = orl_bsdf_surface_of(m);
+    return !s->peak && !(orl_rgb_max(s->diffuse.front) > 0) &&
+           !(orl_rgb_max(s->diffuse.back) > 0) && !(orl_rgb_max(s->diffuse.through) > 0);
 }
 
 void orl_bsdf_surface_sample_many(const struct orl_bsdf_query *queries, const double (*u)[3],
@@ -253,7 +261,7 @@ void orl_bsdf_surface_sample_many(const struct orl_bsdf_query *queries, const do
         const double *numbers = u[which[i]];
         frames[i] = orl_bsdf_frame(query->material, query->hit->normal);
         locals[i] = local_of(query, &frames[i]);
-        asks[i] = (struct orl_bsdf_sample_request){query->material->bsdf,
+        asks[i] = (struct orl_bsdf_sample_request){locals[i].surface->bsdf,
                                                    locals[i].from,
                                                    locals[i].adjoint,
                                                    locals[i].sides,
@@ -290,9 +298,9 @@ int orl_sun_bsdf_table_new(const struct orl_material *material, struct orl_vec3 
     sun_bsdf_table->material = material;
     sun_bsdf_table->towards = towards;
     sun_bsdf_table->frame = orl_bsdf_frame(material, normal);
-    const int code =
-        orl_cone_table_new(material->bsdf, orl_to_local(&sun_bsdf_table->frame, towards),
-                           half_angle_rad, &sun_bsdf_table->cone_table);
+    const int code = orl_cone_table_new(orl_bsdf_surface_of(material)->bsdf,
+                                        orl_to_local(&sun_bsdf_table->frame, towards),
+                                        half_angle_rad, &sun_bsdf_table->cone_table);
     if (code < 0 || !sun_bsdf_table->cone_table) {
         free(sun_bsdf_table);
         return code;

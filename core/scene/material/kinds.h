@@ -31,10 +31,11 @@ static inline void orl_mixture_shares_at(const struct orl_material *material,
                                          const struct orl_hit *hit, struct orl_vec3 towards,
                                          double ret_shares[2])
 {
+    const struct orl_pattern *const share = orl_mixture_of(material)->share;
     ret_shares[0] = ret_shares[1] = 1;
-    if (!material->mix)
+    if (!share)
         return;
-    ret_shares[0] = orl_smaller(orl_pattern_towards(material->mix, hit, towards).r, 1);
+    ret_shares[0] = orl_smaller(orl_pattern_towards(share, hit, towards).r, 1);
     ret_shares[1] = 1 - ret_shares[0];
 }
 
@@ -43,14 +44,6 @@ static inline struct orl_rgb orl_glass_pattern_at(const struct orl_material *mat
                                                   const struct orl_hit *hit)
 {
     return orl_patterned(orl_gray(1), orl_pattern_at(material->pattern, hit));
-}
-
-/* Glass: returns the transmissivity (one pass at normal incidence), without the pattern. */
-static inline struct orl_rgb orl_transmissivity_at(const struct orl_material *material,
-                                                   const struct orl_hit *hit)
-{
-    (void)hit;
-    return material->transmissivity;
 }
 
 /*
@@ -121,7 +114,8 @@ struct orl_surface_sample orl_glass_sample(const struct orl_bsdf_query *query, c
 /* lamp.c: true if an illum transmits light (straight) at all. */
 static inline bool orl_illum_transmits(const struct orl_material *material)
 {
-    return material->kind == ORL_MATERIAL_ILLUM && orl_rgb_max(material->transmissivity) > 0;
+    return material->kind == ORL_MATERIAL_ILLUM &&
+           orl_rgb_max(orl_illum_of(material)->pane.transmissivity) > 0;
 }
 
 /* reflector.c: plastic, metal, trans. Diffuse and specular reflectance; diffuse transmittance

@@ -20,14 +20,14 @@ bool orl_material_is_lamp(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_LIGHT || material->kind == ORL_MATERIAL_SPOTLIGHT ||
            material->kind == ORL_MATERIAL_ILLUM ||
-           (material->kind == ORL_MATERIAL_GLOW && material->max_radius > 0);
+           (material->kind == ORL_MATERIAL_GLOW && orl_glow_of(material)->max_radius > 0);
 }
 
 static bool holds_glow(const struct orl_material *material)
 {
     if (material->kind == ORL_MATERIAL_MIXTURE)
         return orl_mixture_any(material, holds_glow);
-    return material->kind == ORL_MATERIAL_GLOW && material->max_radius >= 0;
+    return material->kind == ORL_MATERIAL_GLOW && orl_glow_of(material)->max_radius >= 0;
 }
 
 bool orl_material_glows(const struct orl_material *material)
@@ -37,21 +37,23 @@ bool orl_material_glows(const struct orl_material *material)
 
 bool orl_spotlight_covers(const struct orl_material *material, struct orl_vec3 towards)
 {
-    return material->kind != ORL_MATERIAL_SPOTLIGHT ||
-           orl_dot(towards, material->beam_axis) >= material->cos_cone;
+    if (material->kind != ORL_MATERIAL_SPOTLIGHT)
+        return true;
+    const struct orl_spotlight *const spot = orl_spotlight_of(material);
+    return orl_dot(towards, spot->beam_axis) >= spot->cos_cone;
 }
 
 static struct orl_rgb mixed_emission(const struct orl_material *material, const struct orl_hit *hit,
                                      struct orl_vec3 towards)
 {
+    const struct orl_material *const mixed = orl_mixture_of(material)->mixed;
     struct orl_rgb sum = orl_gray(0);
     double shares[2];
     orl_mixture_shares_at(material, hit, towards, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
             sum = orl_rgb_add(
-                sum,
-                orl_rgb_scale(orl_material_emission(&material->mixed[i], hit, towards), shares[i]));
+                sum, orl_rgb_scale(orl_material_emission(&mixed[i], hit, towards), shares[i]));
     return sum;
 }
 

@@ -11,13 +11,15 @@
 
 bool orl_mixture_is_directed(const struct orl_material *material)
 {
-    return material->mix && material->mix->directed;
+    const struct orl_pattern *const share = orl_mixture_of(material)->share;
+    return share && share->directed;
 }
 
 bool orl_mixture_any(const struct orl_material *material,
                      bool (*is)(const struct orl_material *material))
 {
-    return is(&material->mixed[0]) || is(&material->mixed[1]);
+    const struct orl_material *const mixed = orl_mixture_of(material)->mixed;
+    return is(&mixed[0]) || is(&mixed[1]);
 }
 
 enum part { DIFFUSE, STRAIGHT, MIRRORED, ALBEDO, LOBES };
@@ -52,14 +54,14 @@ static struct orl_rgb sum_of(const struct orl_mixture_callbacks *callbacks,
                              const struct orl_material *material, const struct orl_hit *hit,
                              const struct question *q)
 {
+    const struct orl_material *const mixed = orl_mixture_of(material)->mixed;
     double shares[2];
     struct orl_rgb sum = orl_gray(0);
     orl_mixture_shares_at(material, hit, q->eye, shares);
     for (int i = 0; i < 2; i++)
         if (shares[i] > 0)
             sum = orl_rgb_add(
-                sum,
-                orl_rgb_scale(query_material(callbacks, &material->mixed[i], hit, q), shares[i]));
+                sum, orl_rgb_scale(query_material(callbacks, &mixed[i], hit, q), shares[i]));
     return sum;
 }
 
@@ -147,7 +149,8 @@ static bool weigh_materials(const struct orl_mixture_callbacks *callbacks,
     for (int i = 0; i < 2; i++) {
         sent[i] = unknown ? (ret_shares[i] + 0.5) / 2 : ret_shares[i];
         if (sent[i] > 0)
-            sent[i] *= orl_luma(callbacks->albedo(&m->mixed[i], query->hit, query->from, within));
+            sent[i] *= orl_luma(
+                callbacks->albedo(&orl_mixture_of(m)->mixed[i], query->hit, query->from, within));
     }
     *ret_chance = sent[0] / (sent[0] + sent[1]);
     return sent[0] + sent[1] > 0;
@@ -165,8 +168,8 @@ struct orl_surface_sample orl_mixture_sample(const struct orl_mixture_callbacks 
     const double chance = which == 0 ? first : 1 - first;
     const double left = which == 0 ? u[2] / first : (u[2] - first) / (1 - first);
     const double rest[3] = {u[0], u[1], orl_smaller(left, 1 - 0x1p-53)};
-    struct orl_surface_sample s = callbacks->sample(&m->mixed[which], query->hit, query->from,
-                                                    query->transport, within, rest);
+    struct orl_surface_sample s = callbacks->sample(&orl_mixture_of(m)->mixed[which], query->hit,
+                                                    query->from, query->transport, within, rest);
     if (s.event == ORL_EVENT_ABSORBED)
         return s;
     const bool backwards = query->transport == ORL_TRANSPORT_EYE;
@@ -186,13 +189,14 @@ double orl_mixture_pdf(const struct orl_mixture_callbacks *callbacks,
                        const struct orl_bsdf_query *query, struct orl_vec3 towards)
 {
     const enum orl_lobes within = orl_mixture_lobes_within(query->material, query->lobes);
+    const struct orl_material *const mixed = orl_mixture_of(query->material)->mixed;
     double shares[2], first, sum = 0;
     if (!weigh_materials(callbacks, query, within, shares, &first))
         return 0;
     const double chances[2] = {first, 1 - first};
     for (int i = 0; i < 2; i++)
         if (chances[i] > 0)
-            sum += chances[i] * callbacks->pdf(&query->material->mixed[i], query->hit, query->from,
-                                               query->transport, within, towards);
+            sum += chances[i] * callbacks->pdf(&mixed[i], query->hit, query->from, query->transport,
+                                               within, towards);
     return sum;
 }

@@ -12,44 +12,46 @@ enum part { DIFFUSE, SPECULAR, SPREAD, STRAIGHT, PARTS };
 
 static bool is_rough(const struct orl_material *material)
 {
-    return material->roughness[0] > 0;
+    return orl_reflector_of(material)->roughness[0] > 0;
 }
 
 struct orl_rgb orl_reflector_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
-    const double share = 1.0 - material->specular;
-    if (material->diffuse_side != ORL_DIFFUSE_SIDE_BOTH &&
-        hit->front != (material->diffuse_side == ORL_DIFFUSE_SIDE_FRONT))
+    const struct orl_reflector *const reflector = orl_reflector_of(material);
+    const double share = 1.0 - reflector->shares.specular;
+    if (reflector->diffuse_side != ORL_DIFFUSE_SIDE_BOTH &&
+        hit->front != (reflector->diffuse_side == ORL_DIFFUSE_SIDE_FRONT))
         return orl_gray(0);
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_rgb_scale(orl_color_at(material, hit), share);
-    return orl_rgb_scale(orl_color_at(material, hit), share * (1 - material->transmitted));
+    return orl_rgb_scale(orl_color_at(material, hit), share * (1 - reflector->shares.transmitted));
 }
 
 struct orl_rgb orl_reflector_specular(const struct orl_material *material,
                                       const struct orl_hit *hit)
 {
+    const double specular = orl_reflector_of(material)->shares.specular;
     if (material->kind == ORL_MATERIAL_METAL)
-        return orl_rgb_scale(orl_color_at(material, hit), material->specular);
-    return orl_gray(material->specular);
+        return orl_rgb_scale(orl_color_at(material, hit), specular);
+    return orl_gray(specular);
 }
 
 struct orl_rgb orl_trans_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_gray(0);
-    return orl_rgb_scale(orl_color_at(material, hit), (1 - material->specular) *
-                                                          material->transmitted *
-                                                          (1 - material->transmitted_specular));
+    const struct orl_reflector_shares *const shares = &orl_reflector_of(material)->shares;
+    return orl_rgb_scale(orl_color_at(material, hit), (1 - shares->specular) * shares->transmitted *
+                                                          (1 - shares->transmitted_specular));
 }
 
 struct orl_rgb orl_trans_straight(const struct orl_material *material, const struct orl_hit *hit)
 {
     if (material->kind != ORL_MATERIAL_TRANS)
         return orl_gray(0);
-    return orl_rgb_scale(orl_color_at(material, hit), (1 - material->specular) *
-                                                          material->transmitted *
-                                                          material->transmitted_specular);
+    const struct orl_reflector_shares *const shares = &orl_reflector_of(material)->shares;
+    return orl_rgb_scale(orl_color_at(material, hit), (1 - shares->specular) * shares->transmitted *
+                                                          shares->transmitted_specular);
 }
 
 /* Returns the weights of the allowed lobes, and their luminances, by which one is chosen. */
@@ -129,7 +131,7 @@ static double sample_part(struct orl_surface_sample *s, enum part part,
 bool orl_reflector_is_matt(const struct orl_bsdf_query *query)
 {
     return orl_material_is_matt(query->material) && query->lobes & ORL_LOBE_DIFFUSE &&
-           query->material->diffuse_side == ORL_DIFFUSE_SIDE_BOTH &&
+           orl_reflector_of(query->material)->diffuse_side == ORL_DIFFUSE_SIDE_BOTH &&
            orl_luma(orl_color_at(query->material, query->hit)) > 0;
 }
 

@@ -2,12 +2,6 @@
 
 #include "scene/material/kinds.h"
 
-static bool is_reflector(const struct orl_material *material)
-{
-    return material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL ||
-           material->kind == ORL_MATERIAL_TRANS;
-}
-
 static bool is_mixture(const struct orl_material *material)
 {
     return material->kind == ORL_MATERIAL_MIXTURE;
@@ -43,7 +37,7 @@ bool orl_material_is_window(const struct orl_material *material)
 
 struct orl_rgb orl_material_diffuse(const struct orl_material *material, const struct orl_hit *hit)
 {
-    if (is_reflector(material))
+    if (orl_material_is_reflector(material))
         return orl_reflector_diffuse(material, hit);
     if (is_mixture(material))
         return orl_mixture_diffuse(&callbacks, material, hit);
@@ -61,7 +55,7 @@ bool orl_material_has_lobes(const struct orl_material *material)
     case ORL_MATERIAL_TRANS:
         return orl_reflector_has_lobes(material);
     case ORL_MATERIAL_ASHIKHMIN:
-        return orl_rgb_max(material->gloss) > 0;
+        return orl_rgb_max(orl_ashikhmin_of(material)->gloss) > 0;
     case ORL_MATERIAL_FUNCTION_LOBES:
         return orl_function_lobes_has_lobes(material);
     case ORL_MATERIAL_GLAZING:
@@ -82,8 +76,8 @@ bool orl_material_transmits_lobes(const struct orl_material *material)
         return orl_function_lobes_transmits(material);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_transmits_lobes(material);
-    return is_reflector(material) ? orl_reflector_transmits_lobes(material)
-                                  : material->kind == ORL_MATERIAL_BSDF;
+    return orl_material_is_reflector(material) ? orl_reflector_transmits_lobes(material)
+                                               : material->kind == ORL_MATERIAL_BSDF;
 }
 
 struct orl_rgb orl_material_straight(const struct orl_material *material, const struct orl_hit *hit,
@@ -91,7 +85,7 @@ struct orl_rgb orl_material_straight(const struct orl_material *material, const 
 {
     if (material->kind == ORL_MATERIAL_GLASS || orl_illum_transmits(material))
         return orl_glass_transmittance(material, hit, orl_cosine_at(material, hit, from));
-    if (material->kind == ORL_MATERIAL_TRANS && !(material->roughness[0] > 0))
+    if (material->kind == ORL_MATERIAL_TRANS && !(orl_reflector_of(material)->roughness[0] > 0))
         return orl_trans_straight(material, hit);
     if (material->kind == ORL_MATERIAL_GLAZING)
         return orl_glazing_straight(material, hit, from);
@@ -112,7 +106,7 @@ struct orl_rgb orl_material_mirrored(const struct orl_material *material, const 
         return orl_mirror_reflectance(material, hit, from);
     if (material->kind == ORL_MATERIAL_DIELECTRIC)
         return orl_gray(orl_dielectric_reflectance(material, hit, from));
-    if (is_reflector(material) && !(material->roughness[0] > 0))
+    if (orl_material_is_reflector(material) && !(orl_reflector_of(material)->roughness[0] > 0))
         return orl_reflector_specular(material, hit);
     return is_mixture(material) ? orl_mixture_mirrored(&callbacks, material, hit, from)
                                 : orl_gray(0);
@@ -160,9 +154,9 @@ struct orl_rgb orl_material_albedo(const struct orl_material *material, const st
     if (lobes & ORL_LOBE_DIFFUSE)
         sum = orl_rgb_add(sum, orl_material_diffuse(material, hit));
     if (lobes & ORL_LOBE_REFLECTED)
-        sum =
-            orl_rgb_add(sum, is_reflector(material) ? orl_reflector_specular(material, hit)
-                                                    : orl_material_mirrored(material, hit, light));
+        sum = orl_rgb_add(sum, orl_material_is_reflector(material)
+                                   ? orl_reflector_specular(material, hit)
+                                   : orl_material_mirrored(material, hit, light));
     if (lobes & ORL_LOBE_REFLECTED && material->kind == ORL_MATERIAL_ASHIKHMIN)
         sum = orl_rgb_add(sum, orl_ashikhmin_gloss(material, hit, light));
     if (lobes & ORL_LOBE_TRANSMITTED)
@@ -274,7 +268,7 @@ double orl_material_pdf(const struct orl_material *material, const struct orl_hi
                         struct orl_vec3 towards)
 {
     const struct orl_bsdf_query query = {material, hit, from, transport, lobes};
-    if (is_reflector(material))
+    if (orl_material_is_reflector(material))
         return orl_reflector_pdf(&query, towards);
     if (material->kind == ORL_MATERIAL_ASHIKHMIN)
         return orl_ashikhmin_pdf(&query, towards);
@@ -293,7 +287,7 @@ struct orl_rgb orl_material_eval_lobes(const struct orl_material *material,
 {
     if (material->kind == ORL_MATERIAL_BSDF)
         return orl_bsdf_surface_lobes(material, hit, light, eye);
-    if (is_reflector(material))
+    if (orl_material_is_reflector(material))
         return orl_reflector_lobes(material, hit, light, eye);
     if (material->kind == ORL_MATERIAL_ASHIKHMIN)
         return orl_ashikhmin_lobes(material, hit, light, eye);

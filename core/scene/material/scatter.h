@@ -145,7 +145,7 @@ struct orl_rgb orl_material_diffuse(const struct orl_material *material, const s
 static inline bool orl_material_is_matt(const struct orl_material *material)
 {
     return (material->kind == ORL_MATERIAL_PLASTIC || material->kind == ORL_MATERIAL_METAL) &&
-           material->specular == 0;
+           orl_reflector_of(material)->shares.specular == 0;
 }
 
 /* Return true if orl_material_eval_lobes may be non-zero: on any side, or in transmission. */
@@ -258,7 +258,7 @@ static inline double orl_spotlight_falloff(double focus, double distance)
 
 /*
  * Returns the radiance emitted at a hit towards a direction (lights emit from their front). This
- * includes illums; views evaluate orl_material.seen_as first.
+ * includes illums; views evaluate orl_material_seen_as first.
  */
 struct orl_rgb orl_material_emission(const struct orl_material *material, const struct orl_hit *hit,
                                      struct orl_vec3 towards);

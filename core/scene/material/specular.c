@@ -21,14 +21,20 @@ static struct surface surface_of(double numerator, double denominator, double pr
     return (struct surface){r * r, 4 * product / (denominator * denominator)};
 }
 
-static struct pane pane_at(const struct orl_material *material, const struct orl_hit *hit,
-                           double cosine)
+/* Returns the glass of a pane, or that behind which an illum lets light pass. */
+static const struct orl_glass *glass_of(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_ILLUM ? &orl_illum_of(material)->pane
+                                                : orl_glass_of(material);
+}
+
+static struct pane pane_at(const struct orl_glass *glass, double cosine)
 {
     /* Clamps the cosine above 0: glass of index 1 would divide 0 by 0. */
-    const double n = material->ior, c = orl_smaller(orl_larger(fabs(cosine), 1e-150), 1);
+    const double n = glass->ior, c = orl_smaller(orl_larger(fabs(cosine), 1e-150), 1);
     const double inside = sqrt((n - 1) * (n + 1) + c * c) / n;
     const double path = 1 / inside; /* path length relative to normal incidence */
-    const struct orl_rgb t = orl_transmissivity_at(material, hit);
+    const struct orl_rgb t = glass->transmissivity;
     struct pane pane = {surface_of(n * c - inside, n * c + inside, n * c * inside),
                         surface_of(c - n * inside, c + n * inside, n * c * inside),
                         orl_gray(pow(t.r, path))};
@@ -73,7 +79,7 @@ static inline struct orl_rgb pane_share(const struct pane *pane,
 struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
                                        const struct orl_hit *hit, double cosine)
 {
-    const struct pane pane = pane_at(material, hit, cosine);
+    const struct pane pane = pane_at(glass_of(material), cosine);
     const struct orl_rgb through = pane_share(&pane, pane_transmittance);
     /* An illum's pattern applies to its emission, not to its transmission. */
     return material->pattern && material->kind == ORL_MATERIAL_GLASS
@@ -84,13 +90,14 @@ struct orl_rgb orl_glass_transmittance(const struct orl_material *material,
 struct orl_rgb orl_glass_reflectance(const struct orl_material *material, const struct orl_hit *hit,
                                      double cosine)
 {
-    const struct pane pane = pane_at(material, hit, cosine);
+    (void)hit;
+    const struct pane pane = pane_at(orl_glass_of(material), cosine);
     return pane_share(&pane, pane_reflectance);
 }
 
 struct orl_surface_sample orl_glass_sample(const struct orl_bsdf_query *query, const double u[3])
 {
-    const struct pane pane = pane_at(query->material, query->hit,
+    const struct pane pane = pane_at(orl_glass_of(query->material),
                                      orl_cosine_at(query->material, query->hit, query->from));
     struct orl_surface_sample s = {.event = ORL_EVENT_ABSORBED};
     struct orl_rgb through =
@@ -119,7 +126,7 @@ struct orl_surface_sample orl_glass_sample(const struct orl_bsdf_query *query, c
 
 static const struct orl_medium *medium(const struct orl_material *material, bool front)
 {
-    return &material->media[front ? 1 : 0];
+    return &orl_interface_of(material)->media[front ? 1 : 0];
 }
 
 /* Reflection and refraction of one direction at the surface. */

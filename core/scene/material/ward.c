@@ -15,9 +15,10 @@ static double rough_by(double factor, double roughness)
 struct orl_ward orl_ward_at(const struct orl_material *material, const struct orl_hit *hit,
                             struct orl_vec3 normal)
 {
-    double along = material->roughness[0], across = material->roughness[1];
-    if (material->roughness_pattern) {
-        const struct orl_rgb factors = orl_pattern_at(material->roughness_pattern, hit);
+    const struct orl_reflector *const reflector = orl_reflector_of(material);
+    double along = reflector->roughness[0], across = reflector->roughness[1];
+    if (reflector->roughness_pattern) {
+        const struct orl_rgb factors = orl_pattern_at(reflector->roughness_pattern, hit);
         along = rough_by(factors.r, along);
         across = rough_by(factors.g, across);
     }
@@ -25,9 +26,9 @@ struct orl_ward orl_ward_at(const struct orl_material *material, const struct or
         .normal = normal, .along = along, .across = across, .isotropic = along == across};
     if (ward.isotropic)
         return ward;
-    const struct orl_vec3 flat =
-        orl_madd(material->anisotropy_axis, normal, -orl_dot(material->anisotropy_axis, normal));
-    if (!(orl_length(flat) > 1e-9 * orl_length(material->anisotropy_axis))) {
+    const struct orl_vec3 axis = reflector->anisotropy_axis;
+    const struct orl_vec3 flat = orl_madd(axis, normal, -orl_dot(axis, normal));
+    if (!(orl_length(flat) > 1e-9 * orl_length(axis))) {
         ward.along = ward.across = sqrt(0.5 * (along * along + across * across));
         ward.isotropic = true;
         return ward;

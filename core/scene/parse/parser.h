@@ -128,9 +128,6 @@ int orl_parser_compiled(struct orl_parser *parser, const struct orl_scope *scope
 int orl_parser_define_refused(struct orl_parser *parser, const char *name,
                               const struct orl_error *refused, struct orl_error *err);
 
-/* material_table.c: returns true if they are equal except for their names. */
-bool orl_material_same(const struct orl_material *a, const struct orl_material *b);
-
 /* material_table.c: adds a material; takes its BSDF reference, also on failure. Returns 0 or
  * ORL_ERR_NOMEM. */
 int orl_parser_add_material(struct orl_parser *parser, const char *name,

@@ -348,11 +348,12 @@ static int check_up(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_material *material = parser->out->materials + surface->material;
     if (!orl_bsdf_up_is_undefined(material, surface))
         return 0;
+    const struct orl_vec3 up = orl_bsdf_surface_of(material)->up;
     return orl_parser_refuse(
         parser, scope, err, ORL_ERR_RANGE,
         "tilt it a little, for example 0.01 0.01 1, or give the direction that is up in the pane",
-        "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal",
-        material->up.x, material->up.y, material->up.z, material->name);
+        "the up vector (%g %g %g) of BSDF '%.100s' is parallel to the surface's normal", up.x, up.y,
+        up.z, material->name);
 }
 
 static int keep_surface(struct orl_parser *parser, const struct orl_scope *scope,

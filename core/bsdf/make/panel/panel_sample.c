@@ -114,7 +114,7 @@ static bool scatters_by_normal(const struct orl_material *m)
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
-        if (m->roughness[0] != m->roughness[1])
+        if (orl_reflector_of(m)->roughness[0] != orl_reflector_of(m)->roughness[1])
             return false;
         break;
     case ORL_MATERIAL_GLASS:
@@ -124,7 +124,7 @@ static bool scatters_by_normal(const struct orl_material *m)
     default:
         return false;
     }
-    return !m->pattern && !m->texture && !m->roughness_pattern;
+    return !m->pattern && !m->texture && !orl_material_roughness_pattern(m);
 }
 
 static struct orl_vec3 image_of(struct orl_vec3 v, unsigned axis)

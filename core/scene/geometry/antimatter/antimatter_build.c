@@ -114,14 +114,14 @@ static int check_closed(const struct orl_hole *hole, const struct orl_parsed_sce
 static int build_hole(struct orl_geometry *g, const struct orl_parsed_scene *d, uint32_t material,
                       bool *keep, struct orl_hole *hole, struct orl_error *err)
 {
-    const struct orl_material *const m = &d->materials[material];
+    const struct orl_antimatter *const antimatter = orl_antimatter_of(&d->materials[material]);
     hole->material = material;
-    hole->has_lining = m->lining >= 0;
+    hole->has_lining = antimatter->lining >= 0;
     hole->cuts = calloc(d->n_materials + 1, sizeof *hole->cuts);
     if (!hole->cuts)
         return ORL_ERR_NOMEM;
-    for (size_t i = 0; i < m->n_cut; i++)
-        hole->cuts[m->cut[i]] = true;
+    for (size_t i = 0; i < antimatter->n_cut; i++)
+        hole->cuts[antimatter->cut[i]] = true;
     for (size_t i = 0; i < d->n_materials; i++)
         hole->cuts[i] = hole->cuts[orl_material_origin(&d->materials[i], (uint32_t)i)];
     for (size_t i = 0; i < g->n_facets; i++)
@@ -162,7 +162,8 @@ static void assign_facets(struct orl_geometry *g, const struct orl_parsed_scene 
             if (materials[k] == own) {
                 holes->of_facet[i] = (int32_t)k;
                 if (holes->items[k].has_lining)
-                    orl_facet_set_material(g, i, (uint32_t)d->materials[own].lining);
+                    orl_facet_set_material(g, i,
+                                           (uint32_t)orl_antimatter_of(&d->materials[own])->lining);
                 break;
             }
         }

@@ -4,47 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Materials ------------------------------------------------------------------------------- */
-
-static bool same_rgb(struct orl_rgb a, struct orl_rgb b)
-{
-    return a.r == b.r && a.g == b.g && a.b == b.b;
-}
-
-static bool same_media(const struct orl_material *a, const struct orl_material *b)
-{
-    bool same = true;
-    for (int i = 0; i < 2; i++)
-        same = same && a->media[i].ior == b->media[i].ior &&
-               same_rgb(a->media[i].transmissivity, b->media[i].transmissivity);
-    return same;
-}
-
-/* Returns true if two materials scatter light alike; their names may differ. */
-static bool materials_alike(const struct orl_material *a, const struct orl_material *b)
-{
-    return a == b ||
-           (a->kind == b->kind && same_rgb(a->color, b->color) && a->specular == b->specular &&
-            a->roughness[0] == b->roughness[0] && a->roughness[1] == b->roughness[1] &&
-            same_rgb(a->extinction, b->extinction) && same_rgb(a->scattering, b->scattering) &&
-            a->asymmetry == b->asymmetry && a->roughness_pattern == b->roughness_pattern &&
-            a->diffuse_side == b->diffuse_side &&
-            orl_equal(a->anisotropy_axis, b->anisotropy_axis) && same_rgb(a->gloss, b->gloss) &&
-            a->power[0] == b->power[0] && a->power[1] == b->power[1] && a->angles == b->angles &&
-            a->transmitted == b->transmitted &&
-            a->transmitted_specular == b->transmitted_specular &&
-            same_rgb(a->transmissivity, b->transmissivity) && a->ior == b->ior &&
-            same_media(a, b) && a->max_radius == b->max_radius && a->bsdf == b->bsdf &&
-            a->thickness == b->thickness && orl_equal(a->up, b->up) && a->peak == b->peak &&
-            same_rgb(a->front, b->front) && same_rgb(a->back, b->back) &&
-            same_rgb(a->through, b->through) && orl_equal(a->beam_axis, b->beam_axis) &&
-            a->cos_cone == b->cos_cone && a->focus == b->focus && a->seen_as == b->seen_as &&
-            a->sky == b->sky && a->pattern == b->pattern && a->texture == b->texture &&
-            a->mix == b->mix && !a->mixed == !b->mixed &&
-            (!a->mixed || (materials_alike(&a->mixed[0], &b->mixed[0]) &&
-                           materials_alike(&a->mixed[1], &b->mixed[1]))));
-}
-
 /* ---- Order ----------------------------------------------------------------------------------- */
 
 int orl_coincidence_class(const struct orl_material *m)
@@ -57,13 +16,14 @@ int orl_coincidence_class(const struct orl_material *m)
     case ORL_MATERIAL_PRISM:
         return 1;
     case ORL_MATERIAL_FUNCTION_LOBES:
-        return m->transmitted > 0 ? 1 : 2;
+        return orl_function_lobes_of(m)->shares.transmitted > 0 ? 1 : 2;
     case ORL_MATERIAL_MIXTURE:
-        return orl_coincidence_class(&m->mixed[0]) < 2 || orl_coincidence_class(&m->mixed[1]) < 2
+        return orl_coincidence_class(&orl_mixture_of(m)->mixed[0]) < 2 ||
+                       orl_coincidence_class(&orl_mixture_of(m)->mixed[1]) < 2
                    ? 1
                    : 2;
     case ORL_MATERIAL_BSDF:
-        return m->peak ? 1 : 2;
+        return orl_bsdf_surface_of(m)->peak ? 1 : 2;
     default:
         return 2;
     }
@@ -86,7 +46,8 @@ int orl_coincidence_compare(const struct orl_parsed_scene *d, const struct orl_s
 bool orl_material_is_two_sided(const struct orl_material *m)
 {
     if (m->kind == ORL_MATERIAL_MIXTURE)
-        return orl_material_is_two_sided(&m->mixed[0]) && orl_material_is_two_sided(&m->mixed[1]);
+        return orl_material_is_two_sided(&orl_mixture_of(m)->mixed[0]) &&
+               orl_material_is_two_sided(&orl_mixture_of(m)->mixed[1]);
     return m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL ||
            m->kind == ORL_MATERIAL_TRANS || m->kind == ORL_MATERIAL_GLASS ||
            m->kind == ORL_MATERIAL_ASHIKHMIN || m->kind == ORL_MATERIAL_FUNCTION_LOBES;
@@ -95,12 +56,12 @@ bool orl_material_is_two_sided(const struct orl_material *m)
 bool orl_surfaces_alike(const struct orl_parsed_scene *d, const struct orl_surface *a,
                         const struct orl_surface *b)
 {
-    return materials_alike(&d->materials[a->material], &d->materials[b->material]);
+    return orl_material_same(&d->materials[a->material], &d->materials[b->material]);
 }
 
 bool orl_surface_is_proxy(const struct orl_parsed_scene *d, const struct orl_surface *s)
 {
-    return d->materials[s->material].thickness != 0;
+    return orl_material_thickness(&d->materials[s->material]) != 0;
 }
 
 bool orl_surface_is_hole(const struct orl_parsed_scene *d, const struct orl_surface *s)
@@ -131,7 +92,8 @@ static void copy_name(const struct orl_surface *s, char ret_name[200])
 
 static bool is_pane(const struct orl_material *m)
 {
-    return orl_coincidence_class(m) == 1 || (m->kind == ORL_MATERIAL_BSDF && m->thickness == 0);
+    return orl_coincidence_class(m) == 1 ||
+           (m->kind == ORL_MATERIAL_BSDF && orl_material_thickness(m) == 0);
 }
 
 static double distance_between(const struct orl_surface *a, const struct orl_surface *b)

@@ -142,9 +142,13 @@ static enum lot lot_of(const struct orl_parsed_scene *d, const struct orl_surfac
 static bool *list_cut(const struct orl_parsed_scene *d)
 {
     bool *const cut = calloc(d->n_materials + 1, sizeof *cut);
-    for (size_t i = 0; cut && i < d->n_materials; i++)
-        for (size_t k = 0; k < d->materials[i].n_cut; k++)
-            cut[d->materials[i].cut[k]] = true;
+    for (size_t i = 0; cut && i < d->n_materials; i++) {
+        if (d->materials[i].kind != ORL_MATERIAL_ANTIMATTER)
+            continue;
+        const struct orl_antimatter *const antimatter = orl_antimatter_of(&d->materials[i]);
+        for (size_t k = 0; k < antimatter->n_cut; k++)
+            cut[antimatter->cut[k]] = true;
+    }
     for (size_t i = 0; cut && i < d->n_materials; i++)
         cut[i] = cut[orl_material_origin(&d->materials[i], (uint32_t)i)];
     return cut;

@@ -8,6 +8,7 @@
 #include <oriel/base/thread_pool.h>
 
 #include "function/function.h"
+#include "scene/material/kinds.h"
 #include "scene/material/patterns/pattern.h"
 
 enum { PLACES = 2, MOST_LOBE_TABLES = 2 };
@@ -39,26 +40,27 @@ static void warn(struct orl_parsed_scene *d, const struct orl_pattern *pattern, 
 static int judge_prism(struct orl_parsed_scene *d, const struct orl_material *m,
                        const struct orl_prism_statistics *f, struct orl_error *err)
 {
+    const struct orl_pattern *const rays = orl_prism_of(m)->rays;
     const double irreversible = f->all > 0 ? f->irreversible / f->all : 0;
     if (f->max_seen > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE,
                       "it transmits %.3g of the incident light, which is more than 1", f->max_seen);
-        return refuse_pattern(m->prism_rays, err);
+        return refuse_pattern(rays, err);
     }
     if (irreversible > most_one_way) {
         orl_error_set(err, ORL_ERR_UNSUPPORTED,
                       "its functions are not reversible: %.3g %% of the light would not return "
                       "along the path by which it came",
                       100 * irreversible);
-        return refuse_pattern(m->prism_rays, err);
+        return refuse_pattern(rays, err);
     }
     if (irreversible > least_one_way)
         warn(
-            d, m->prism_rays,
+            d, rays,
             "is not reversible; the part of its light that cannot return along its path is ignored",
             100 * irreversible);
     if (f->max_sent > 1 + slack)
-        warn(d, m->prism_rays,
+        warn(d, rays,
              "widens beams without dimming them; largest ratio of outgoing to incident light",
              100 * f->max_sent);
     return 0;
@@ -67,22 +69,23 @@ static int judge_prism(struct orl_parsed_scene *d, const struct orl_material *m,
 static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
                        const struct orl_lobe_statistics *f, struct orl_error *err)
 {
+    struct orl_pattern *const lobes = orl_function_lobes_of(m)->functions;
     const double coarse_error = f->all > 0 ? f->coarse_error / f->all : 0;
     for (int i = 0; i < 2; i++)
-        m->lobes->integrals[i] = f->integrals[i] / (double)f->n_directions;
-    m->lobes->narrow = coarse_error > narrow;
-    m->lobes->opaque = !(f->integrals[1] > 0);
+        lobes->integrals[i] = f->integrals[i] / (double)f->n_directions;
+    lobes->narrow = coarse_error > narrow;
+    lobes->opaque = !(f->integrals[1] > 0);
     if (f->max_steep > 1 + slack) {
         orl_error_set(err, ORL_ERR_RANGE,
                       "it scatters up to %.3g of the incident light, which is more than 1",
                       f->max_steep);
-        return refuse_pattern(m->lobes, err);
+        return refuse_pattern(lobes, err);
     }
     if (f->maximum > 1 + slack)
-        warn(d, m->lobes, "scatters more light than it receives at grazing angles; maximum",
+        warn(d, lobes, "scatters more light than it receives at grazing angles; maximum",
              100 * f->maximum);
-    if (m->lobes->narrow)
-        warn(d, m->lobes,
+    if (lobes->narrow)
+        warn(d, lobes,
              "has lobes too narrow to sample reliably: results are noisy, and an accuracy goal "
              "cannot be met; affected share of its light",
              100 * coarse_error);
@@ -94,7 +97,7 @@ static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
 static int make_tables(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
 {
     const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
-    struct orl_pattern *const lobes = m->lobes;
+    struct orl_pattern *const lobes = orl_function_lobes_of(m)->functions;
     struct orl_facet own;
     const struct orl_facet *const f = orl_facet_get_own(g, facet, &own);
     const uint64_t inputs = orl_function_inputs(lobes->function) |
@@ -164,8 +167,14 @@ static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
  * */
 static bool is_sum(const struct orl_material *m)
 {
-    return m->mixed && !m->mix && (!m->mixed[0].mixed || is_sum(&m->mixed[0])) &&
-           (!m->mixed[1].mixed || is_sum(&m->mixed[1]));
+    if (m->kind != ORL_MATERIAL_MIXTURE || orl_mixture_of(m)->share)
+        return false;
+    for (int i = 0; i < 2; i++) {
+        const struct orl_material *const term = &orl_mixture_of(m)->mixed[i];
+        if (term->kind == ORL_MATERIAL_MIXTURE && !is_sum(term))
+            return false;
+    }
+    return true;
 }
 
 /* Albedo of the other terms of a sum for light from that direction. */
@@ -218,8 +227,9 @@ static int judge_sum(struct orl_parsed_scene *d, const struct orl_geometry *g,
 
 static bool has_function_brdf(const struct orl_material *m)
 {
-    return m->kind == ORL_MATERIAL_PRISM || m->kind == ORL_MATERIAL_FUNCTION_LOBES ||
-           (m->mixed && (has_function_brdf(&m->mixed[0]) || has_function_brdf(&m->mixed[1])));
+    if (m->kind == ORL_MATERIAL_MIXTURE)
+        return orl_mixture_any(m, has_function_brdf);
+    return m->kind == ORL_MATERIAL_PRISM || m->kind == ORL_MATERIAL_FUNCTION_LOBES;
 }
 
 /* Tests a material, or a term of a sum. */
@@ -227,10 +237,11 @@ static int test_material(struct orl_parsed_scene *d, const struct orl_geometry *
                          const struct orl_material *whole, const struct orl_material *m,
                          const struct sample *sample, struct orl_error *err)
 {
+    const struct orl_material *const mixed = orl_material_mixed(m);
     struct orl_hit hits[PLACES];
     int code = 0;
-    for (int i = 0; i < 2 && code == 0 && m->mixed; i++)
-        code = test_material(d, g, whole, &m->mixed[i], sample, err);
+    for (int i = 0; mixed && i < 2 && code == 0; i++)
+        code = test_material(d, g, whole, &mixed[i], sample, err);
     const bool sum = m == whole && is_sum(m) && !has_function_brdf(m);
     if (code < 0 ||
         (m->kind != ORL_MATERIAL_PRISM && m->kind != ORL_MATERIAL_FUNCTION_LOBES && !sum))

@@ -32,18 +32,21 @@ struct scale {
 
 static struct scale scale_of(const struct orl_material *m, const struct orl_hit *hit, bool through)
 {
-    const double rest = 1 - m->specular;
-    if (m->is_whole_bsdf)
+    const struct orl_function_lobes *const lobes = orl_function_lobes_of(m);
+    const struct orl_reflector_shares *const shares = &lobes->shares;
+    const double rest = 1 - shares->specular;
+    if (lobes->is_whole_bsdf)
         return (struct scale){orl_gray(1), orl_gray(0)};
     if (!through)
-        return (struct scale){m->tints_lobes ? orl_rgb_scale(orl_color_at(m, hit), m->specular)
-                                             : orl_gray(m->specular),
+        return (struct scale){lobes->tints_lobes
+                                  ? orl_rgb_scale(orl_color_at(m, hit), shares->specular)
+                                  : orl_gray(shares->specular),
                               orl_gray(0)};
-    if (!(m->transmitted > 0))
+    if (!(shares->transmitted > 0))
         return (struct scale){orl_gray(0), orl_gray(0)};
-    const struct orl_rgb let = orl_rgb_scale(orl_color_at(m, hit), rest * m->transmitted);
-    return (struct scale){orl_rgb_scale(let, m->transmitted_specular),
-                          orl_rgb_scale(let, (1 - m->transmitted_specular) / ORL_PI)};
+    const struct orl_rgb let = orl_rgb_scale(orl_color_at(m, hit), rest * shares->transmitted);
+    return (struct scale){orl_rgb_scale(let, shares->transmitted_specular),
+                          orl_rgb_scale(let, (1 - shares->transmitted_specular) / ORL_PI)};
 }
 
 static bool is_nothing(const struct scale *scale)
@@ -54,20 +57,24 @@ static bool is_nothing(const struct scale *scale)
 struct orl_rgb orl_function_lobes_diffuse(const struct orl_material *material,
                                           const struct orl_hit *hit)
 {
+    const struct orl_reflector_shares *const shares = &orl_function_lobes_of(material)->shares;
     return orl_rgb_scale(orl_color_at(material, hit),
-                         (1 - material->specular) * (1 - material->transmitted));
+                         (1 - shares->specular) * (1 - shares->transmitted));
 }
 
 bool orl_function_lobes_transmits(const struct orl_material *material)
 {
-    if (material->is_whole_bsdf)
-        return !material->lobes->opaque;
-    return material->transmitted > 0 && material->specular < 1 && orl_rgb_max(material->color) > 0;
+    const struct orl_function_lobes *const lobes = orl_function_lobes_of(material);
+    if (lobes->is_whole_bsdf)
+        return !lobes->functions->opaque;
+    return lobes->shares.transmitted > 0 && lobes->shares.specular < 1 &&
+           orl_rgb_max(material->color) > 0;
 }
 
 bool orl_function_lobes_has_lobes(const struct orl_material *material)
 {
-    return material->specular > 0 || orl_function_lobes_transmits(material);
+    return orl_function_lobes_of(material)->shares.specular > 0 ||
+           orl_function_lobes_transmits(material);
 }
 
 /* ---- Values -----------------------------------------------------------------------------------
@@ -78,7 +85,8 @@ static void values_of(const struct orl_material *m, const struct orl_hit *hit,
                       struct orl_rgb *ret_f)
 {
     if (orl_rgb_max(scale->times) > 0)
-        orl_function_brdf_eval(m->lobes, hit, orl_color_at(m, hit), pairs, n, ret_f);
+        orl_function_brdf_eval(orl_function_lobes_of(m)->functions, hit, orl_color_at(m, hit),
+                               pairs, n, ret_f);
     for (size_t i = 0; i < n; i++)
         ret_f[i] = orl_rgb_max(scale->times) > 0
                        ? orl_rgb_add(orl_rgb_mul(scale->times, ret_f[i]), scale->plus)
@@ -118,6 +126,7 @@ static void look_around(const struct orl_material *m, const struct orl_hit *hit,
                         int side, struct orl_rgb *ret_values)
 {
     const struct orl_frame frame = orl_frame_about(axis);
+    const struct orl_pattern *const functions = orl_function_lobes_of(m)->functions;
     const struct orl_rgb color = orl_color_at(m, hit);
     for (int first = 0; first < side * side; first += ORL_LOBE_PAIRS_MAX) {
         struct orl_lobe_pair pairs[ORL_LOBE_PAIRS_MAX];
@@ -128,7 +137,8 @@ static void look_around(const struct orl_material *m, const struct orl_hit *hit,
             pairs[i] = transport == ORL_TRANSPORT_EYE ? (struct orl_lobe_pair){d, from}
                                                       : (struct orl_lobe_pair){from, d};
         }
-        orl_function_brdf_eval(m->lobes, hit, color, pairs, ORL_LOBE_PAIRS_MAX, ret_values + first);
+        orl_function_brdf_eval(functions, hit, color, pairs, ORL_LOBE_PAIRS_MAX,
+                               ret_values + first);
     }
 }
 
@@ -145,7 +155,7 @@ static int cell_of(const struct orl_frame *frame, struct orl_vec3 direction, int
 /* Returns the precomputed cells for the direction of a query, or NULL. */
 static const float *find_lobe_table(const struct orl_bsdf_query *query, bool through)
 {
-    const struct orl_pattern *const lobes = query->material->lobes;
+    const struct orl_pattern *const lobes = orl_function_lobes_of(query->material)->functions;
     const struct orl_vec3 normal = query->hit->normal;
     for (uint32_t i = 0; i < lobes->n_lobe_tables; i++) {
         if (!(orl_dot(lobes->lobe_table[i].normal, normal) > 1 - 1e-12))
@@ -268,14 +278,14 @@ struct orl_rgb orl_function_lobes_albedo(const struct orl_material *material,
                 sum = orl_rgb_add(sum, p.sides[i].albedo);
         return sum;
     }
+    const double *const integrals = orl_function_lobes_of(material)->functions->integrals;
     struct orl_rgb sum =
         lobes & ORL_LOBE_DIFFUSE ? orl_function_lobes_diffuse(material, hit) : orl_gray(0);
     for (int i = 0; i < 2; i++) {
         const struct scale scale = scale_of(material, hit, i == 1);
         if (lobes & (i == 0 ? ORL_LOBE_REFLECTED : ORL_LOBE_TRANSMITTED))
-            sum = orl_rgb_add(sum,
-                              orl_rgb_add(orl_rgb_scale(scale.times, material->lobes->integrals[i]),
-                                          orl_rgb_scale(scale.plus, ORL_PI)));
+            sum = orl_rgb_add(sum, orl_rgb_add(orl_rgb_scale(scale.times, integrals[i]),
+                                               orl_rgb_scale(scale.plus, ORL_PI)));
     }
     return sum;
 }
@@ -396,10 +406,13 @@ void orl_function_lobes_measure(const struct orl_material *material, const struc
  * tables, or NULL. */
 static const struct orl_pattern *narrow_lobes_of(const struct orl_material *material)
 {
-    const struct orl_pattern *found =
-        material->lobes && material->lobes->narrow ? material->lobes : NULL;
-    for (int i = 0; i < 2 && !found && material->mixed; i++)
-        found = narrow_lobes_of(&material->mixed[i]);
+    const struct orl_material *const mixed = orl_material_mixed(material);
+    const struct orl_pattern *found = NULL;
+    if (material->kind == ORL_MATERIAL_FUNCTION_LOBES &&
+        orl_function_lobes_of(material)->functions->narrow)
+        return orl_function_lobes_of(material)->functions;
+    for (int i = 0; mixed && i < 2 && !found; i++)
+        found = narrow_lobes_of(&mixed[i]);
     return found;
 }
 
@@ -414,8 +427,7 @@ const struct orl_pattern *orl_find_narrow_lobes(const struct orl_geometry *geome
 
 bool orl_function_lobes_any_transmits(const struct orl_material *material)
 {
-    if (material->mixed)
-        return orl_function_lobes_any_transmits(&material->mixed[0]) ||
-               orl_function_lobes_any_transmits(&material->mixed[1]);
+    if (material->kind == ORL_MATERIAL_MIXTURE)
+        return orl_mixture_any(material, orl_function_lobes_any_transmits);
     return material->kind == ORL_MATERIAL_FUNCTION_LOBES && orl_function_lobes_transmits(material);
 }

@@ -25,13 +25,15 @@ struct passes {
 static struct passes passes_of(const struct orl_material *material, const struct orl_hit *hit,
                                struct orl_vec3 light)
 {
+    const struct orl_glazing *const glazing = orl_glazing_of(material);
+    const struct orl_diffuse_parts *const diffuse = &glazing->diffuse;
     const double cosine = orl_dot(light, hit->normal);
     const struct orl_rgb even =
-        orl_rgb_add(cosine > 0 ? material->front : material->back, material->through);
+        orl_rgb_add(cosine > 0 ? diffuse->front : diffuse->back, diffuse->through);
     struct passes p = {{0, 0, 0}, {0, 0, 0}};
     double back[ORL_PATTERN_ANGLES], beyond[ORL_PATTERN_ANGLES];
-    if (!orl_pattern_of_angle(material->angles, cosine, back) ||
-        !orl_pattern_of_angle(material->angles, -cosine, beyond))
+    if (!orl_pattern_of_angle(glazing->angles, cosine, back) ||
+        !orl_pattern_of_angle(glazing->angles, -cosine, beyond))
         return p;
     for (int c = 0; c < 3; c++) {
         const double mirrored = orl_larger(back[c], 0), straight = orl_larger(beyond[3 + c], 0);
@@ -57,18 +59,19 @@ struct orl_rgb orl_glazing_straight(const struct orl_material *material, const s
 
 bool orl_glazing_transmits_lobes(const struct orl_material *material)
 {
-    return orl_rgb_max(material->through) > 0;
+    return orl_rgb_max(orl_glazing_of(material)->diffuse.through) > 0;
 }
 
 bool orl_glazing_has_lobes(const struct orl_material *material)
 {
-    return orl_glazing_transmits_lobes(material) || orl_rgb_max(material->front) > 0 ||
-           orl_rgb_max(material->back) > 0;
+    const struct orl_diffuse_parts *const diffuse = &orl_glazing_of(material)->diffuse;
+    return orl_rgb_max(diffuse->through) > 0 || orl_rgb_max(diffuse->front) > 0 ||
+           orl_rgb_max(diffuse->back) > 0;
 }
 
 bool orl_glazing_is_window(const struct orl_material *material)
 {
-    return material->transmitted > 0 || orl_glazing_transmits_lobes(material);
+    return orl_glazing_of(material)->transmitted > 0 || orl_glazing_transmits_lobes(material);
 }
 
 struct orl_rgb orl_glazing_lobes(const struct orl_material *material, const struct orl_hit *hit,
@@ -77,23 +80,25 @@ struct orl_rgb orl_glazing_lobes(const struct orl_material *material, const stru
     const double cos_light = orl_dot(light, hit->normal), cos_eye = orl_dot(eye, hit->normal);
     if (cos_light == 0 || cos_eye == 0)
         return orl_gray(0);
-    const struct orl_rgb back = cos_light > 0 ? material->front : material->back;
-    return orl_rgb_scale(cos_light * cos_eye > 0 ? back : material->through, 1 / ORL_PI);
+    const struct orl_diffuse_parts *const diffuse = &orl_glazing_of(material)->diffuse;
+    const struct orl_rgb back = cos_light > 0 ? diffuse->front : diffuse->back;
+    return orl_rgb_scale(cos_light * cos_eye > 0 ? back : diffuse->through, 1 / ORL_PI);
 }
 
 static struct glazing parts_of(const struct orl_material *m, const struct orl_hit *hit,
                                struct orl_vec3 from, enum orl_transport transport,
                                enum orl_lobes lobes)
 {
+    const struct orl_diffuse_parts *const diffuse = &orl_glazing_of(m)->diffuse;
     struct glazing g = {.part = {{0}}};
     if (lobes & ORL_LOBE_TRANSMITTED) {
         const struct orl_vec3 eye = transport == ORL_TRANSPORT_EYE ? from : orl_neg(from);
         g.part[STRAIGHT] = orl_glazing_straight(m, hit, eye);
-        g.part[THROUGH] = m->through;
+        g.part[THROUGH] = diffuse->through;
     }
     if (lobes & ORL_LOBE_REFLECTED) {
         g.part[MIRROR] = orl_glazing_mirrored(m, hit, from);
-        g.part[REFLECTED] = orl_dot(from, hit->normal) > 0 ? m->front : m->back;
+        g.part[REFLECTED] = orl_dot(from, hit->normal) > 0 ? diffuse->front : diffuse->back;
     }
     return g;
 }

@@ -38,7 +38,7 @@ static double seen_share(const struct orl_material *m, const struct orl_hit *hit
                          struct orl_vec3 ray, struct orl_vec3 towards)
 {
     struct orl_prism_ray back[ORL_PRISM_RAYS];
-    const int n = orl_function_brdf_prism_rays(m->prism_rays, hit, orl_neg(towards), back);
+    const int n = orl_function_brdf_prism_rays(orl_prism_of(m)->rays, hit, orl_neg(towards), back);
     double share = 0;
     for (int i = 0; i < n; i++)
         if (back[i].share > 0 && orl_dot(back[i].towards, orl_neg(ray)) > same_way)
@@ -53,7 +53,7 @@ static int rays_of_eye(const struct orl_material *m, const struct orl_hit *hit, 
                        struct prism_ray ret_ways[ORL_PRISM_RAYS])
 {
     struct orl_prism_ray prism_rays[ORL_PRISM_RAYS];
-    const int all = orl_function_brdf_prism_rays(m->prism_rays, hit, ray, prism_rays);
+    const int all = orl_function_brdf_prism_rays(orl_prism_of(m)->rays, hit, ray, prism_rays);
     int n = 0;
     for (int i = 0; i < all; i++)
         if (prism_rays[i].share > 0 && seen_share(m, hit, ray, prism_rays[i].towards) > 0)
@@ -70,7 +70,7 @@ static bool flux_share(const struct orl_material *m, const struct orl_hit *hit, 
                        int number, struct orl_vec3 *ret_towards)
 {
     struct orl_prism_ray prism_rays[ORL_PRISM_RAYS];
-    const int n = orl_function_brdf_prism_rays(m->prism_rays, hit, ray, prism_rays);
+    const int n = orl_function_brdf_prism_rays(orl_prism_of(m)->rays, hit, ray, prism_rays);
     for (int i = 0; i < n; i++)
         if (prism_rays[i].number == number && prism_rays[i].share > 0) {
             *ret_towards = prism_rays[i].towards;
@@ -104,7 +104,7 @@ static int rays_of_light(const struct orl_material *m, const struct orl_hit *hit
                          struct orl_vec3 ray, struct prism_ray ret_ways[ORL_PRISM_RAYS])
 {
     struct orl_prism_ray prism_rays[ORL_PRISM_RAYS];
-    const int all = orl_function_brdf_prism_rays(m->prism_rays, hit, ray, prism_rays);
+    const int all = orl_function_brdf_prism_rays(orl_prism_of(m)->rays, hit, ray, prism_rays);
     const double arriving = fabs(orl_dot(ray, hit->normal));
     int n = 0;
     for (int i = 0; i < all && arriving > 0; i++) {
@@ -201,7 +201,8 @@ void orl_prism_measure(const struct orl_material *material, const struct orl_hit
         const struct orl_vec3 side = i & 1 ? hit->normal : orl_neg(hit->normal);
         const struct orl_vec3 ray = orl_hemisphere_about(side, u, v);
         struct orl_prism_ray prism_rays[ORL_PRISM_RAYS];
-        const int n = orl_function_brdf_prism_rays(material->prism_rays, hit, ray, prism_rays);
+        const int n =
+            orl_function_brdf_prism_rays(orl_prism_of(material)->rays, hit, ray, prism_rays);
         double eye = 0, light = 0;
         struct prism_ray flux[ORL_PRISM_RAYS];
         for (int k = 0; k < n; k++) {

@@ -53,14 +53,16 @@ size_t orl_patterns_of(const struct orl_material *material,
                        struct orl_pattern *ret_patterns[ORL_MATERIAL_PATTERNS])
 {
     enum { OWN = 4 };
-    struct orl_pattern *const own[OWN] = {material->pattern, material->texture, material->mix,
-                                          material->roughness_pattern};
+    const struct orl_material *const mixed = orl_material_mixed(material);
+    struct orl_pattern *const own[OWN] = {material->pattern, material->texture,
+                                          mixed ? orl_mixture_of(material)->share : NULL,
+                                          orl_material_roughness_pattern(material)};
     size_t n = 0;
     for (size_t i = 0; i < OWN; i++)
         if (own[i])
             ret_patterns[n++] = own[i];
-    for (int i = 0; material->mixed && i < 2; i++)
-        n += orl_patterns_of(&material->mixed[i], ret_patterns + n);
+    for (int i = 0; mixed && i < 2; i++)
+        n += orl_patterns_of(&mixed[i], ret_patterns + n);
     return n;
 }
 

@@ -87,15 +87,19 @@ int orl_instanced_files_place(struct orl_parser *parser, const struct orl_instan
  * transmission is diffuse. */
 static bool is_simple(const struct orl_material *m)
 {
-    const bool leaf = m->kind == ORL_MATERIAL_TRANS && m->transmitted_specular == 0;
-    const bool anisotropic = orl_dot(m->anisotropy_axis, m->anisotropy_axis) > 0;
-    return (m->kind == ORL_MATERIAL_PLASTIC || m->kind == ORL_MATERIAL_METAL || leaf) &&
-           !anisotropic && m->diffuse_side == ORL_DIFFUSE_SIDE_BOTH;
+    if (!orl_material_is_reflector(m))
+        return false;
+    const struct orl_reflector *const reflector = orl_reflector_of(m);
+    const struct orl_vec3 axis = reflector->anisotropy_axis;
+    const bool directed =
+        m->kind == ORL_MATERIAL_TRANS && reflector->shares.transmitted_specular != 0;
+    return !directed && !(orl_dot(axis, axis) > 0) &&
+           reflector->diffuse_side == ORL_DIFFUSE_SIDE_BOTH;
 }
 
 static bool is_varied(const struct orl_material *m)
 {
-    return m->pattern || m->texture || m->roughness_pattern;
+    return m->pattern || m->texture || orl_material_roughness_pattern(m);
 }
 
 static uint64_t inputs_of(const struct orl_pattern *p,
@@ -128,7 +132,7 @@ static bool is_plain(const struct orl_parser *parser, const struct orl_material 
     if (!is_simple(m) || (is_varied(m) && parser->instanced_files.plain))
         return false;
     return moves_along(m->pattern, first_within) && moves_along(m->texture, first_within) &&
-           moves_along(m->roughness_pattern, first_within);
+           moves_along(orl_material_roughness_pattern(m), first_within);
 }
 
 static bool is_fit(const struct orl_parser *parser, const struct orl_parser_counts *before,

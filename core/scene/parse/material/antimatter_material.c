@@ -15,7 +15,8 @@ static bool is_cuttable(const struct orl_material *m)
     case ORL_MATERIAL_ASHIKHMIN:
         return true;
     case ORL_MATERIAL_MIXTURE:
-        return is_cuttable(&m->mixed[0]) && is_cuttable(&m->mixed[1]);
+        return is_cuttable(&orl_mixture_of(m)->mixed[0]) &&
+               is_cuttable(&orl_mixture_of(m)->mixed[1]);
     default:
         return false;
     }
@@ -57,15 +58,15 @@ int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_sco
     uint32_t *const cut = orl_arena_alloc(parser->out->arena, n * sizeof *cut);
     if (!cut)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
-    material->lining = -1;
-    material->cut = cut;
+    struct orl_antimatter *const antimatter = &material->as.antimatter;
+    *antimatter = (struct orl_antimatter){.cut = cut, .lining = -1};
     for (size_t i = 0; i < n && code == 0; i++) {
         if (strcmp(orl_primitive_string(&parser->primitive, i), "void") == 0)
             continue;
-        code = find_cut(parser, scope, i, &cut[material->n_cut], err);
+        code = find_cut(parser, scope, i, &cut[antimatter->n_cut], err);
         if (code == 0 && i == 0)
-            material->lining = (int32_t)cut[0];
-        material->n_cut += code == 0;
+            antimatter->lining = (int32_t)cut[0];
+        antimatter->n_cut += code == 0;
     }
     return code;
 }

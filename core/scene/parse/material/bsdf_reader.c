@@ -9,7 +9,7 @@
 #include "scene/parse/material/material_readers.h"
 
 static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *scope, size_t string,
-                          struct orl_material *material, struct orl_error *err)
+                          struct orl_bsdf_surface *surface, struct orl_error *err)
 {
     struct orl_bsdf *bsdf = NULL;
     size_t source = 0;
@@ -32,15 +32,15 @@ static int read_bsdf_file(struct orl_parser *parser, const struct orl_scope *sco
                      err->primitive[0] ? NULL : name);
         return code;
     }
-    material->bsdf = orl_bsdf_ref(bsdf);
-    material->bsdf_file = (uint32_t)source;
+    surface->bsdf = orl_bsdf_ref(bsdf);
+    surface->file = (uint32_t)source;
     return 0;
 }
 
 static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *scope,
-                             struct orl_material *material, struct orl_error *err)
+                             struct orl_diffuse_parts *diffuse, struct orl_error *err)
 {
-    struct orl_rgb *const parts[3] = {&material->front, &material->back, &material->through};
+    struct orl_rgb *const parts[3] = {&diffuse->front, &diffuse->back, &diffuse->through};
     const size_t n = parser->primitive.n_reals;
     int code = 0;
     if (n > 9 || n % 3 != 0)
@@ -54,13 +54,14 @@ static int read_bsdf_diffuse(struct orl_parser *parser, const struct orl_scope *
 }
 
 /* Warns if data and additions together may exceed an albedo of 1. */
-static void warn_of_gain(struct orl_parser *parser, const struct orl_material *material)
+static void warn_of_gain(struct orl_parser *parser, const struct orl_bsdf_surface *surface)
 {
+    const struct orl_diffuse_parts *const diffuse = &surface->diffuse;
     struct orl_bsdf_info info;
-    const double through = orl_rgb_max(material->through);
-    const double added[2] = {orl_rgb_max(material->back) + through,
-                             orl_rgb_max(material->front) + through};
-    orl_bsdf_describe(material->bsdf, &info);
+    const double through = orl_rgb_max(diffuse->through);
+    const double added[2] = {orl_rgb_max(diffuse->back) + through,
+                             orl_rgb_max(diffuse->front) + through};
+    orl_bsdf_describe(surface->bsdf, &info);
     for (int front = 0; front < 2; front++)
         if (added[front] > 0 && fmin(1, info.max_albedo[front]) + added[front] > 1)
             orl_parser_warn(parser,
@@ -72,11 +73,11 @@ static void warn_of_gain(struct orl_parser *parser, const struct orl_material *m
 
 /* Reads the thickness, if there is one, and the up vector. */
 static int read_bsdf_numbers(struct orl_parser *parser, const struct orl_scope *scope, size_t file,
-                             struct orl_material *material, struct orl_error *err)
+                             struct orl_bsdf_surface *surface, struct orl_error *err)
 {
     struct orl_xform xform = orl_xform_identity;
     double up[3] = {0, 0, 0};
-    int code = file == 0 ? 0 : orl_material_number(parser, scope, 0, &material->thickness, err);
+    int code = file == 0 ? 0 : orl_material_number(parser, scope, 0, &surface->thickness, err);
     for (size_t i = 0; i < 3 && code == 0; i++)
         code = orl_material_number(parser, scope, file + 1 + i, up + i, err);
     if (code == 0 && strcmp(orl_primitive_string(&parser->primitive, file + 4), ".") != 0)
@@ -87,11 +88,11 @@ static int read_bsdf_numbers(struct orl_parser *parser, const struct orl_scope *
         code = orl_parser_string_xform(parser, scope, file + 5, &xform, err);
     if (code < 0)
         return code;
-    material->thickness *= xform.scale;
-    if (!isfinite(material->thickness))
+    surface->thickness *= xform.scale;
+    if (!isfinite(surface->thickness))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its thickness is too large");
-    material->up = orl_xform_vector(&xform, orl_v3(up[0], up[1], up[2]));
-    if (!(orl_length(material->up) > 0) || !isfinite(orl_length(material->up)))
+    surface->up = orl_xform_vector(&xform, orl_v3(up[0], up[1], up[2]));
+    if (!(orl_length(surface->up) > 0) || !isfinite(orl_length(surface->up)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its up vector has no length");
     return 0;
 }
@@ -100,21 +101,22 @@ int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *sc
                            struct orl_material *material, struct orl_error *err)
 {
     const struct orl_primitive *primitive = &parser->primitive;
+    struct orl_bsdf_surface *const surface = &material->as.bsdf_surface;
     /* index of the string with the file */
     const size_t file = strcmp(primitive->type, "aBSDF") == 0 ? 0 : 1;
     int code;
-    material->peak = file == 0;
+    surface->peak = file == 0;
     if (primitive->n_strings < file + 5)
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                "%s string arguments: %sfile, up x y z, and '.', not %zu",
                                file == 0 ? "an aBSDF takes five" : "a BSDF takes six",
                                file == 0 ? "" : "thickness, ", primitive->n_strings);
-    code = read_bsdf_numbers(parser, scope, file, material, err);
+    code = read_bsdf_numbers(parser, scope, file, surface, err);
     if (code == 0)
-        code = read_bsdf_diffuse(parser, scope, material, err);
+        code = read_bsdf_diffuse(parser, scope, &surface->diffuse, err);
     if (code == 0)
-        code = read_bsdf_file(parser, scope, file, material, err);
+        code = read_bsdf_file(parser, scope, file, surface, err);
     if (code == 0)
-        warn_of_gain(parser, material);
+        warn_of_gain(parser, surface);
     return code;
 }

@@ -10,8 +10,7 @@
 
 struct orl_material orl_material_sum_part(enum orl_material_kind kind, struct orl_rgb color)
 {
-    return (struct orl_material){
-        .kind = kind, .color = color, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
+    return (struct orl_material){.kind = kind, .color = color, .sky = -1};
 }
 
 static int refuse_directed(struct orl_material_sum *sum)
@@ -38,7 +37,7 @@ int orl_material_sum_add(struct orl_material_sum *sum, const struct orl_material
     two[0] = sum->sum;
     two[1] = *part;
     sum->sum = (struct orl_material){
-        .kind = ORL_MATERIAL_MIXTURE, .seen_as = ORL_SEEN_AS_ITSELF, .sky = -1, .mixed = two};
+        .kind = ORL_MATERIAL_MIXTURE, .sky = -1, .as.mixture = {.mixed = two}};
     return 0;
 }
 
@@ -50,7 +49,7 @@ static int add_reflected(struct orl_material_sum *sum, struct orl_rgb color,
         orl_material_check_range(sum->parser, sum->scope, color, true, "diffuse share", sum->err);
     part.pattern = sum->own.pattern;
     part.texture = sum->own.texture;
-    part.diffuse_side = diffuse_side;
+    part.as.reflector.diffuse_side = diffuse_side;
     return code < 0 || !(orl_rgb_max(color) > 0) ? code : orl_material_sum_add(sum, &part);
 }
 
@@ -69,7 +68,7 @@ int orl_material_sum_add_through(struct orl_material_sum *sum, struct orl_rgb co
     struct orl_material part = orl_material_sum_part(ORL_MATERIAL_TRANS, color);
     const int code =
         orl_material_check_range(sum->parser, sum->scope, color, true, "diffuse share", sum->err);
-    part.transmitted = 1;
+    part.as.reflector.shares.transmitted = 1;
     part.pattern = pattern;
     return code < 0 || !(orl_rgb_max(color) > 0) ? code : orl_material_sum_add(sum, &part);
 }
@@ -85,8 +84,8 @@ struct orl_material orl_material_sum_result(const struct orl_material_sum *sum)
 int orl_material_read_prism(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err)
 {
-    return orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_PRISM, &material->prism_rays,
-                                    err);
+    return orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_PRISM,
+                                    &material->as.prism.rays, err);
 }
 
 int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl_scope *scope,
@@ -101,15 +100,14 @@ int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl
             parser, scope, err, ORL_ERR_SYNTAX,
             "%s takes at least %zu numbers, plus those that its function uses, but has %zu", type,
             least, parser->primitive.n_reals);
+    struct orl_function_lobes *const lobes = &material->as.function_lobes;
     material->color = orl_material_rgb(parser, 0);
-    material->specular = r[3];
-    material->transmitted = trans ? r[4] : 0;
-    material->transmitted_specular = trans ? r[5] : 0;
-    material->tints_lobes = strncmp(type, "met", 3) == 0;
-    const int code = orl_material_check_reflector(parser, scope, material, err);
+    lobes->shares = (struct orl_reflector_shares){r[3], trans ? r[4] : 0, trans ? r[5] : 0};
+    lobes->tints_lobes = strncmp(type, "met", 3) == 0;
+    const int code = orl_material_check_shares(parser, scope, material, &lobes->shares, err);
     return code < 0 ? code
                     : orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_LOBES,
-                                               &material->lobes, err);
+                                               &lobes->functions, err);
 }
 
 /*
@@ -150,16 +148,19 @@ static int refuse_gain(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* Checks one angle: the sum of all shares must not exceed 1, except at grazing. */
 static int check_angle(struct orl_parser *parser, const struct orl_scope *scope, double cosine,
-                       struct orl_material *m, double *most, struct orl_error *err)
+                       struct orl_glazing *glazing, double *most, struct orl_error *err)
 {
+    const struct orl_diffuse_parts *const diffuse = &glazing->diffuse;
+    struct orl_pattern *const angles = glazing->angles;
     double to[ORL_PATTERN_ANGLES], behind[ORL_PATTERN_ANGLES];
-    if (!orl_pattern_of_angle(m->angles, cosine, to) ||
-        !orl_pattern_of_angle(m->angles, -cosine, behind)) {
+    if (!orl_pattern_of_angle(angles, cosine, to) ||
+        !orl_pattern_of_angle(angles, -cosine, behind)) {
         orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                         "its functions have no value at a cosine of %g", cosine);
         return ORL_ERR_RANGE;
     }
-    const struct orl_rgb even = orl_rgb_add(cosine > 0 ? m->front : m->back, m->through);
+    const struct orl_rgb even =
+        orl_rgb_add(cosine > 0 ? diffuse->front : diffuse->back, diffuse->through);
     const double evenly[3] = {even.r, even.g, even.b};
     for (int c = 0; c < 3; c++) {
         const double mirrored = fmax(to[c], 0), straight = fmax(behind[3 + c], 0);
@@ -167,24 +168,24 @@ static int check_angle(struct orl_parser *parser, const struct orl_scope *scope,
         if (evenly[c] > 1 || (sum > 1 + slack && fabs(cosine) > grazing))
             return refuse_gain(parser, scope, cosine, sum, err);
         *most = fmax(*most, sum);
-        m->transmitted = fmax(m->transmitted, straight);
+        glazing->transmitted = fmax(glazing->transmitted, straight);
     }
-    m->angles->coloured =
-        m->angles->coloured || to[0] != to[1] || to[1] != to[2] || to[3] != to[4] || to[4] != to[5];
+    angles->coloured =
+        angles->coloured || to[0] != to[1] || to[1] != to[2] || to[3] != to[4] || to[4] != to[5];
     return 0;
 }
 
 /* Reads the shares by angle, which add to diffuse scattering. */
 static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
-                       struct orl_material *material, struct orl_error *err)
+                       struct orl_glazing *glazing, struct orl_error *err)
 {
     double most = 0;
     int code =
-        orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_GLAZING, &material->angles, err);
+        orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_GLAZING, &glazing->angles, err);
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
         const int angle = i / 2;
         const double cosine = (angle + 0.5) / ANGLES;
-        code = check_angle(parser, scope, i & 1 ? -cosine : cosine, material, &most, err);
+        code = check_angle(parser, scope, i & 1 ? -cosine : cosine, glazing, &most, err);
     }
     if (code == 0 && most > 1 + slack)
         orl_parser_warn(parser,
@@ -195,16 +196,15 @@ static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
 }
 
 static int read_glazing(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_material *material, struct orl_error *err)
+                        struct orl_glazing *glazing, struct orl_error *err)
 {
+    const struct orl_rgb evenly[3] = {orl_material_rgb(parser, 0), orl_material_rgb(parser, 3),
+                                      orl_material_rgb(parser, 6)};
     int code = 0;
-    material->front = orl_material_rgb(parser, 0);
-    material->back = orl_material_rgb(parser, 3);
-    material->through = orl_material_rgb(parser, 6);
-    const struct orl_rgb evenly[3] = {material->front, material->back, material->through};
+    glazing->diffuse = (struct orl_diffuse_parts){evenly[0], evenly[1], evenly[2]};
     for (int i = 0; i < 3 && code == 0; i++)
         code = orl_material_check_range(parser, scope, evenly[i], true, "diffuse share", err);
-    return code < 0 ? code : read_angles(parser, scope, material, err);
+    return code < 0 ? code : read_angles(parser, scope, glazing, err);
 }
 
 /* Reads the terms that exist: diffuse, mirrored and straight, lobes. */
@@ -219,14 +219,16 @@ static int read_sum(struct orl_parser *parser, const struct orl_scope *scope,
     if (code == 0)
         code = orl_material_sum_add_through(&sum, orl_material_rgb(parser, 6), material->pattern);
     if (code == 0 && any_of(parser, 0, FIRST_LOBE)) {
-        code = read_angles(parser, scope, &glazing, err);
+        code = read_angles(parser, scope, &glazing.as.glazing, err);
         code = code < 0 ? code : orl_material_sum_add(&sum, &glazing);
     }
     if (code == 0 && any_of(parser, FIRST_LOBE, LOBES)) {
-        lobes.specular = 1;
-        lobes.is_whole_bsdf = true;
+        struct orl_function_lobes *const whole = &lobes.as.function_lobes;
+        whole->shares.specular = 1;
+        whole->is_whole_bsdf = true;
         lobes.pattern = material->pattern;
-        code = orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_LOBES, &lobes.lobes, err);
+        code = orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_LOBES, &whole->functions,
+                                        err);
         code = code < 0 ? code : orl_material_sum_add(&sum, &lobes);
     }
     if (code == 0)
@@ -255,5 +257,5 @@ int orl_material_read_glazing(struct orl_parser *parser, const struct orl_scope 
         return refuse_texture(parser, scope, err);
     return any_of(parser, FIRST_LOBE, LOBES) || material->pattern
                ? read_sum(parser, scope, material, err)
-               : read_glazing(parser, scope, material, err);
+               : read_glazing(parser, scope, &material->as.glazing, err);
 }

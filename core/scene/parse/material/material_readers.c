@@ -89,7 +89,8 @@ static int find_alternate(struct orl_parser *parser, const struct orl_scope *sco
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOT_FOUND,
                                "its alternate '%.100s' is not a material defined before it", name);
     const struct orl_material *m = parser->out->materials + symbol->index;
-    *ret_seen_as = m->kind == ORL_MATERIAL_ILLUM ? m->seen_as : (int32_t)symbol->index;
+    *ret_seen_as =
+        m->kind == ORL_MATERIAL_ILLUM ? orl_illum_of(m)->seen_as : (int32_t)symbol->index;
     return 0;
 }
 
@@ -144,17 +145,17 @@ static void lift_negative_rgb(struct orl_parser *parser, const struct orl_scope 
  * light that is reflected without loss may never end. For metal and trans, mirrored light has the
  * colour, or a share is lost. */
 static void clamp_reflector(struct orl_parser *parser, const struct orl_scope *scope,
-                            struct orl_material *m)
+                            struct orl_material *m, struct orl_reflector_shares *shares)
 {
     const double above = nextafter(1, 2);
-    const bool clear = m->transmitted >= 1 && m->transmitted_specular >= 1;
+    const bool clear = shares->transmitted >= 1 && shares->transmitted_specular >= 1;
     bool white = clamp_rgb(&m->color, clear ? above : 1, clear ? 1 : most_returned);
     if (m->kind == ORL_MATERIAL_PLASTIC)
-        white |= clamp_share(&m->specular, 1, most_returned);
+        white |= clamp_share(&shares->specular, 1, most_returned);
     else
-        white |= clamp_share(&m->specular, above, 1);
-    white |= clamp_share(&m->transmitted, above, 1);
-    white |= clamp_share(&m->transmitted_specular, above, 1);
+        white |= clamp_share(&shares->specular, above, 1);
+    white |= clamp_share(&shares->transmitted, above, 1);
+    white |= clamp_share(&shares->transmitted_specular, above, 1);
     if (white)
         orl_parser_tally(parser, scope, &parser->white);
 }
@@ -170,25 +171,35 @@ static void clamp_clear(struct orl_parser *parser, const struct orl_scope *scope
 
 /* A specularity of 1 makes metal a mirror; for plastic and trans, whose highlight is white, it is
  * clamped. */
-int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
-                                 struct orl_material *m, struct orl_error *err)
+int orl_material_check_shares(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *m, struct orl_reflector_shares *shares,
+                              struct orl_error *err)
 {
     lift_negative_rgb(parser, scope, &m->color);
-    clamp_reflector(parser, scope, m);
+    clamp_reflector(parser, scope, m, shares);
     int code = orl_material_check_range(parser, scope, m->color, true, "reflectance", err);
     if (code == 0)
-        code = orl_material_check_range(parser, scope, orl_gray(m->specular), true, "specularity",
-                                        err);
+        code = orl_material_check_range(parser, scope, orl_gray(shares->specular), true,
+                                        "specularity", err);
     if (code == 0)
-        code = orl_material_check_range(parser, scope, orl_gray(m->transmitted), true,
+        code = orl_material_check_range(parser, scope, orl_gray(shares->transmitted), true,
                                         "transmission", err);
     if (code == 0)
-        code = orl_material_check_range(parser, scope, orl_gray(m->transmitted_specular), true,
+        code = orl_material_check_range(parser, scope, orl_gray(shares->transmitted_specular), true,
                                         "transmitted specularity", err);
+    return code;
+}
+
+/* Checks colour, shares and roughness. */
+static int check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
+                           struct orl_material *m, struct orl_error *err)
+{
+    struct orl_reflector *const reflector = &m->as.reflector;
+    int code = orl_material_check_shares(parser, scope, m, &reflector->shares, err);
     for (int i = 0; i < 2 && code == 0; i++)
-        if (!(m->roughness[i] >= 0 && m->roughness[i] <= 1))
+        if (!(reflector->roughness[i] >= 0 && reflector->roughness[i] <= 1))
             code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                                   "its roughness %g is not from 0 to 1", m->roughness[i]);
+                                   "its roughness %g is not from 0 to 1", reflector->roughness[i]);
     return code;
 }
 
@@ -201,19 +212,17 @@ int orl_material_read_reflector(struct orl_parser *parser, const struct orl_scop
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);
-    material->specular = r[3];
-    material->roughness[0] = material->roughness[1] = r[4];
-    material->transmitted = trans ? r[5] : 0;
-    material->transmitted_specular = trans ? r[6] : 0;
-    return orl_material_check_reflector(parser, scope, material, err);
+    material->as.reflector = (struct orl_reflector){
+        .shares = {r[3], trans ? r[5] : 0, trans ? r[6] : 0}, .roughness = {r[4], r[4]}};
+    return check_reflector(parser, scope, material, err);
 }
 
 /* Reads the direction of the anisotropy axis: three numbers, '.', and a transform. */
 static int read_anisotropy_axis(struct orl_parser *parser, const struct orl_scope *scope,
-                                struct orl_material *material, struct orl_error *err)
+                                struct orl_vec3 *ret_axis, struct orl_error *err)
 {
     struct orl_xform xform;
-    double anisotropy_axis[3] = {0, 0, 0};
+    double written[3] = {0, 0, 0};
     int code = 0;
     if (parser->primitive.n_strings < 4)
         return orl_parser_fail(
@@ -221,19 +230,18 @@ static int read_anisotropy_axis(struct orl_parser *parser, const struct orl_scop
             "%s takes four string arguments: the grain's x y z, and '.', not %zu",
             parser->primitive.type, parser->primitive.n_strings);
     for (size_t i = 0; i < 3 && code == 0; i++)
-        code = orl_material_number(parser, scope, i, anisotropy_axis + i, err);
+        code = orl_material_number(parser, scope, i, written + i, err);
     if (code == 0)
         code = expect_no_function(parser, scope, 3, err);
     if (code == 0)
         code = orl_parser_string_xform(parser, scope, 4, &xform, err);
     if (code < 0)
         return code;
-    material->anisotropy_axis = orl_xform_vector(
-        &xform, orl_v3(anisotropy_axis[0], anisotropy_axis[1], anisotropy_axis[2]));
-    if (!(orl_length(material->anisotropy_axis) > 0) ||
-        !isfinite(orl_length(material->anisotropy_axis)))
+    const struct orl_vec3 axis =
+        orl_xform_vector(&xform, orl_v3(written[0], written[1], written[2]));
+    if (!(orl_length(axis) > 0) || !isfinite(orl_length(axis)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its grain has no length");
-    material->anisotropy_axis = orl_normalize(material->anisotropy_axis);
+    *ret_axis = orl_normalize(axis);
     return 0;
 }
 
@@ -243,18 +251,18 @@ int orl_material_read_anisotropic(struct orl_parser *parser, const struct orl_sc
     const bool trans = material->kind == ORL_MATERIAL_TRANS;
     const size_t n_strings = parser->primitive.n_strings;
     const double *r = parser->primitive.reals;
+    struct orl_vec3 axis;
     int code = orl_parser_expect(parser, scope, n_strings, trans ? 8 : 6, err);
     if (code == 0)
-        code = read_anisotropy_axis(parser, scope, material, err);
+        code = read_anisotropy_axis(parser, scope, &axis, err);
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);
-    material->specular = r[3];
-    material->roughness[0] = r[4];
-    material->roughness[1] = r[5];
-    material->transmitted = trans ? r[6] : 0;
-    material->transmitted_specular = trans ? r[7] : 0;
-    code = orl_material_check_reflector(parser, scope, material, err);
+    material->as.reflector =
+        (struct orl_reflector){.shares = {r[3], trans ? r[6] : 0, trans ? r[7] : 0},
+                               .roughness = {r[4], r[5]},
+                               .anisotropy_axis = axis};
+    code = check_reflector(parser, scope, material, err);
     if (code == 0 && !(r[4] >= 1e-6 && r[5] >= 1e-6)) {
         code = orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its roughness is too small: %g along the grain, %g across", r[4],
@@ -271,24 +279,22 @@ int orl_material_read_ashikhmin(struct orl_parser *parser, const struct orl_scop
                                 struct orl_material *material, struct orl_error *err)
 {
     const double *r = parser->primitive.reals;
+    struct orl_vec3 axis;
     int code = orl_parser_expect(parser, scope, parser->primitive.n_strings, 8, err);
     if (code == 0)
-        code = read_anisotropy_axis(parser, scope, material, err);
+        code = read_anisotropy_axis(parser, scope, &axis, err);
     if (code < 0)
         return code;
+    const struct orl_rgb gloss = orl_material_rgb(parser, 3);
     material->color = orl_material_rgb(parser, 0);
-    material->gloss = orl_material_rgb(parser, 3);
-    material->power[0] = r[6];
-    material->power[1] = r[7];
+    material->as.ashikhmin = (struct orl_ashikhmin){gloss, {r[6], r[7]}, axis};
     code =
         orl_material_check_range(parser, scope, material->color, true, "diffuse reflectance", err);
     if (code == 0)
-        code = orl_material_check_range(parser, scope, material->gloss, true,
-                                        "specular reflectance", err);
+        code = orl_material_check_range(parser, scope, gloss, true, "specular reflectance", err);
     if (code == 0)
-        code =
-            orl_material_check_range(parser, scope, orl_rgb_add(material->color, material->gloss),
-                                     false, "diffuse and specular reflectance together", err);
+        code = orl_material_check_range(parser, scope, orl_rgb_add(material->color, gloss), false,
+                                        "diffuse and specular reflectance together", err);
     if (code == 0 && !(r[6] >= 0 && r[7] >= 0 && r[6] <= most_power && r[7] <= most_power))
         code =
             orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
@@ -300,19 +306,20 @@ int orl_material_read_glass(struct orl_parser *parser, const struct orl_scope *s
                             struct orl_material *material, struct orl_error *err)
 {
     const bool has_index = parser->primitive.n_reals == 4;
+    struct orl_glass *const glass = &material->as.glass;
     int code = orl_parser_expect(parser, scope, 0, has_index ? 4 : 3, err);
     if (code < 0)
         return code;
-    material->transmissivity = orl_material_rgb(parser, 0);
-    material->ior = has_index ? parser->primitive.reals[3] : 1.52;
-    clamp_clear(parser, scope, &material->transmissivity);
-    code = orl_material_check_range(parser, scope, material->transmissivity, true, "transmissivity",
-                                    err);
+    glass->transmissivity = orl_material_rgb(parser, 0);
+    glass->ior = has_index ? parser->primitive.reals[3] : 1.52;
+    clamp_clear(parser, scope, &glass->transmissivity);
+    code =
+        orl_material_check_range(parser, scope, glass->transmissivity, true, "transmissivity", err);
     if (code == ORL_ERR_RANGE)
         orl_error_hint(
             err,
             "transmissivity excludes reflection: for clear glass that transmits 0.88 it is 0.96");
-    return code == 0 ? check_index(parser, scope, material->ior, err) : code;
+    return code == 0 ? check_index(parser, scope, glass->ior, err) : code;
 }
 
 /* Reads a medium at index i of the numbers. Transmissivity is per unit of length, which a transform
@@ -331,13 +338,14 @@ static int read_medium(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_material_read_dielectric(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *material, struct orl_error *err)
 {
+    struct orl_medium *const media = material->as.interface.media;
     const double *r = parser->primitive.reals;
     int code = orl_parser_expect(parser, scope, 0, 5, err);
     if (code == 0)
-        code = read_medium(parser, scope, 0, &material->media[0], err);
+        code = read_medium(parser, scope, 0, &media[0], err);
     if (code < 0)
         return code;
-    material->media[1] = (struct orl_medium){orl_gray(1), 1};
+    media[1] = (struct orl_medium){orl_gray(1), 1};
     if (r[4] != 0)
         orl_parser_warn(parser,
                         "dielectric %.100s at %.200s:%d: its Hartmann constant %g is ignored: "
@@ -351,7 +359,7 @@ int orl_material_read_interface(struct orl_parser *parser, const struct orl_scop
 {
     int code = orl_parser_expect(parser, scope, 0, 8, err);
     for (size_t i = 0; i < 2 && code == 0; i++)
-        code = read_medium(parser, scope, 4 * i, &material->media[i], err);
+        code = read_medium(parser, scope, 4 * i, &material->as.interface.media[i], err);
     return code;
 }
 
@@ -368,18 +376,18 @@ int orl_material_read_mist(struct orl_parser *parser, const struct orl_scope *sc
             "mist takes 0, 3, 6 or 7 numbers (extinction, albedo, eccentricity), not %zu", n);
     const struct orl_rgb extinction = n >= 3 ? orl_material_rgb(parser, 0) : orl_gray(0);
     const struct orl_rgb albedo = n >= 6 ? orl_material_rgb(parser, 3) : orl_gray(0);
-    material->asymmetry = n == 7 ? parser->primitive.reals[6] : 0;
+    const double asymmetry = n == 7 ? parser->primitive.reals[6] : 0;
     if (!(rgb_min(extinction) >= 0) || !(orl_rgb_max(extinction) * per_length <= 1e9))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its extinction is not from 0 to 1e9 per unit of length");
     const int code = orl_material_check_range(parser, scope, albedo, true, "albedo", err);
     if (code < 0)
         return code;
-    if (!(fabs(material->asymmetry) < 1))
+    if (!(fabs(asymmetry) < 1))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
-                               "its eccentricity %g is not between -1 and 1", material->asymmetry);
-    material->extinction = orl_rgb_scale(extinction, per_length);
-    material->scattering = orl_rgb_mul(material->extinction, albedo);
+                               "its eccentricity %g is not between -1 and 1", asymmetry);
+    const struct orl_rgb scaled = orl_rgb_scale(extinction, per_length);
+    material->as.mist = (struct orl_mist){scaled, orl_rgb_mul(scaled, albedo), asymmetry};
     return 0;
 }
 
@@ -404,7 +412,7 @@ int orl_material_read_light(struct orl_parser *parser, const struct orl_scope *s
         return code;
     material->color = orl_material_rgb(parser, 0);
     if (glow)
-        material->max_radius = parser->primitive.reals[3] * scope->xform.scale;
+        material->as.glow.max_radius = parser->primitive.reals[3] * scope->xform.scale;
     return check_radiance(parser, scope, material->color, err);
 }
 
@@ -412,18 +420,18 @@ int orl_material_read_illum(struct orl_parser *parser, const struct orl_scope *s
                             struct orl_material *material, struct orl_error *err)
 {
     const size_t n_strings = parser->primitive.n_strings;
+    struct orl_illum *const illum = &material->as.illum;
     int code = orl_parser_expect(parser, scope, n_strings > 0 ? 1 : 0, 3, err);
-    material->seen_as = ORL_SEEN_AS_NOTHING;
+    illum->seen_as = ORL_SEEN_AS_NOTHING;
     if (code == 0 && n_strings > 0)
-        code = find_alternate(parser, scope, &material->seen_as, err);
+        code = find_alternate(parser, scope, &illum->seen_as, err);
     if (code < 0)
         return code;
     material->color = orl_material_rgb(parser, 0);
     const struct orl_material *const seen =
-        material->seen_as >= 0 ? &parser->out->materials[material->seen_as] : NULL;
+        illum->seen_as >= 0 ? &parser->out->materials[illum->seen_as] : NULL;
     const bool glass = seen && seen->kind == ORL_MATERIAL_GLASS && !seen->pattern;
-    material->transmissivity = glass ? seen->transmissivity : orl_gray(seen ? 0 : 1);
-    material->ior = glass ? seen->ior : 1;
+    illum->pane = glass ? *orl_glass_of(seen) : (struct orl_glass){orl_gray(seen ? 0 : 1), 1};
     orl_parser_warn(parser,
                     "illum %.100s at %.200s:%d: its light replaces the sky and everything behind "
                     "it; through it, %s",
@@ -445,10 +453,11 @@ int orl_material_read_spotlight(struct orl_parser *parser, const struct orl_scop
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its cone's angle %g is not between 0 and 360 degrees", r[3]);
     const struct orl_vec3 beam_axis = orl_xform_vector(&scope->xform, orl_v3(r[4], r[5], r[6]));
-    material->focus = orl_length(beam_axis);
-    material->beam_axis = orl_normalize(beam_axis);
-    material->cos_cone = cos(0.5 * r[3] * ORL_DEG_TO_RAD);
-    if (!(fabs(orl_length(material->beam_axis) - 1) < 1e-6) || !isfinite(material->focus))
+    const struct orl_spotlight spot = {.beam_axis = orl_normalize(beam_axis),
+                                       .cos_cone = cos(0.5 * r[3] * ORL_DEG_TO_RAD),
+                                       .focus = orl_length(beam_axis)};
+    material->as.spotlight = spot;
+    if (!(fabs(orl_length(spot.beam_axis) - 1) < 1e-6) || !isfinite(spot.focus))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE,
                                "its direction (%g %g %g) has no length", r[4], r[5], r[6]);
     return check_radiance(parser, scope, material->color, err);
@@ -468,7 +477,7 @@ static bool replaces_mirror(const struct orl_parser *parser, int32_t other)
     case ORL_MATERIAL_PLASTIC:
     case ORL_MATERIAL_METAL:
     case ORL_MATERIAL_TRANS:
-        return m->specular > 0;
+        return orl_reflector_of(m)->shares.specular > 0;
     case ORL_MATERIAL_LIGHT:
     case ORL_MATERIAL_GLOW:
     case ORL_MATERIAL_SPOTLIGHT:
@@ -484,11 +493,9 @@ static void use_alternate(struct orl_parser *parser, const struct orl_scope *sco
 {
     const struct orl_primitive *const primitive = &parser->primitive;
     *material = other >= 0 ? parser->out->materials[other]
-                           : (struct orl_material){.kind = ORL_MATERIAL_VOID,
-                                                   .seen_as = ORL_SEEN_AS_ITSELF,
-                                                   .sky = -1};
-    if (material->bsdf)
-        orl_bsdf_ref(material->bsdf);
+                           : (struct orl_material){.kind = ORL_MATERIAL_VOID, .sky = -1};
+    if (orl_material_bsdf(material))
+        orl_bsdf_ref(orl_material_bsdf(material));
     orl_parser_warn(parser,
                     "mirror %.100s at %.200s:%d: its alternate '%.100s' is used for all light, "
                     "including the reflection of suns",

@@ -64,7 +64,7 @@ int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl
 int orl_material_read_antimatter(struct orl_parser *parser, const struct orl_scope *scope,
                                  struct orl_material *material, struct orl_error *err);
 
-/* bsdf_reader.c; the caller drops the reference in material->bsdf, also on failure. */
+/* bsdf_reader.c; the caller drops the reference of orl_material_bsdf, also on failure. */
 int orl_material_read_bsdf(struct orl_parser *parser, const struct orl_scope *scope,
                            struct orl_material *material, struct orl_error *err);
 
@@ -82,9 +82,11 @@ int orl_material_check_range(struct orl_parser *parser, const struct orl_scope *
                              struct orl_rgb c, bool closed, const char *what,
                              struct orl_error *err);
 
-/* Checks colour, specularity, transmission and roughness; clamps values slightly above 1. */
-int orl_material_check_reflector(struct orl_parser *parser, const struct orl_scope *scope,
-                                 struct orl_material *material, struct orl_error *err);
+/* Checks colour, specularity and transmission; clamps values slightly above 1. shares: of the
+ * material. */
+int orl_material_check_shares(struct orl_parser *parser, const struct orl_scope *scope,
+                              struct orl_material *material, struct orl_reflector_shares *shares,
+                              struct orl_error *err);
 
 /* Reads a string argument that must be a number: expressions of function files are not
  * evaluated. */

@@ -70,7 +70,7 @@ static int define(struct orl_parser *parser, const struct orl_scope *scope, cons
     struct orl_symbol symbol = {.kind = ORL_SYMBOL_MATERIAL};
     if (old && old->kind == ORL_SYMBOL_MATERIAL &&
         orl_material_same(parser->out->materials + old->index, material)) {
-        orl_bsdf_unref(material->bsdf);
+        orl_bsdf_unref(orl_material_bsdf(material));
         /* the same definition again, but with a later order */
         if (orl_symbols_set(&parser->symbols, *old) < 0)
             return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
@@ -225,13 +225,14 @@ static int overlay_pattern(struct orl_parser *parser, const struct orl_scope *sc
                            struct orl_error *err)
 {
     struct orl_material material = parser->out->materials[index];
+    const bool mixture = material.kind == ORL_MATERIAL_MIXTURE;
     const char *const id = parser->primitive.id;
     const bool texture = strncmp(parser->primitive.type, "tex", 3) == 0;
-    if (material.sky >= 0 || (material.mixed && !texture))
+    if (material.sky >= 0 || (mixture && !texture))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "'%.200s', which it modifies, %s", parser->primitive.modifier,
-                               material.mixed ? "is a mixture of unlike materials"
-                                              : "is modified by a sky");
+                               mixture ? "is a mixture of unlike materials"
+                                       : "is modified by a sky");
     int code = orl_parser_pattern(parser, scope, material.pattern, material.texture, true, err);
     if (code < 0)
         return code;
@@ -244,12 +245,13 @@ static int overlay_pattern(struct orl_parser *parser, const struct orl_scope *sc
     } else {
         material.pattern = parser->out->patterns[made->index];
     }
-    code = material.mixed ? orl_parser_texture_mixture(parser, scope, &material, err) : 0;
+    code = mixture ? orl_parser_texture_mixture(parser, scope, &material, err) : 0;
     if (code == 0)
         code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;
-    material.bsdf = material.bsdf ? orl_bsdf_ref(material.bsdf) : NULL;
+    if (orl_material_bsdf(&material))
+        orl_bsdf_ref(orl_material_bsdf(&material));
     return define(parser, scope, id, &material, err);
 }
 
@@ -268,7 +270,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
                         struct orl_error *err)
 {
     const struct material_type *type = find_type(parser->primitive.type);
-    struct orl_material material = {.seen_as = ORL_SEEN_AS_ITSELF, .sky = -1};
+    struct orl_material material = {.kind = ORL_MATERIAL_VOID, .sky = -1};
     const struct orl_symbol *refused = refused_with(parser);
     int code = check_name(parser, scope, err);
     if (code == 0 && refused)
@@ -305,7 +307,7 @@ int orl_parser_modifier(struct orl_parser *parser, const struct orl_scope *scope
     if (code == 0)
         code = check_lit(parser, scope, &material, err);
     if (code < 0)
-        orl_bsdf_unref(material.bsdf);
+        orl_bsdf_unref(orl_material_bsdf(&material));
     if (orl_is_deferrable(code))
         return defer_error(parser, err);
     return code < 0 ? code : define(parser, scope, parser->primitive.id, &material, err);
@@ -334,17 +336,19 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
     if (symbol->kind != ORL_SYMBOL_MATERIAL)
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
-    const bool mixture = material.mixed || (material.pattern && material.pattern->mixture);
-    if (mixture && (own.pattern || own.sky >= 0 || (material.mixed && own.texture)))
+    const bool unlike = material.kind == ORL_MATERIAL_MIXTURE;
+    const bool mixture = unlike || (material.pattern && material.pattern->mixture);
+    if (mixture && (own.pattern || own.sky >= 0 || (unlike && own.texture)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "the mixture '%.200s' can have only the patterns of its materials",
                                target);
     material.sky = inherit ? material.sky : own.sky;
     material.pattern = inherit || mixture ? material.pattern : own.pattern;
-    material.texture = inherit || material.mixed ? material.texture : own.texture;
+    material.texture = inherit || unlike ? material.texture : own.texture;
     code = check_lit(parser, scope, &material, err);
     if (code < 0)
         return code;
-    material.bsdf = material.bsdf ? orl_bsdf_ref(material.bsdf) : NULL;
+    if (orl_material_bsdf(&material))
+        orl_bsdf_ref(orl_material_bsdf(&material));
     return define(parser, scope, parser->primitive.id, &material, err);
 }

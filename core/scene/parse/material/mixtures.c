@@ -20,11 +20,8 @@ static int find_mixed(struct orl_parser *parser, const struct orl_scope *scope, 
         return 0;
     }
     if (!symbol && strcmp(name, "void") == 0) {
-        *ret_material = (struct orl_material){.kind = ORL_MATERIAL_GLASS,
-                                              .transmissivity = orl_gray(1),
-                                              .ior = 1,
-                                              .seen_as = ORL_SEEN_AS_ITSELF,
-                                              .sky = -1};
+        *ret_material = (struct orl_material){
+            .kind = ORL_MATERIAL_GLASS, .sky = -1, .as.glass = {orl_gray(1), 1}};
         return 0;
     }
     if (!symbol)
@@ -59,16 +56,18 @@ static bool is_mixable(enum orl_material_kind kind)
 
 static int count_leaves(const struct orl_material *m)
 {
-    return m->mixed ? count_leaves(&m->mixed[0]) + count_leaves(&m->mixed[1]) : 1;
+    const struct orl_material *const mixed = orl_material_mixed(m);
+    return mixed ? count_leaves(&mixed[0]) + count_leaves(&mixed[1]) : 1;
 }
 
 /* Returns true for materials that textures do not affect: glow and void. */
 static bool has_no_normal(const struct orl_material *m)
 {
-    const struct orl_rgb t = m->transmissivity;
-    return m->kind == ORL_MATERIAL_GLOW ||
-           (m->kind == ORL_MATERIAL_GLASS && !m->pattern && !m->texture && m->ior == 1 &&
-            t.r == 1 && t.g == 1 && t.b == 1);
+    if (m->kind != ORL_MATERIAL_GLASS)
+        return m->kind == ORL_MATERIAL_GLOW;
+    const struct orl_rgb t = orl_glass_of(m)->transmissivity;
+    return !m->pattern && !m->texture && orl_glass_of(m)->ior == 1 && t.r == 1 && t.g == 1 &&
+           t.b == 1;
 }
 
 static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope,
@@ -117,19 +116,20 @@ static int mix_unlike(struct orl_parser *parser, const struct orl_scope *scope,
                       const struct orl_material two[2], struct orl_material *ret_material,
                       struct orl_error *err)
 {
+    struct orl_pattern *share = NULL;
     int code = check_unlike(parser, scope, two, err);
     if (code == 0)
-        code = orl_parser_mixture(parser, scope, NULL, &ret_material->mix, err);
+        code = orl_parser_mixture(parser, scope, NULL, &share, err);
     if (code == 0)
-        code = check_direction(parser, scope, ret_material->mix, two, err);
+        code = check_direction(parser, scope, share, two, err);
     if (code < 0)
         return code;
     struct orl_material *const kept = orl_arena_alloc(parser->out->arena, 2 * sizeof *kept);
     if (!kept)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
     memcpy(kept, two, 2 * sizeof *kept);
-    ret_material->mixed = kept;
     ret_material->kind = ORL_MATERIAL_MIXTURE;
+    ret_material->as.mixture = (struct orl_mixture){share, kept};
     ret_material->texture = two[has_no_normal(&two[0])].texture;
     return 0;
 }
@@ -146,8 +146,8 @@ int orl_parser_texture_mixture(struct orl_parser *parser, const struct orl_scope
     struct orl_material *const turned = orl_arena_alloc(parser->out->arena, 2 * sizeof *turned);
     if (!turned)
         return orl_parser_fail(parser, scope, err, ORL_ERR_NOMEM, "out of memory");
-    memcpy(turned, mixture->mixed, 2 * sizeof *turned);
-    mixture->mixed = turned;
+    memcpy(turned, orl_mixture_of(mixture)->mixed, 2 * sizeof *turned);
+    mixture->as.mixture.mixed = turned;
     for (int i = 0; i < 2; i++) {
         if (turned[i].kind == ORL_MATERIAL_GLOW)
             continue;
@@ -157,8 +157,9 @@ int orl_parser_texture_mixture(struct orl_parser *parser, const struct orl_scope
                                    "functions or data: textures are not simulated on these",
                                    parser->primitive.modifier);
         turned[i].texture = mixture->texture;
-        const int code =
-            turned[i].mixed ? orl_parser_texture_mixture(parser, scope, &turned[i], err) : 0;
+        const int code = turned[i].kind == ORL_MATERIAL_MIXTURE
+                             ? orl_parser_texture_mixture(parser, scope, &turned[i], err)
+                             : 0;
         if (code < 0)
             return code;
     }

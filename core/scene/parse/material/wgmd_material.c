@@ -150,20 +150,21 @@ static int read_roughness(struct reading *r, size_t first, struct orl_material *
 {
     const char *const functions[3] = {string_at(r, first + ROUGHNESS),
                                       string_at(r, first + ROUGHNESS + 1), "0"};
-    struct orl_material nothing = {.seen_as = ORL_SEEN_AS_ITSELF};
-    part->anisotropy_axis = r->anisotropy_axis;
-    if (!is_number(functions[0], &part->roughness[0]) ||
-        !is_number(functions[1], &part->roughness[1])) {
-        part->roughness[0] = part->roughness[1] = 1;
+    struct orl_material nothing = {.kind = ORL_MATERIAL_VOID};
+    struct orl_reflector *const reflector = &part->as.reflector;
+    double *const roughness = reflector->roughness;
+    reflector->anisotropy_axis = r->anisotropy_axis;
+    if (!is_number(functions[0], &roughness[0]) || !is_number(functions[1], &roughness[1])) {
+        roughness[0] = roughness[1] = 1;
         return make_pattern(r, "colorfunc", first ? "transmitted roughness" : "roughness",
-                            functions, 3, &nothing, &part->roughness_pattern);
+                            functions, 3, &nothing, &reflector->roughness_pattern);
     }
-    if (!(part->roughness[0] > 0 && part->roughness[1] > 0))
-        part->roughness[0] = part->roughness[1] = 0;
+    if (!(roughness[0] > 0 && roughness[1] > 0))
+        roughness[0] = roughness[1] = 0;
     for (int i = 0; i < 2; i++)
-        if (!(part->roughness[i] <= 1))
+        if (!(roughness[i] <= 1))
             return orl_parser_fail(r->parser, r->scope, r->err, ORL_ERR_RANGE,
-                                   "its roughness %g is not from 0 to 1", part->roughness[i]);
+                                   "its roughness %g is not from 0 to 1", roughness[i]);
     return 0;
 }
 
@@ -210,8 +211,8 @@ static int add_directed(struct reading *r, size_t first)
     if (code < 0 || !(share > 0))
         return code;
     part.color = orl_gray(share);
-    part.specular = through ? 0 : 1;
-    part.transmitted = part.transmitted_specular = through ? 1 : 0;
+    part.as.reflector.shares =
+        through ? (struct orl_reflector_shares){0, 1, 1} : (struct orl_reflector_shares){1, 0, 0};
     code = read_roughness(r, first, &part);
     if (through)
         part.texture = NULL;
@@ -222,9 +223,10 @@ static int add_directed(struct reading *r, size_t first)
 static int find_texture(struct reading *r, const struct orl_material *m,
                         struct orl_pattern **texture, bool *found)
 {
-    if (m->mixed) {
-        const int code = find_texture(r, &m->mixed[0], texture, found);
-        return code < 0 ? code : find_texture(r, &m->mixed[1], texture, found);
+    const struct orl_material *const mixed = orl_material_mixed(m);
+    if (mixed) {
+        const int code = find_texture(r, &mixed[0], texture, found);
+        return code < 0 ? code : find_texture(r, &mixed[1], texture, found);
     }
     if (m->kind == ORL_MATERIAL_TRANS)
         return 0;

@@ -200,12 +200,23 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
 static struct orl_pattern *function_brdf_of(const struct orl_material *material,
                                             enum orl_function_brdf_kind function_brdf)
 {
-    struct orl_pattern *found = function_brdf == ORL_FUNCTION_BRDF_GLAZING ? material->angles
-                                : function_brdf == ORL_FUNCTION_BRDF_PRISM ? material->prism_rays
-                                                                           : material->lobes;
-    for (int i = 0; i < 2 && !found && material->mixed; i++)
-        found = function_brdf_of(&material->mixed[i], function_brdf);
+    const struct orl_material *const mixed = orl_material_mixed(material);
+    struct orl_pattern *found = NULL;
+    if (function_brdf == ORL_FUNCTION_BRDF_GLAZING && material->kind == ORL_MATERIAL_GLAZING)
+        found = orl_glazing_of(material)->angles;
+    if (function_brdf == ORL_FUNCTION_BRDF_PRISM && material->kind == ORL_MATERIAL_PRISM)
+        found = orl_prism_of(material)->rays;
+    if (function_brdf == ORL_FUNCTION_BRDF_LOBES && material->kind == ORL_MATERIAL_FUNCTION_LOBES)
+        found = orl_function_lobes_of(material)->functions;
+    for (int i = 0; mixed && i < 2 && !found; i++)
+        found = function_brdf_of(&mixed[i], function_brdf);
     return found;
+}
+
+/* Returns the pattern of a mixture's shares, or NULL. */
+static struct orl_pattern *share_of(const struct orl_material *material)
+{
+    return material->kind == ORL_MATERIAL_MIXTURE ? orl_mixture_of(material)->share : NULL;
 }
 
 /* Returns an equal one that was defined before, or NULL. */
@@ -219,7 +230,7 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
     if (old && old->kind == ORL_SYMBOL_MATERIAL && type->function_brdf != ORL_FUNCTION_BRDF_NONE)
         other = function_brdf_of(&parser->out->materials[old->index], type->function_brdf);
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
-        other = parser->out->materials[old->index].mix;
+        other = share_of(&parser->out->materials[old->index]);
     if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
         other = parser->out->patterns[old->index];
     if (old && old->kind == ORL_SYMBOL_MATERIAL && (pattern->mixture || of_material))
@@ -404,7 +415,7 @@ static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope
                        : type->function_brdf != ORL_FUNCTION_BRDF_NONE
                            ? function_brdf_of(old, type->function_brdf)
                        : mixed ? old->pattern
-                               : old->mix;
+                               : share_of(old);
     }
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
