@@ -101,7 +101,7 @@ static int divide_missing(struct orl_year *y, size_t n, const struct missing *w,
     while (code == 0 && missing > 0 && missing < before) {
         before = missing;
         memset(w->here, 0, n * sizeof *w->here);
-        code = shared->claim(shared->ctx, w->tasks, missing, w->here, &watch, err);
+        code = orl_job_tasks_claim(shared, w->tasks, missing, w->here, &watch, err);
         for (size_t i = 0; i < missing && code == 0; i++) {
             select_chunk(y, w->indices[i]);
             code = w->here[i] ? compute_chunk(y, err) : 0;

@@ -183,7 +183,7 @@ static int distribute_entry(struct orl_annual_cache *cache, struct orl_annual_ca
         return 0;
     memcpy(job_task.kind, kind, sizeof kind);
     memcpy(job_task.key, entry->key, sizeof job_task.key);
-    return tasks->claim(tasks->ctx, &job_task, 1, &here, NULL, err);
+    return orl_job_tasks_claim(tasks, &job_task, 1, &here, NULL, err);
 }
 
 int orl_annual_cache_get(struct orl_annual_cache *cache, struct orl_annual_cache_entry *entry,

@@ -172,12 +172,8 @@ static int claim_missing(const struct orl_run_env *env, const struct orl_task_wo
                          struct missing_tasks *w, struct orl_error *err)
 {
     const struct orl_job_tasks_watch watch = {work->told, work->ctx};
-    int code = 0;
-    if (env->tasks->claim)
-        code = env->tasks->claim(env->tasks->ctx, w->tasks, w->n, w->here,
-                                 work->told ? &watch : NULL, err);
-    else
-        memset(w->here, true, w->n * sizeof *w->here);
+    int code =
+        orl_job_tasks_claim(env->tasks, w->tasks, w->n, w->here, work->told ? &watch : NULL, err);
     for (size_t i = 0; i < w->n && code == 0; i++)
         if (w->here[i]) {
             code = make_task(env, work, w->indices[i], err);

@@ -406,7 +406,7 @@ static int distribute_missing(struct orl_run_state *state, struct map_work *work
         return 0;
     orl_run_release_maps(state);
     memset(work, 0, ORL_MAP_KINDS * sizeof *work);
-    const int code = shared->claim(shared->ctx, tasks, n, here, &watch, err);
+    const int code = orl_job_tasks_claim(shared, tasks, n, here, &watch, err);
     return code < 0 ? code : acquire_all(state, work, err);
 }
 

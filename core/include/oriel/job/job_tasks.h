@@ -46,7 +46,8 @@ struct orl_job_tasks {
      * Assigns tasks that the store lacks; they are independent of each other. Sets ret_here for
      * those that this run must compute; all are false beforehand. When it returns 0, the others are
      * in the store, or will never be requested. ORL_ERR_CANCELLED ends a run that has computed its
-     * tasks. Called by the lead thread. watch may be NULL. NULL: the run computes all tasks.
+     * tasks. Called by the lead thread. watch may be NULL. NULL: the run computes all tasks; call
+     * it by orl_job_tasks_claim.
      */
     int (*claim)(void *ctx, const struct orl_job_task *tasks, size_t n, bool *ret_here,
                  const struct orl_job_tasks_watch *watch, struct orl_error *err);
@@ -55,6 +56,18 @@ struct orl_job_tasks {
      * results. NULL: the run continues. */
     bool (*should_stop)(void *ctx);
 };
+
+static inline int orl_job_tasks_claim(const struct orl_job_tasks *tasks,
+                                      const struct orl_job_task *wanted, size_t n, bool *ret_here,
+                                      const struct orl_job_tasks_watch *watch,
+                                      struct orl_error *err)
+{
+    if (tasks->claim)
+        return tasks->claim(tasks->ctx, wanted, n, ret_here, watch, err);
+    for (size_t i = 0; i < n; i++)
+        ret_here[i] = true;
+    return 0;
+}
 
 static inline bool orl_job_tasks_should_stop(const struct orl_job_tasks *tasks)
 {
