@@ -10,6 +10,11 @@ static const double sharp_difference = 0.15, no_difference = 0.02, steep_differe
 /* Distance, in pixels, within which one of a pixel's rays stands for others that see lobes. */
 static const double close_by = 0.3;
 
+/* Rays of a pixel for which smooth light is computed wherever it varies, and rays that are shaded.
+ * Later ones find how much of the pixel each surface covers, and how much of it is in shadow; all
+ * else they take from the nearest earlier ray that sees the same. */
+enum { SMOOTH_RAYS = 8, SHADED_RAYS = 12 };
+
 /* Multiples of its reach within which the smooth part is shared: among the rays of a pixel, whose
  * mean counts; and between neighbouring pixels, if the neighbours agree. */
 static const double shared_within = 1, shared_about = 4;
@@ -77,10 +82,20 @@ struct found {
     struct orl_rgb lobes;
     double variance;
 };
+/* A shaded ray of the pixel. */
+struct shaded_sample {
+    uint64_t visible_surfaces;
+    double x, y;   /* position in the pixel */
+    double direct; /* luma of its direct light */
+    struct orl_ray_radiance radiance;
+};
 struct finds {
     struct found list[ORL_PIXEL_MOST_RAYS];
     uint32_t count;
-    bool is_new; /* true if one of them has a path signature that no pixel about has */
+    struct shaded_sample shaded[ORL_PIXEL_MOST_RAYS];
+    uint32_t n_shaded;
+    enum cause cause; /* why the pixel is refined */
+    bool is_new;      /* true if one of them has a path signature that no pixel about has */
     /* Range of the direct light's luma over rays with the pixel's own signature. */
     double least_direct, most_direct;
 };
@@ -164,8 +179,7 @@ static const struct found *nearest_known(const struct finds *finds, const double
 static const struct found *known_for(const struct finds *finds, uint32_t ray, const double place[2],
                                      const struct orl_shaded_ray *shaded)
 {
-    /* Rays beyond the usual ones serve sharp contrasts: coverage and shadows. */
-    if (ray >= ORL_PIXEL_RAYS)
+    if (ray >= SMOOTH_RAYS)
         return nearest_known(finds, place, shaded->path_signature);
     for (uint32_t i = 0; i < finds->count; i++)
         if (can_reuse(&finds->list[i], place, shaded))
@@ -213,6 +227,61 @@ static bool is_close(const struct matching_pixels *matching_pixels,
                      shared_about * matching_pixels->nearest->smooth.reach);
 }
 
+/*
+ * Returns the shaded ray of the pixel nearest to a position that sees the same surfaces, or NULL.
+ * There is none either if their direct light differs, as along the edge of a shadow: how much of
+ * the pixel is lit is then up to every ray.
+ */
+static const struct shaded_sample *nearest_shaded(const struct finds *finds, const double place[2],
+                                                  uint64_t visible_surfaces)
+{
+    const struct shaded_sample *nearest = NULL;
+    double least = INFINITY, least_direct = INFINITY, most_direct = 0;
+    for (uint32_t i = 0; i < finds->n_shaded; i++) {
+        const struct shaded_sample *sample = &finds->shaded[i];
+        const double across = sample->x - place[0], down = sample->y - place[1];
+        const double distance2 = across * across + down * down;
+        if (sample->visible_surfaces != visible_surfaces)
+            continue;
+        least_direct = fmin(least_direct, sample->direct);
+        most_direct = fmax(most_direct, sample->direct);
+        if (distance2 < least) {
+            least = distance2;
+            nearest = sample;
+        }
+    }
+    return nearest && most_direct - least_direct <=
+                          sharp_difference * orl_luma(nearest->radiance.radiance)
+               ? nearest
+               : NULL;
+}
+
+/* Returns a shaded ray that stands for one through this position, or NULL. */
+static const struct shaded_sample *find_shaded(const struct orl_adaptive_tile *tile_state, int x,
+                                               int y, uint32_t ray, const struct finds *finds)
+{
+    const struct orl_tile_painter *painter = tile_state->painter;
+    struct orl_vec3 origin, direction;
+    double place[2];
+    orl_pixel_ray_position(ray, &place[0], &place[1]);
+    if (ray < SHADED_RAYS || finds->cause == CAUSE_SHADOW ||
+        painter->shader.lit_scene->scene->mist ||
+        !orl_paint_ray(painter->painting, (double)tile_state->tile->x0 + x + place[0],
+                       (double)tile_state->tile->y0 + y + place[1], &origin, &direction))
+        return NULL;
+    return nearest_shaded(finds, place,
+                          orl_shade_visible_surfaces(&painter->shader, origin, direction,
+                                                     &tile_state->search->health));
+}
+
+static void add_shaded(struct finds *finds, const struct orl_shaded_ray *shaded,
+                       const double place[2], struct orl_rgb direct,
+                       const struct orl_ray_radiance *radiance)
+{
+    finds->shaded[finds->n_shaded++] = (struct shaded_sample){
+        shaded->visible_surfaces, place[0], place[1], orl_luma(direct), *radiance};
+}
+
 /* Returns the radiance of one more ray. */
 static struct orl_ray_radiance shade_ray(const struct orl_adaptive_tile *tile_state, int x, int y,
                                          uint32_t ray, struct finds *finds)
@@ -249,22 +318,29 @@ static struct orl_ray_radiance shade_ray(const struct orl_adaptive_tile *tile_st
         seen.lobes = found->lobes;
         seen.variance = found->variance + direct.variance;
     }
-    return shade_of(&seen);
+    const struct orl_ray_radiance radiance = shade_of(&seen);
+    add_shaded(finds, &shaded, place, direct.radiance, &radiance);
+    return radiance;
 }
 
-/* Returns a pixel from at least that many rays. *ret_cause: why its neighbours need refinement as
- * well: a ray has a new path signature, or crosses a shadow's edge. */
+/* Returns a pixel from several rays, all of the usual ones along the edge of a shadow. *ret_cause:
+ * why its neighbours need refinement as well: a ray has a new path signature, or crosses a shadow's
+ * edge. */
 static struct orl_pixel refine_pixel(const struct orl_adaptive_tile *tile_state, int x, int y,
-                                     uint32_t rays, enum cause *ret_cause)
+                                     enum cause cause, enum cause *ret_cause)
 {
+    const uint32_t rays = cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS : ORL_PIXEL_FIRST_RAYS;
     const double own = orl_luma(orl_tile_pixel_at(tile_state, x, y)->direct);
     struct orl_pixel_rays tally = {.rays = 0};
     struct finds finds;
-    finds.count = 0;
+    finds.count = finds.n_shaded = 0;
+    finds.cause = cause;
     finds.is_new = false;
     finds.least_direct = finds.most_direct = own;
     for (uint32_t i = 0; i < rays || i < orl_pixel_rays_needed(&tally); i++) {
-        const struct orl_ray_radiance ray_radiance = shade_ray(tile_state, x, y, i, &finds);
+        const struct shaded_sample *same = find_shaded(tile_state, x, y, i, &finds);
+        const struct orl_ray_radiance ray_radiance =
+            same ? same->radiance : shade_ray(tile_state, x, y, i, &finds);
         orl_pixel_add(&tally, &ray_radiance);
     }
     *ret_cause = finds.is_new ? CAUSE_THINGS : CAUSE_NONE;
@@ -319,11 +395,8 @@ static void refine_about(const struct orl_adaptive_tile *tile_state, int x, int 
         refining.depth--;
         const int at_x = refining.stack[refining.depth].x, at_y = refining.stack[refining.depth].y;
         enum cause found;
-        const struct orl_pixel pixel = refine_pixel(
-            tile_state, at_x, at_y,
-            refining.stack[refining.depth].cause == CAUSE_SHADOW ? ORL_PIXEL_RAYS
-                                                                 : ORL_PIXEL_FIRST_RAYS,
-            &found);
+        const struct orl_pixel pixel =
+            refine_pixel(tile_state, at_x, at_y, refining.stack[refining.depth].cause, &found);
         set_pixel(tile_state, at_x, at_y, &pixel);
         for (int i = 0; i < 9 && found != CAUSE_NONE; i++)
             push_pixel(tile_state, at_x + i % 3 - 1, at_y + i / 3 - 1, found, &refining);

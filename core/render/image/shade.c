@@ -13,6 +13,7 @@ struct branch {
     struct orl_path path;
     double distance; /* from the eye to the start of the branch */
     bool outside;
+    bool straight; /* true if no surface has deflected it */
     uint32_t splits;
 };
 
@@ -87,11 +88,13 @@ static bool is_followed(struct look *look, struct branch *branch)
 
 /* Pushes a branch in the direction of s, with its weight. */
 static void push_branch(struct look *look, const struct branch *from, const struct orl_hit *hit,
-                        const struct orl_surface_sample *s)
+                        const struct orl_surface_sample *s, bool undeflected)
 {
     const struct orl_lit_scene *lit_scene = scene_of(look);
-    struct branch next = {
-        .path = from->path, .distance = from->distance + hit->distance, .splits = from->splits + 1};
+    struct branch next = {.path = from->path,
+                          .distance = from->distance + hit->distance,
+                          .straight = from->straight && undeflected,
+                          .splits = from->splits + 1};
     next.path.weight = orl_rgb_mul(from->path.weight, s->weight);
     if (!is_followed(look, &next))
         return;
@@ -251,10 +254,10 @@ static void push_branches(struct look *look, const struct branch *at, const stru
                                       .weight = orl_material_mirrored(m, hit, eye)};
     if (m->kind == ORL_MATERIAL_DIELECTRIC)
         back.medium_transmissivity = orl_interface_of(m)->media[hit->front ? 1 : 0].transmissivity;
-    push_branch(look, at, hit, &back);
-    push_branch(look, at, hit, &on);
+    push_branch(look, at, hit, &back, false);
+    push_branch(look, at, hit, &on, true);
     for (int i = orl_material_deviated_rays(m, hit, eye, ORL_TRANSPORT_EYE, bent) - 1; i >= 0; i--)
-        push_branch(look, at, hit, &bent[i]);
+        push_branch(look, at, hit, &bent[i], false);
 }
 
 /* Returns the material that a view sees, or NULL if it sees none. An illum appears as another
@@ -288,9 +291,22 @@ static bool shows_lamp(const struct look *look, struct orl_vec3 direction, uint3
              shader->excluded_lamps[facet] && is_straight(look, direction));
 }
 
-static void note_signature(struct orl_shaded_ray *shaded, uint64_t met)
+/* Returns the name of the surfaces met so far and one more. */
+static uint64_t name_with(uint64_t name, uint64_t met)
 {
-    shaded->path_signature = orl_mix64(shaded->path_signature + met + 1);
+    return orl_mix64(name + met + 1);
+}
+
+static uint64_t side_met(const struct orl_hit *hit)
+{
+    return 2 * (uint64_t)hit->facet + hit->front;
+}
+
+static void note_signature(struct orl_shaded_ray *shaded, uint64_t met, bool undeflected)
+{
+    shaded->path_signature = name_with(shaded->path_signature, met);
+    if (undeflected)
+        shaded->visible_surfaces = name_with(shaded->visible_surfaces, met);
 }
 
 /* Handles a surface in an irradiance picture. The irradiance is that of the surface itself; glass
@@ -305,7 +321,7 @@ static void meet_for_irradiance(struct look *look, const struct branch *at,
     if (!pane && orl_rgb_max(orl_material_diffuse(m, hit)) > 0)
         add_vertex(look, at, hit, m);
     else if (pane || (m->kind == ORL_MATERIAL_MIXTURE && orl_material_is_window(m)))
-        push_branch(look, at, hit, &on);
+        push_branch(look, at, hit, &on, true);
     for (uint32_t i = 0; i < look->shaded->n_vertices; i++)
         look->shaded->vertices[i].weight = orl_gray(1);
 }
@@ -339,11 +355,11 @@ static void shade_surface(struct look *look, const struct branch *met, const str
     const struct orl_material *m = seen_at(look, hit);
     struct branch at = *met;
     const bool alone = look->shader->suns >= ORL_SUNS_ONLY;
-    note_signature(look->shaded, 2 * (uint64_t)hit->facet + hit->front);
+    note_signature(look->shaded, side_met(hit), at.straight);
     if (!m) {
         const struct orl_surface_sample on = {
             .direction = at.path.direction, .weight = orl_gray(1), .transmitted = true};
-        push_branch(look, &at, hit, &on);
+        push_branch(look, &at, hit, &on, true);
         return;
     }
     if (look->shader->irradiance) {
@@ -399,12 +415,12 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
     look.direction = direction;
     look.depth = 0;
     ret_shaded->n_vertices = 0;
-    ret_shaded->path_signature = 0;
+    ret_shaded->path_signature = ret_shaded->visible_surfaces = 0;
     ret_shaded->rest = ret_shaded->lobes = ret_shaded->gloss = orl_gray(0);
     ret_shaded->lobes_variance = ret_shaded->gloss_variance = 0;
     ret_shaded->has_lobes = ret_shaded->textured = false;
-    look.stack[look.depth++] =
-        (struct branch){.path = orl_path_from(origin, direction), .outside = outside};
+    look.stack[look.depth++] = (struct branch){
+        .path = orl_path_from(origin, direction), .outside = outside, .straight = true};
     while (look.depth > 0) {
         struct branch at = look.stack[--look.depth];
         struct orl_hit hit = {.distance = INFINITY};
@@ -418,11 +434,43 @@ void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
             shade_surface(&look, &at, &hit);
             continue;
         }
-        note_signature(ret_shaded, UINT32_MAX);
+        note_signature(ret_shaded, UINT32_MAX, at.straight);
         search->health.rays_leaked += !lit_scene->open && !at.outside;
         orl_path_escape(&at.path);
         if (shader->irradiance)
             continue;
         add_radiance(&look, at.path.weight, seen_beyond(&look, at.path.direction));
     }
+}
+
+/* Returns the share of light that passes the surface straight on. */
+static struct orl_rgb straight_share(const struct look *look, const struct orl_path *path,
+                                     const struct orl_hit *hit)
+{
+    const struct orl_material *m = seen_at(look, hit);
+    return m ? orl_material_straight(m, hit, orl_path_back(path)) : orl_gray(1);
+}
+
+uint64_t orl_shade_visible_surfaces(const struct orl_shader *shader, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, struct orl_health *health)
+{
+    const struct orl_lit_scene *lit_scene = orl_lit_scene_seen(shader->lit_scene);
+    const struct look look = {.shader = shader};
+    struct orl_path path = orl_path_from(origin, direction);
+    uint64_t name = 0;
+    for (int splits = 0; splits <= MOST_SPLITS; splits++) {
+        struct orl_hit hit = {.distance = INFINITY};
+        health->rays++;
+        if (!orl_path_intersect(lit_scene, &path, &hit))
+            return name_with(name, UINT32_MAX);
+        name = name_with(name, side_met(&hit));
+        const struct orl_surface_sample on = {.direction = direction,
+                                              .weight = straight_share(&look, &path, &hit),
+                                              .transmitted = true};
+        path.weight = orl_rgb_mul(path.weight, on.weight);
+        if (orl_rgb_max(path.weight) < shader->least_weight)
+            break;
+        orl_path_spawn_ray(&path, lit_scene, &hit, &on);
+    }
+    return name;
 }

@@ -25,6 +25,7 @@ struct orl_shaded_ray {
     uint32_t n_vertices;
     /* Names the surfaces met, in order; equal for rays that see the same. */
     uint64_t path_signature;
+    uint64_t visible_surfaces; /* orl_shade_visible_surfaces */
     struct orl_rgb rest;   /* radiance that comes neither from diffuse surfaces nor from lobes */
     struct orl_rgb lobes;  /* radiance from lobes, by a few rays */
     double lobes_variance; /* variance of their luma, as if rays were random */
@@ -82,5 +83,13 @@ struct orl_shader {
 void orl_shade_ray(const struct orl_shader *shader, struct orl_vec3 origin,
                    struct orl_vec3 direction, bool outside, bool lobes, struct orl_random *random,
                    struct orl_search *search, struct orl_shaded_ray *ret_shaded);
+
+/*
+ * Returns a name of the surfaces that a ray meets on its straight way: through panes, to the first
+ * surface that is opaque or deflects light. Names are equal for rays that see the same surfaces.
+ * It traces one ray a surface and computes no light.
+ */
+uint64_t orl_shade_visible_surfaces(const struct orl_shader *shader, struct orl_vec3 origin,
+                                    struct orl_vec3 direction, struct orl_health *health);
 
 #endif
