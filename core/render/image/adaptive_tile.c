@@ -39,6 +39,7 @@ static void add_smooth(struct orl_smooth_lighting *sum, const struct orl_smooth_
                        double share)
 {
     sum->radiance = orl_rgb_add(sum->radiance, orl_rgb_scale(more->radiance, share));
+    sum->caustic += share * more->caustic;
     sum->rest_error += share * more->rest_error;
     sum->caustic_error += share * more->caustic_error;
     sum->reach = fmin(sum->reach, more->reach);

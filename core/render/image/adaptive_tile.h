@@ -64,8 +64,8 @@ struct orl_pixel orl_pixel_resolve(const struct orl_pixel_rays *tally);
  *   signature (shade.h). It is interpolated to the pixels between if the square's centre agrees;
  *   otherwise squares are quartered, down to single pixels;
  *   more rays for gloss, if the pixels about one show noise;
- *   more rays through a pixel if neighbours see other surfaces, shadows end, or the smooth
- *   part is steep (caustics). They take the smooth part from the nearest pixel that sees the same.
+ *   more rays through a pixel if neighbours see other surfaces, shadows end, or the caustic
+ *   part is steep. They take the smooth part from the nearest pixel that sees the same.
  * A pixel that finds there something that none of its neighbours has seen makes these send more
  * rays as well, so that things narrower than a pixel are followed. So does one that finds a
  * shadow's edge; the pixels about it send all of a pixel's rays, so that penumbras are sampled from

@@ -3,7 +3,7 @@
 /*
  * Shares of the luma by which neighbours differ: from the first on there is a shadow's edge between
  * them; below the second there is no edge, whatever they see. Above the third the pixel's centre
- * does not give the mean of the smooth part: along the edges of caustics.
+ * does not give the mean of the caustic part: along its edges.
  */
 static const double sharp_difference = 0.15, no_difference = 0.02, steep_difference = 0.2;
 
@@ -51,9 +51,8 @@ static enum cause refinement_cause(const struct orl_tile_pixel *tile_pixel,
     const double beside = orl_luma(orl_rgb_add(other->rest, other->direct));
     if (fabs(beside - sharp) > sharp_difference * luma)
         return CAUSE_SHADOW;
-    const double smooth = orl_luma(tile_pixel->smooth.radiance);
-    const double there = orl_luma(other->smooth.radiance);
-    return other_made && fabs(there - smooth) > steep_difference * luma ? CAUSE_THINGS : CAUSE_NONE;
+    const double step = fabs(other->smooth.caustic - tile_pixel->smooth.caustic);
+    return other_made && step > steep_difference * luma ? CAUSE_THINGS : CAUSE_NONE;
 }
 
 static enum cause wants_more(const struct orl_adaptive_tile *tile_state, int x, int y)

@@ -114,6 +114,7 @@ static void add_vertex(const struct orl_lighting *lighting, const struct orl_ver
     const struct orl_rgb radiance =
         orl_rgb_mul(v->weight, orl_rgb_add(caustic.irradiance, indirect.irradiance));
     sum->radiance = orl_rgb_add(sum->radiance, orl_health_filter(&search->health, radiance));
+    sum->caustic += orl_luma(orl_rgb_mul(v->weight, caustic.irradiance));
     sum->rest_error += weight * indirect.standard_error;
     sum->caustic_error += weight * caustic.standard_error;
     sum->reach = fmin(sum->reach, fmin(reach_of(&caustic), reach_of(&read)));

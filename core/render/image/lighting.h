@@ -52,6 +52,7 @@ struct orl_direct_lighting orl_lighting_direct(const struct orl_lighting *lighti
 /* Caustics and the rest, as radiance, and the standard errors of the luma of either. */
 struct orl_smooth_lighting {
     struct orl_rgb radiance;
+    double caustic; /* luma of the caustic part */
     double rest_error, caustic_error;
     double reach; /* distance from the first surface's point within which it is nearly constant */
 };
