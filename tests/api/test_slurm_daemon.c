@@ -18,6 +18,7 @@
 #include "support/cluster.h"
 #include "support/daemon_metric.h"
 #include "support/parted_daemon.h"
+#include "support/patience.h"
 
 static void test_a_render(void **state)
 {
@@ -107,7 +108,7 @@ static void test_a_wave_moves(void **state)
     double last = -1;
     int moves = 0, with_eta = 0;
     parted_submit(f, parted_long, path);
-    for (int i = 0; i < 600; i++) {
+    for (double until = patience_until(); patience_nap(until);) {
         daemon_get(&f->daemon, path, &reply);
         const bool ended = strcmp(reply_text(&reply, "state"), "succeeded") == 0;
         const double percent = reply_number(&reply, "percent");
@@ -126,10 +127,12 @@ static void test_a_wave_moves(void **state)
         fail_msg("%d moves, %d with an ETA", moves, with_eta);
     daemon_get(&f->daemon, path, &reply);
     const int done = (int)reply_number(&reply, "runner.parts.done");
+    /* A busy machine may reach a task's time limit. */
+    const int again = (int)reply_number(&reply, "runner.parts.again");
     reply_done(&reply);
     snprintf(job, sizeof job, "job=%s", path + strlen("/v1/jobs/"));
     assert_int_equal(count_in_log(f, (const char *const[3]){"event=job-part ", job, "what=start"}),
-                     done);
+                     done + again);
     assert_int_equal(count_in_log(f, (const char *const[3]){"event=job-part ", job, "what=end"}),
                      done);
     assert_int_equal(count_in_log(f, (const char *const[3]){"what=end", job, "slurm=-"}), 0);
