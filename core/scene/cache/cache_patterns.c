@@ -151,26 +151,28 @@ static void pass_text(struct orl_scene_cache_stream *k, const struct orl_letteri
 
 /* Writes or reads the struct without its pointers and without the values computed once geometry is
  * built. */
-static void pass_image(struct orl_serializer *serializer, struct orl_pattern *p, bool *has_text)
+static void pass_image(struct orl_serializer *serializer, struct orl_pattern *p)
 {
     struct orl_pattern image = *p;
-    *has_text = image.text != NULL;
     image.name = image.file = NULL;
     image.key = NULL;
-    image.function = image.values = NULL;
+    image.program.function = image.program.values = NULL;
     image.under = image.other = NULL;
-    image.text = NULL;
-    image.bands = NULL;
-    image.lobe_table = NULL;
-    image.n_lobe_tables = 0;
     image.geometry = NULL;
     image.parsed_scene = NULL;
     for (size_t i = 0; i < ORL_GRID_CHANNELS; i++)
-        image.grids[i] = NULL;
-    for (int i = 0; i < 2; i++)
-        image.mixed[i].pattern = NULL;
+        image.program.grids[i] = NULL;
+    if (image.source == ORL_PATTERN_TEXT)
+        image.as_source.text.lettering = NULL;
+    if (image.source == ORL_PATTERN_SPECTRUM)
+        image.as_source.spectrum.bands = NULL;
+    for (int i = 0; image.role == ORL_PATTERN_BLEND && i < 2; i++)
+        image.as_role.blend.mixed[i].pattern = NULL;
+    if (image.role == ORL_PATTERN_LOBES) {
+        image.as_role.lobes.tables = NULL;
+        image.as_role.lobes.n_tables = 0;
+    }
     orl_serialize_value(serializer, &image);
-    orl_serialize_value(serializer, has_text);
     if (orl_serializer_reads(serializer))
         *p = image;
 }
@@ -179,22 +181,25 @@ static void pass_pattern(struct orl_scene_cache_stream *k, struct orl_pattern *p
 {
     struct orl_serializer *const serializer = &k->serializer;
     struct orl_arena *const arena = k->d->arena;
-    bool has_text;
-    pass_image(serializer, p, &has_text);
+    pass_image(serializer, p);
     orl_serialize_text(serializer, arena, &p->name);
     orl_serialize_text(serializer, arena, &p->file);
     orl_serialize_arena_array(serializer, arena, &p->key, p->key_size, 1);
-    orl_function_serialize(&p->function, serializer);
-    orl_function_serialize(&p->values, serializer);
+    orl_function_serialize(&p->program.function, serializer);
+    orl_function_serialize(&p->program.values, serializer);
     pass_other(k, &p->under);
     pass_other(k, &p->other);
-    for (int i = 0; i < 2; i++)
-        pass_other(k, &p->mixed[i].pattern);
-    for (uint32_t i = 0; i < p->n_grids && i < ORL_GRID_CHANNELS; i++)
-        pass_grid(k, &p->grids[i]);
-    orl_serialize_arena_array(serializer, arena, &p->bands, p->n_bands, sizeof *p->bands);
-    if (has_text)
-        pass_text(k, &p->text);
+    for (int i = 0; p->role == ORL_PATTERN_BLEND && i < 2; i++)
+        pass_other(k, &p->as_role.blend.mixed[i].pattern);
+    for (uint32_t i = 0; i < p->program.n_grids && i < ORL_GRID_CHANNELS; i++)
+        pass_grid(k, &p->program.grids[i]);
+    if (p->source == ORL_PATTERN_SPECTRUM) {
+        struct orl_pattern_spectrum *const spectrum = &p->as_source.spectrum;
+        orl_serialize_arena_array(serializer, arena, &spectrum->bands, spectrum->n_bands,
+                                  sizeof *spectrum->bands);
+    }
+    if (p->source == ORL_PATTERN_TEXT)
+        pass_text(k, &p->as_source.text.lettering);
 }
 
 static void make_room(struct orl_scene_cache_stream *k, size_t n)

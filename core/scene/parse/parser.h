@@ -10,6 +10,7 @@
 #include "function/function.h"
 #include "scene/generate/xform.h"
 #include "scene/material/function_brdf/function_brdf.h"
+#include "scene/material/patterns/pattern.h"
 #include "scene/parse/instance/instanced_files.h"
 #include "scene/parse/parse.h"
 #include "scene/parse/primitive.h"
@@ -110,7 +111,7 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
 
 /* patterns.c: reads the functions of a material. */
 int orl_parser_function_brdf(struct orl_parser *parser, const struct orl_scope *scope,
-                             enum orl_function_brdf_kind kind, struct orl_pattern **ret_pattern,
+                             enum orl_pattern_role role, struct orl_pattern **ret_pattern,
                              struct orl_error *err);
 
 /* sky_patterns.c: a brightfunc of a sky's function file. */

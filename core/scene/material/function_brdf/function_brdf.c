@@ -18,9 +18,9 @@ int orl_function_brdf_prism_rays(const struct orl_pattern *pattern, const struct
     double inputs[ORL_RAY_INPUTS], values[4 * ORL_PRISM_RAYS];
     int n = 0;
     orl_pattern_inputs(pattern, hit, orl_neg(ray), inputs);
-    if (orl_pattern_run(pattern->function, inputs, values) != ORL_PATTERN_VALID)
+    if (orl_pattern_run(pattern->program.function, inputs, values) != ORL_PATTERN_VALID)
         return 0;
-    for (int i = 0; i < (int)pattern->n_brdf_functions / 4; i++) {
+    for (int i = 0; i < (int)orl_prism_functions_of(pattern)->n_rays; i++) {
         const double *const values_of_ray = values + (ptrdiff_t)4 * i;
         const struct orl_vec3 towards = to_world(pattern, values_of_ray + 1);
         const double length = orl_length(towards);
@@ -39,7 +39,7 @@ static void fill_inputs(const struct orl_pattern *pattern, const struct orl_hit 
     struct orl_hit seen = *hit;
     const struct orl_vec3 side =
         orl_dot(pair->eye, hit->normal) < 0 ? orl_neg(hit->normal) : hit->normal;
-    if (!pattern->sided)
+    if (!orl_lobe_functions_of(pattern)->sided)
         seen.normal = side;
     orl_pattern_inputs(pattern, &seen, pair->eye, inputs);
     orl_pattern_set_direction(pattern, inputs, ORL_RAY_NXP, side);
@@ -56,22 +56,22 @@ static unsigned evaluate(const struct orl_pattern *pattern, struct orl_function_
 {
     struct orl_function_scratch *const scratch = orl_function_scratch_of_thread();
     struct orl_function_outcome outcome =
-        orl_function_evaluate(pattern->function, scratch, columns, lanes, values);
+        orl_function_evaluate(pattern->program.function, scratch, columns, lanes, values);
     if (outcome.exceeded)
         return 0;
     lanes &= ~outcome.undefined;
-    if (!pattern->values)
+    if (!pattern->program.values)
         return lanes;
     for (unsigned l = 0; l < LANES; l++) {
         double place[ORL_GRID_AXES], held[ORL_GRID_CHANNELS];
         if (!(lanes >> l & 1))
             continue;
-        for (uint32_t i = 0; i < pattern->grids[0]->n_axes; i++)
+        for (uint32_t i = 0; i < pattern->program.grids[0]->n_axes; i++)
             place[i] = values[i].at[l];
-        orl_grid_at(pattern->grids[0], place, held);
+        orl_grid_at(pattern->program.grids[0], place, held);
         columns[ORL_RAY_DATA].at[l] = held[0];
     }
-    outcome = orl_function_evaluate(pattern->values, scratch, columns, lanes, values);
+    outcome = orl_function_evaluate(pattern->program.values, scratch, columns, lanes, values);
     return outcome.exceeded ? 0 : lanes & ~outcome.undefined;
 }
 

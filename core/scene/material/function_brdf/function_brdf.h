@@ -1,6 +1,6 @@
 /*
- * Functions of materials, stored as patterns: directions of a prism's rays, and values of lobes.
- * Their inputs have Radiance's names for functions of materials.
+ * Functions of materials, stored as patterns (enum orl_pattern_role): directions of a prism's rays,
+ * and values of lobes. Their inputs have Radiance's names for functions of materials.
  */
 #ifndef ORL_SCENE_MATERIAL_FUNCTION_BRDF_FUNCTION_BRDF_H
 #define ORL_SCENE_MATERIAL_FUNCTION_BRDF_FUNCTION_BRDF_H
@@ -8,14 +8,6 @@
 #include "scene/geometry/geometry.h"
 
 struct orl_pattern;
-
-/* Shares of glazing by angle (glazing.c); ray directions of a prism; values of lobes. */
-enum orl_function_brdf_kind {
-    ORL_FUNCTION_BRDF_NONE,
-    ORL_FUNCTION_BRDF_GLAZING,
-    ORL_FUNCTION_BRDF_PRISM,
-    ORL_FUNCTION_BRDF_LOBES
-};
 
 /* Prism: a direction in which an eye ray continues, and the share of the radiance that comes back
  * along it. */

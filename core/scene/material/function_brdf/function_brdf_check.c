@@ -69,7 +69,8 @@ static int judge_prism(struct orl_parsed_scene *d, const struct orl_material *m,
 static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
                        const struct orl_lobe_statistics *f, struct orl_error *err)
 {
-    struct orl_pattern *const lobes = orl_function_lobes_of(m)->functions;
+    struct orl_pattern *const functions = orl_function_lobes_of(m)->functions;
+    struct orl_pattern_lobes *const lobes = &functions->as_role.lobes;
     const double coarse_error = f->all > 0 ? f->coarse_error / f->all : 0;
     for (int i = 0; i < 2; i++)
         lobes->integrals[i] = f->integrals[i] / (double)f->n_directions;
@@ -79,13 +80,13 @@ static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
         orl_error_set(err, ORL_ERR_RANGE,
                       "it scatters up to %.3g of the incident light, which is more than 1",
                       f->max_steep);
-        return refuse_pattern(lobes, err);
+        return refuse_pattern(functions, err);
     }
     if (f->maximum > 1 + slack)
-        warn(d, lobes, "scatters more light than it receives at grazing angles; maximum",
+        warn(d, functions, "scatters more light than it receives at grazing angles; maximum",
              100 * f->maximum);
     if (lobes->narrow)
-        warn(d, lobes,
+        warn(d, functions,
              "has lobes too narrow to sample reliably: results are noisy, and an accuracy goal "
              "cannot be met; affected share of its light",
              100 * coarse_error);
@@ -97,26 +98,28 @@ static int judge_lobes(struct orl_parsed_scene *d, const struct orl_material *m,
 static int make_tables(const struct orl_geometry *g, const struct orl_material *m, uint32_t facet)
 {
     const uint64_t place = (uint64_t)7 << ORL_RAY_PX | (uint64_t)3 << ORL_RAY_LU;
-    struct orl_pattern *const lobes = orl_function_lobes_of(m)->functions;
+    struct orl_pattern *const functions = orl_function_lobes_of(m)->functions;
+    const struct orl_pattern_program *const program = &functions->program;
+    struct orl_pattern_lobes *const lobes = &functions->as_role.lobes;
     struct orl_facet own;
     const struct orl_facet *const f = orl_facet_get_own(g, facet, &own);
-    const uint64_t inputs = orl_function_inputs(lobes->function) |
-                            (lobes->values ? orl_function_inputs(lobes->values) : 0);
+    const uint64_t inputs = orl_function_inputs(program->function) |
+                            (program->values ? orl_function_inputs(program->values) : 0);
     const bool flat = orl_surface_kind_is_flat(f->kind);
     if (!flat || inputs & place || (m->pattern && inputs >> ORL_RAY_CRP & 7) ||
-        lobes->n_lobe_tables == MOST_LOBE_TABLES)
+        lobes->n_tables == MOST_LOBE_TABLES)
         return 0;
-    for (uint32_t i = 0; i < lobes->n_lobe_tables; i++)
-        if (orl_dot(lobes->lobe_table[i].normal, f->normal) > 1 - 1e-12)
+    for (uint32_t i = 0; i < lobes->n_tables; i++)
+        if (orl_dot(lobes->tables[i].normal, f->normal) > 1 - 1e-12)
             return 0;
-    if (!lobes->lobe_table)
-        lobes->lobe_table = calloc(MOST_LOBE_TABLES, sizeof *lobes->lobe_table);
-    float *const values = lobes->lobe_table ? calloc(ORL_LOBE_TABLE_VALUES, sizeof *values) : NULL;
+    if (!lobes->tables)
+        lobes->tables = calloc(MOST_LOBE_TABLES, sizeof *lobes->tables);
+    float *const values = lobes->tables ? calloc(ORL_LOBE_TABLE_VALUES, sizeof *values) : NULL;
     if (!values)
         return ORL_ERR_NOMEM;
     const struct orl_hit hit = orl_hit_surface_mean(f->normal, true);
     orl_lobe_table_fill(m, &hit, values);
-    lobes->lobe_table[lobes->n_lobe_tables++] = (struct orl_lobe_table){f->normal, values};
+    lobes->tables[lobes->n_tables++] = (struct orl_lobe_table){f->normal, values};
     return 0;
 }
 

@@ -66,7 +66,7 @@ bool orl_function_lobes_transmits(const struct orl_material *material)
 {
     const struct orl_function_lobes *const lobes = orl_function_lobes_of(material);
     if (lobes->is_whole_bsdf)
-        return !lobes->functions->opaque;
+        return !orl_lobe_functions_of(lobes->functions)->opaque;
     return lobes->shares.transmitted > 0 && lobes->shares.specular < 1 &&
            orl_rgb_max(material->color) > 0;
 }
@@ -155,16 +155,17 @@ static int cell_of(const struct orl_frame *frame, struct orl_vec3 direction, int
 /* Returns the precomputed cells for the direction of a query, or NULL. */
 static const float *find_lobe_table(const struct orl_bsdf_query *query, bool through)
 {
-    const struct orl_pattern *const lobes = orl_function_lobes_of(query->material)->functions;
+    const struct orl_pattern_lobes *const lobes =
+        orl_lobe_functions_of(orl_function_lobes_of(query->material)->functions);
     const struct orl_vec3 normal = query->hit->normal;
-    for (uint32_t i = 0; i < lobes->n_lobe_tables; i++) {
-        if (!(orl_dot(lobes->lobe_table[i].normal, normal) > 1 - 1e-12))
+    for (uint32_t i = 0; i < lobes->n_tables; i++) {
+        if (!(orl_dot(lobes->tables[i].normal, normal) > 1 - 1e-12))
             continue;
         const bool front = orl_dot(query->from, normal) >= 0;
         const struct orl_frame frame = orl_frame_about(front ? normal : orl_neg(normal));
-        return lobes->lobe_table[i].values +
-               orl_lobe_table_offset(query->transport, front, cell_of(&frame, query->from, SIDE),
-                                     through);
+        return lobes->tables[i].values + orl_lobe_table_offset(query->transport, front,
+                                                               cell_of(&frame, query->from, SIDE),
+                                                               through);
     }
     return NULL;
 }
@@ -278,7 +279,8 @@ struct orl_rgb orl_function_lobes_albedo(const struct orl_material *material,
                 sum = orl_rgb_add(sum, p.sides[i].albedo);
         return sum;
     }
-    const double *const integrals = orl_function_lobes_of(material)->functions->integrals;
+    const double *const integrals =
+        orl_lobe_functions_of(orl_function_lobes_of(material)->functions)->integrals;
     struct orl_rgb sum =
         lobes & ORL_LOBE_DIFFUSE ? orl_function_lobes_diffuse(material, hit) : orl_gray(0);
     for (int i = 0; i < 2; i++) {
@@ -409,7 +411,7 @@ static const struct orl_pattern *narrow_lobes_of(const struct orl_material *mate
     const struct orl_material *const mixed = orl_material_mixed(material);
     const struct orl_pattern *found = NULL;
     if (material->kind == ORL_MATERIAL_FUNCTION_LOBES &&
-        orl_function_lobes_of(material)->functions->narrow)
+        orl_lobe_functions_of(orl_function_lobes_of(material)->functions)->narrow)
         return orl_function_lobes_of(material)->functions;
     for (int i = 0; mixed && i < 2 && !found; i++)
         found = narrow_lobes_of(&mixed[i]);

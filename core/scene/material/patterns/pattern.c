@@ -41,11 +41,14 @@ void orl_pattern_free(struct orl_pattern *pattern)
 {
     if (!pattern)
         return;
-    orl_function_free(pattern->function);
-    orl_function_free(pattern->values);
-    for (uint32_t i = 0; i < pattern->n_lobe_tables; i++)
-        free(pattern->lobe_table[i].values);
-    free(pattern->lobe_table);
+    orl_function_free(pattern->program.function);
+    orl_function_free(pattern->program.values);
+    if (pattern->role == ORL_PATTERN_LOBES) {
+        const struct orl_pattern_lobes *const lobes = orl_lobe_functions_of(pattern);
+        for (uint32_t i = 0; i < lobes->n_tables; i++)
+            free(lobes->tables[i].values);
+        free(lobes->tables);
+    }
     free(pattern);
 }
 
@@ -92,11 +95,11 @@ enum orl_pattern_validity orl_pattern_run(const struct orl_function *function, c
 /* Reads all grids at a place. */
 static void look_up(const struct orl_pattern *pattern, const double *place, double *ret_held)
 {
-    orl_grid_at(pattern->grids[0], place, ret_held);
-    for (uint32_t i = 1; i < pattern->n_grids; i++) {
+    orl_grid_at(pattern->program.grids[0], place, ret_held);
+    for (uint32_t i = 1; i < pattern->program.n_grids; i++) {
         double own[ORL_GRID_CHANNELS] = {ret_held[0]};
-        if (pattern->grids[i] != pattern->grids[0])
-            orl_grid_at(pattern->grids[i], place, own);
+        if (pattern->program.grids[i] != pattern->program.grids[0])
+            orl_grid_at(pattern->program.grids[i], place, own);
         ret_held[i] = own[0];
     }
 }
@@ -150,17 +153,18 @@ static enum orl_pattern_validity mix_colors(const struct orl_pattern *pattern,
                                             const struct orl_hit *hit, struct orl_vec3 towards,
                                             double share, struct orl_rgb *ret_color)
 {
+    const struct orl_mixed *const mixed = orl_blend_of(pattern)->mixed;
     enum orl_pattern_validity validity = ORL_PATTERN_VALID;
     const double shares[2] = {share, 1 - share};
     *ret_color = orl_gray(0);
     for (int i = 0; i < 2; i++) {
         struct orl_rgb factor = orl_gray(1);
-        if (pattern->mixed[i].pattern && shares[i] > 0) {
+        if (mixed[i].pattern && shares[i] > 0) {
             const enum orl_pattern_validity own =
-                orl_pattern_factor(pattern->mixed[i].pattern, hit, towards, &factor);
+                orl_pattern_factor(mixed[i].pattern, hit, towards, &factor);
             validity = own > validity ? own : validity;
         }
-        const struct orl_rgb color = orl_rgb_mul(pattern->mixed[i].color, factor);
+        const struct orl_rgb color = orl_rgb_mul(mixed[i].color, factor);
         *ret_color = orl_rgb_add(*ret_color, orl_rgb_scale(color, shares[i]));
     }
     return validity;
@@ -191,10 +195,10 @@ static enum orl_pattern_validity values_at(const struct orl_pattern *pattern,
 {
     double inputs[ORL_RAY_INPUTS];
     orl_pattern_inputs(pattern, hit, towards, inputs);
-    enum orl_pattern_validity validity = orl_pattern_run(pattern->function, inputs, values);
-    if (validity == ORL_PATTERN_VALID && pattern->values) {
+    enum orl_pattern_validity validity = orl_pattern_run(pattern->program.function, inputs, values);
+    if (validity == ORL_PATTERN_VALID && pattern->program.values) {
         look_up(pattern, values, inputs + ORL_RAY_DATA);
-        validity = orl_pattern_run(pattern->values, inputs, values);
+        validity = orl_pattern_run(pattern->program.values, inputs, values);
     }
     return validity;
 }
@@ -217,22 +221,23 @@ static enum orl_pattern_validity add_bands(const struct orl_pattern *pattern, co
 {
     struct orl_function_lanes columns[ORL_RAY_INPUTS], values;
     double held[ORL_GRID_CHANNELS];
-    const uint32_t left = pattern->n_bands - first, n = left < LANES ? left : LANES;
+    const struct orl_pattern_spectrum *const spectrum = orl_spectrum_of(pattern);
+    const uint32_t left = spectrum->n_bands - first, n = left < LANES ? left : LANES;
     for (uint32_t l = 0; l < n; l++) {
-        const struct orl_spectral_band *const band = &pattern->bands[first + l];
+        const struct orl_spectral_band *const band = &spectrum->bands[first + l];
         for (int i = 0; i < ORL_RAY_DATA; i++)
             columns[i].at[l] = inputs[i];
         columns[ORL_RAY_DATA].at[l] = band->nm;
-        if (pattern->n_grids > 0) {
-            place[pattern->grids[0]->n_axes - 1] = band->nm;
-            orl_grid_at(pattern->grids[0], place, held);
+        if (pattern->program.n_grids > 0) {
+            place[pattern->program.grids[0]->n_axes - 1] = band->nm;
+            orl_grid_at(pattern->program.grids[0], place, held);
             columns[ORL_RAY_DATA_2].at[l] = held[0];
         }
     }
     const struct orl_function_outcome outcome = orl_function_evaluate(
-        pattern->values, orl_function_scratch_of_thread(), columns, (1U << n) - 1, &values);
+        pattern->program.values, orl_function_scratch_of_thread(), columns, (1U << n) - 1, &values);
     for (uint32_t l = 0; l < n; l++) {
-        const struct orl_tristimulus w = pattern->bands[first + l].weight;
+        const struct orl_tristimulus w = spectrum->bands[first + l].weight;
         seen->x += w.x * values.at[l];
         seen->y += w.y * values.at[l];
         seen->z += w.z * values.at[l];
@@ -248,12 +253,14 @@ static enum orl_pattern_validity spectral_factor(const struct orl_pattern *patte
                                                  const struct orl_hit *hit, struct orl_vec3 towards,
                                                  struct orl_rgb *ret_factor)
 {
+    const uint32_t n_bands = orl_spectrum_of(pattern)->n_bands;
     double inputs[ORL_RAY_INPUTS], place[ORL_GRID_AXES];
     struct orl_tristimulus seen = {0, 0, 0};
     orl_pattern_inputs(pattern, hit, towards, inputs);
     enum orl_pattern_validity validity =
-        pattern->function ? orl_pattern_run(pattern->function, inputs, place) : ORL_PATTERN_VALID;
-    for (uint32_t i = 0; i < pattern->n_bands && validity == ORL_PATTERN_VALID; i += LANES)
+        pattern->program.function ? orl_pattern_run(pattern->program.function, inputs, place)
+                                  : ORL_PATTERN_VALID;
+    for (uint32_t i = 0; i < n_bands && validity == ORL_PATTERN_VALID; i += LANES)
         validity = add_bands(pattern, inputs, place, i, &seen);
     if (validity != ORL_PATTERN_VALID)
         return validity;
@@ -269,7 +276,8 @@ bool orl_pattern_of_angle(const struct orl_pattern *pattern, double cosine,
     double inputs[ORL_RAY_INPUTS];
     inputs[ORL_RAY_RDOT] = cosine;
     inputs[ORL_RAY_RDOTP] = fabs(cosine);
-    bool valued = orl_pattern_run(pattern->function, inputs, ret_values) == ORL_PATTERN_VALID;
+    bool valued =
+        orl_pattern_run(pattern->program.function, inputs, ret_values) == ORL_PATTERN_VALID;
     for (int i = 0; i < ORL_PATTERN_ANGLES; i++)
         valued = valued && isfinite(ret_values[i]);
     return valued;
@@ -279,50 +287,41 @@ void orl_pattern_make_constant(struct orl_pattern *pattern)
 {
     const uint64_t own = ((uint64_t)1 << ORL_RAY_DATA) - 1;
     const struct orl_hit hit = {.normal = {0, 0, 1}, .front = true};
-    if ((pattern->function && orl_function_inputs(pattern->function) & own) ||
-        orl_function_inputs(pattern->values) & own)
+    if ((pattern->program.function && orl_function_inputs(pattern->program.function) & own) ||
+        orl_function_inputs(pattern->program.values) & own)
         return;
-    pattern->fixed =
-        spectral_factor(pattern, &hit, hit.normal, &pattern->factor) == ORL_PATTERN_VALID;
+    struct orl_rgb factor;
+    if (spectral_factor(pattern, &hit, hit.normal, &factor) != ORL_PATTERN_VALID)
+        return;
+    pattern->source = ORL_PATTERN_CONSTANT;
+    pattern->as_source.constant = factor;
 }
 
-static bool covers(const struct orl_pattern *pattern, const struct orl_hit *hit)
+/* Blends by the first's share, which is 1 where the function has no value. */
+static enum orl_pattern_validity blend(const struct orl_pattern *pattern, const struct orl_hit *hit,
+                                       struct orl_vec3 towards, enum orl_pattern_validity validity,
+                                       double value, struct orl_rgb *ret_factor)
 {
-    return lettering_covers(pattern->text, orl_add(hit->point, pattern->center));
+    const bool valued = validity == ORL_PATTERN_VALID && isfinite(value);
+    const double share = valued ? fmin(fmax(value, 0), 1) : 1;
+    const enum orl_pattern_validity other = mix_colors(pattern, hit, towards, share, ret_factor);
+    validity = valued                             ? ORL_PATTERN_VALID
+               : validity > ORL_PATTERN_UNDEFINED ? validity
+                                                  : ORL_PATTERN_UNDEFINED;
+    return other > validity ? other : validity;
 }
 
-/* The pattern's own factor, without the patterns under it. */
-static enum orl_pattern_validity own_factor(const struct orl_pattern *pattern,
-                                            const struct orl_hit *hit, struct orl_vec3 towards,
-                                            struct orl_rgb *ret_factor)
+/* The factor that the program's values give. */
+static enum orl_pattern_validity function_factor(const struct orl_pattern *pattern,
+                                                 const struct orl_hit *hit, struct orl_vec3 towards,
+                                                 struct orl_rgb *ret_factor)
 {
     double values[ORL_GRID_AXES];
-    *ret_factor = pattern->fixed ? pattern->factor : orl_gray(1);
-    if (pattern->smooth || pattern->fixed)
-        return ORL_PATTERN_VALID;
-    if (pattern->bands)
-        return spectral_factor(pattern, hit, towards, ret_factor);
-    const bool covered = pattern->text && covers(pattern, hit);
-    enum orl_pattern_validity validity =
-        pattern->text ? ORL_PATTERN_VALID : values_at(pattern, hit, towards, values);
-    if (pattern->texture)
+    const enum orl_pattern_validity validity = values_at(pattern, hit, towards, values);
+    if (pattern->role == ORL_PATTERN_TEXTURE)
         return validity;
-    if (pattern->text && !pattern->mixture) {
-        *ret_factor = covered ? pattern->factor : pattern->around;
-        return ORL_PATTERN_VALID;
-    }
-    if (pattern->text)
-        values[0] = covered ? 1 : 0;
-    if (pattern->mixture) {
-        const bool valued = validity == ORL_PATTERN_VALID && isfinite(values[0]);
-        const double share = valued ? fmin(fmax(values[0], 0), 1) : 1;
-        const enum orl_pattern_validity other =
-            mix_colors(pattern, hit, towards, share, ret_factor);
-        validity = valued                             ? ORL_PATTERN_VALID
-                   : validity > ORL_PATTERN_UNDEFINED ? validity
-                                                      : ORL_PATTERN_UNDEFINED;
-        return other > validity ? other : validity;
-    }
+    if (pattern->role == ORL_PATTERN_BLEND)
+        return blend(pattern, hit, towards, validity, values[0], ret_factor);
     if (validity != ORL_PATTERN_VALID)
         return validity;
     if (!pattern->is_rgb)
@@ -330,6 +329,40 @@ static enum orl_pattern_validity own_factor(const struct orl_pattern *pattern,
     if (!isfinite(values[0]) || !isfinite(values[1]) || !isfinite(values[2]))
         return ORL_PATTERN_UNDEFINED;
     *ret_factor = (struct orl_rgb){fmax(values[0], 0), fmax(values[1], 0), fmax(values[2], 0)};
+    return ORL_PATTERN_VALID;
+}
+
+static enum orl_pattern_validity text_factor(const struct orl_pattern *pattern,
+                                             const struct orl_hit *hit, struct orl_vec3 towards,
+                                             struct orl_rgb *ret_factor)
+{
+    const struct orl_pattern_text *const text = orl_text_of(pattern);
+    const bool covered = lettering_covers(text->lettering, orl_add(hit->point, pattern->center));
+    if (pattern->role == ORL_PATTERN_BLEND)
+        return blend(pattern, hit, towards, ORL_PATTERN_VALID, covered ? 1 : 0, ret_factor);
+    *ret_factor = covered ? text->inside : text->around;
+    return ORL_PATTERN_VALID;
+}
+
+/* The pattern's own factor, without the patterns under it; 1 where it has no value. */
+static enum orl_pattern_validity own_factor(const struct orl_pattern *pattern,
+                                            const struct orl_hit *hit, struct orl_vec3 towards,
+                                            struct orl_rgb *ret_factor)
+{
+    *ret_factor = orl_gray(1);
+    switch (pattern->source) {
+    case ORL_PATTERN_FUNCTION:
+        return function_factor(pattern, hit, towards, ret_factor);
+    case ORL_PATTERN_CONSTANT:
+        *ret_factor = orl_constant_of(pattern);
+        break;
+    case ORL_PATTERN_SPECTRUM:
+        return spectral_factor(pattern, hit, towards, ret_factor);
+    case ORL_PATTERN_TEXT:
+        return text_factor(pattern, hit, towards, ret_factor);
+    case ORL_PATTERN_MESH_NORMALS:
+        break;
+    }
     return ORL_PATTERN_VALID;
 }
 

@@ -44,6 +44,7 @@
 #include "scene/grid/grid.h"
 #include "scene/material/function_brdf/function_brdf.h"
 #include "scene/material/patterns/observer.h"
+#include "scene/parsed_material.h"
 
 /*
  * Texts in a polygonal font: tests whether a place lies in one of the letters.
@@ -84,13 +85,60 @@ struct orl_lettering {
 /* limit of function evaluations of one pattern with all it depends on */
 enum { ORL_PATTERN_STEPS = 64 };
 
-/* One of the two components of a mixture. */
+/* ---- Sources of a pattern's values ----------------------------------------------------------- */
+
+enum orl_pattern_source {
+    ORL_PATTERN_FUNCTION,     /* the program, with or without grids */
+    ORL_PATTERN_CONSTANT,     /* constant: a spectrum that does not depend on the place */
+    ORL_PATTERN_SPECTRUM,     /* spectrum: the program is evaluated for each band */
+    ORL_PATTERN_TEXT,         /* text */
+    ORL_PATTERN_MESH_NORMALS, /* corner normals of a mesh's surfaces; textures only */
+};
+
+/* Functions of the place, or of values on grids there. All NULL for texts and mesh normals; a
+ * constant that was made from functions keeps them. */
+struct orl_pattern_program {
+    /* owned; gives one factor, or three; with grids, their coordinates */
+    struct orl_function *function;
+    const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* borrowed from the parsed scene */
+    uint32_t n_grids;                                /* 1 for a picture with all channels */
+    struct orl_function *values; /* owned; factors from the grids' values; NULL without grids */
+};
+
+struct orl_pattern_spectrum {
+    const struct orl_spectral_band *bands; /* in the arena */
+    uint32_t n_bands;
+};
+
+struct orl_pattern_text {
+    const struct orl_lettering *lettering; /* in the arena */
+    struct orl_rgb inside, around;         /* factors in its letters and elsewhere */
+};
+
+/* ---- Roles of a pattern ---------------------------------------------------------------------- */
+
+enum orl_pattern_role {
+    ORL_PATTERN_FACTOR,  /* factor of a colour, share of a mixture, factors of a roughness */
+    ORL_PATTERN_BLEND,   /* blend: two materials that differ only in colours and patterns */
+    ORL_PATTERN_TEXTURE, /* its values perturb the normal (texture.h) */
+    ORL_PATTERN_GLAZING, /* not a pattern, but shares of a glazing by the angle */
+    ORL_PATTERN_PRISM,   /* prism: not a pattern, but directions of a prism's rays */
+    ORL_PATTERN_LOBES,   /* lobes: not a pattern, but values of a material's lobes */
+};
+
+/* One of the two components of a blend. */
 struct orl_mixed {
     struct orl_rgb color;
     const struct orl_pattern *pattern; /* or NULL */
 };
 
-struct orl_lettering;
+struct orl_pattern_blend {
+    struct orl_mixed mixed[2]; /* the pattern's value is the first's share */
+};
+
+struct orl_pattern_prism {
+    uint32_t n_rays; /* number of rays that the functions give */
+};
 
 /* Sampling table of lobes on flat surfaces with that normal. */
 struct orl_lobe_table {
@@ -98,46 +146,50 @@ struct orl_lobe_table {
     float *values;
 };
 
+struct orl_pattern_lobes {
+    struct orl_lobe_table *tables; /* owned: tables by normal */
+    uint32_t n_tables;
+    bool sided;          /* the front is the surface's, not the eye's side (BRTDfunc) */
+    bool narrow;         /* too narrow for the sampling tables */
+    bool opaque;         /* none transmits light */
+    double integrals[2]; /* mean integrals, reflected and transmitted */
+};
+
+/* ---- Patterns -------------------------------------------------------------------------------- */
+
+/*
+ * as_source and as_role hold what only one source or role has. Code that reads them calls the
+ * functions below, which assert the source or role in builds with ORL_DEBUG; only the parser, the
+ * cache, and the measurements before rendering name the unions (tests/check_boundaries).
+ */
 struct orl_pattern {
+    enum orl_pattern_source source;
+    enum orl_pattern_role role;
     const char *name; /* name in messages: "brightfunc dirt" */
     const char *file; /* file of the definition */
     int line;
+    uint32_t index;           /* in the parsed scene */
     const unsigned char *key; /* contents of its definition; patterns with equal keys are one */
     size_t key_size;
-    /* owned; gives one factor, or three; with grids, their coordinates */
-    struct orl_function *function;
-    const struct orl_grid *grids[ORL_GRID_CHANNELS]; /* borrowed from the parsed scene */
-    uint32_t n_grids;                                /* 1 for a picture with all channels */
-    struct orl_function *values;     /* owned; factors from the grids' values; NULL without grids */
     const struct orl_pattern *under; /* pattern of the same sort that modifies this one; or NULL */
     const struct orl_pattern *other; /* first of the other sort that modifies this one; or NULL */
-    bool texture;                    /* its values perturb the normal (texture.h) */
-    /* a texture from a mesh's corner normals, without a function */
-    bool smooth;
-    bool fixed; /* the factor is constant: no function */
-    struct orl_rgb factor;
-    const struct orl_lettering
-        *text; /* in the arena: `factor` in its letters, `around` elsewhere; or NULL */
-    struct orl_rgb around;
-    const struct orl_spectral_band
-        *bands; /* bands of a spectrum, in the arena: `values` is evaluated for each; or NULL */
-    uint32_t n_bands;
-    enum orl_function_brdf_kind function_brdf; /* not a pattern, but functions of a material */
-    uint32_t n_brdf_functions;                 /* number of these functions */
-    bool sided; /* lobes: the front is the surface's, not the eye's side (BRTDfunc) */
-    struct orl_lobe_table *lobe_table; /* owned; lobes: tables by normal */
-    uint32_t n_lobe_tables;
-    bool narrow;         /* lobes: too narrow for the sampling tables */
-    bool opaque;         /* lobes: none transmits light */
-    double integrals[2]; /* lobes: mean integrals, reflected and transmitted */
-    bool mixture;
-    struct orl_mixed mixed[2];
+    struct orl_pattern_program program;
+    union {
+        /* The largest comes first: initialisers that leave the union out set all of it to 0. */
+        struct orl_pattern_text text;
+        struct orl_pattern_spectrum spectrum;
+        struct orl_rgb constant;
+    } as_source;
+    union {
+        struct orl_pattern_blend blend;
+        struct orl_pattern_prism prism;
+        struct orl_pattern_lobes lobes;
+    } as_role;
     uint32_t steps;         /* upper bound of function evaluations */
     bool is_rgb;            /* three factors, one per channel */
     bool coloured;          /* true if it or a pattern under it has three factors */
     bool directed;          /* it or a pattern under it depends on the ray's direction */
     bool uses_mesh_uv;      /* it uses a mesh's coordinates (Lu Lv) */
-    uint32_t index;         /* in the parsed scene */
     struct orl_vec3 row[3]; /* from the files' coordinates to the function's */
     struct orl_vec3 offset;
     double scale;                        /* length of the function's unit in the files' units */
@@ -146,6 +198,47 @@ struct orl_pattern {
     const struct orl_parsed_scene *parsed_scene; /* the parsed scene that owns it */
     struct orl_rgb mean, maximum;
 };
+_Static_assert(sizeof((struct orl_pattern *)0)->as_source == sizeof(struct orl_pattern_text) &&
+                   sizeof((struct orl_pattern *)0)->as_role == sizeof(struct orl_pattern_blend),
+               "the first members of the unions are the largest");
+
+static inline const struct orl_pattern_text *orl_text_of(const struct orl_pattern *pattern)
+{
+    orl_material_require(pattern->source == ORL_PATTERN_TEXT);
+    return &pattern->as_source.text;
+}
+
+static inline const struct orl_pattern_spectrum *orl_spectrum_of(const struct orl_pattern *pattern)
+{
+    orl_material_require(pattern->source == ORL_PATTERN_SPECTRUM);
+    return &pattern->as_source.spectrum;
+}
+
+static inline struct orl_rgb orl_constant_of(const struct orl_pattern *pattern)
+{
+    orl_material_require(pattern->source == ORL_PATTERN_CONSTANT);
+    return pattern->as_source.constant;
+}
+
+static inline const struct orl_pattern_blend *orl_blend_of(const struct orl_pattern *pattern)
+{
+    orl_material_require(pattern->role == ORL_PATTERN_BLEND);
+    return &pattern->as_role.blend;
+}
+
+static inline const struct orl_pattern_prism *
+orl_prism_functions_of(const struct orl_pattern *pattern)
+{
+    orl_material_require(pattern->role == ORL_PATTERN_PRISM);
+    return &pattern->as_role.prism;
+}
+
+static inline const struct orl_pattern_lobes *
+orl_lobe_functions_of(const struct orl_pattern *pattern)
+{
+    orl_material_require(pattern->role == ORL_PATTERN_LOBES);
+    return &pattern->as_role.lobes;
+}
 
 void orl_pattern_free(struct orl_pattern *pattern); /* NULL is allowed */
 

@@ -24,7 +24,7 @@ static struct orl_vec3 turn_of(const struct orl_pattern *texture, const struct o
 {
     double values[3];
     struct orl_vec3 sum = {0, 0, 0};
-    if (texture->smooth)
+    if (texture->source == ORL_PATTERN_MESH_NORMALS)
         return smoothed(texture, hit);
     if (!orl_pattern_values(texture, hit, from, values))
         return sum;

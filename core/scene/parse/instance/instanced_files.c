@@ -105,7 +105,8 @@ static bool is_varied(const struct orl_material *m)
 static uint64_t inputs_of(const struct orl_pattern *p,
                           uint64_t (*inputs)(const struct orl_function *function))
 {
-    return (p->function ? inputs(p->function) : 0) | (p->values ? inputs(p->values) : 0);
+    return (p->program.function ? inputs(p->program.function) : 0) |
+           (p->program.values ? inputs(p->program.values) : 0);
 }
 
 /* Returns true if a pattern, with those under it and those it mixes, gives in each place the values
@@ -117,11 +118,12 @@ static bool moves_along(const struct orl_pattern *pattern, size_t first_within)
     bool moves = true;
     for (const struct orl_pattern *p = pattern; p && moves; p = p->under) {
         const bool within = p->index >= first_within;
-        moves = p->smooth || p->fixed ||
+        moves = p->source == ORL_PATTERN_MESH_NORMALS || p->source == ORL_PATTERN_CONSTANT ||
                 (within ? inputs_of(p, orl_function_fixed_inputs) == 0
-                        : !p->text && !(inputs_of(p, orl_function_inputs) & ~mesh & ~data));
-        for (int i = 0; i < 2 && moves && p->mixture; i++)
-            moves = moves_along(p->mixed[i].pattern, first_within);
+                        : p->source != ORL_PATTERN_TEXT &&
+                              !(inputs_of(p, orl_function_inputs) & ~mesh & ~data));
+        for (int i = 0; p->role == ORL_PATTERN_BLEND && i < 2 && moves; i++)
+            moves = moves_along(orl_blend_of(p)->mixed[i].pattern, first_within);
     }
     return moves;
 }

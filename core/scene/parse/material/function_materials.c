@@ -84,8 +84,8 @@ struct orl_material orl_material_sum_result(const struct orl_material_sum *sum)
 int orl_material_read_prism(struct orl_parser *parser, const struct orl_scope *scope,
                             struct orl_material *material, struct orl_error *err)
 {
-    return orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_PRISM,
-                                    &material->as.prism.rays, err);
+    return orl_parser_function_brdf(parser, scope, ORL_PATTERN_PRISM, &material->as.prism.rays,
+                                    err);
 }
 
 int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl_scope *scope,
@@ -105,9 +105,9 @@ int orl_material_read_function_lobes(struct orl_parser *parser, const struct orl
     lobes->shares = (struct orl_reflector_shares){r[3], trans ? r[4] : 0, trans ? r[5] : 0};
     lobes->tints_lobes = strncmp(type, "met", 3) == 0;
     const int code = orl_material_check_shares(parser, scope, material, &lobes->shares, err);
-    return code < 0 ? code
-                    : orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_LOBES,
-                                               &lobes->functions, err);
+    return code < 0
+               ? code
+               : orl_parser_function_brdf(parser, scope, ORL_PATTERN_LOBES, &lobes->functions, err);
 }
 
 /*
@@ -180,8 +180,7 @@ static int read_angles(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_glazing *glazing, struct orl_error *err)
 {
     double most = 0;
-    int code =
-        orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_GLAZING, &glazing->angles, err);
+    int code = orl_parser_function_brdf(parser, scope, ORL_PATTERN_GLAZING, &glazing->angles, err);
     for (int i = 0; i < 2 * ANGLES && code == 0; i++) {
         const int angle = i / 2;
         const double cosine = (angle + 0.5) / ANGLES;
@@ -227,8 +226,7 @@ static int read_sum(struct orl_parser *parser, const struct orl_scope *scope,
         whole->shares.specular = 1;
         whole->is_whole_bsdf = true;
         lobes.pattern = material->pattern;
-        code = orl_parser_function_brdf(parser, scope, ORL_FUNCTION_BRDF_LOBES, &whole->functions,
-                                        err);
+        code = orl_parser_function_brdf(parser, scope, ORL_PATTERN_LOBES, &whole->functions, err);
         code = code < 0 ? code : orl_material_sum_add(&sum, &lobes);
     }
     if (code == 0)

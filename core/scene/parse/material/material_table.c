@@ -86,8 +86,8 @@ static int add_twin(struct orl_parser *parser, uint32_t material, uint32_t *ret_
         return ORL_ERR_NOMEM;
     *texture = (struct orl_pattern){.name = "mesh normals",
                                     .file = "",
-                                    .texture = true,
-                                    .smooth = true,
+                                    .source = ORL_PATTERN_MESH_NORMALS,
+                                    .role = ORL_PATTERN_TEXTURE,
                                     .under = twin.texture,
                                     .steps = 1};
     int code = orl_parser_add_pattern(parser, texture);

@@ -152,8 +152,9 @@ static int find_pattern(struct orl_parser *parser, const struct orl_scope *scope
         struct orl_pattern *const top = parser->out->patterns[symbol->index];
         struct orl_pattern *const other =
             top->other ? parser->out->patterns[top->other->index] : NULL;
-        material->pattern = top->texture ? other : top;
-        material->texture = top->texture ? top : other;
+        const bool texture = top->role == ORL_PATTERN_TEXTURE;
+        material->pattern = texture ? other : top;
+        material->texture = texture ? top : other;
         return 0;
     }
     if (symbol->kind != ORL_SYMBOL_SKY) {
@@ -240,7 +241,7 @@ static int overlay_pattern(struct orl_parser *parser, const struct orl_scope *sc
     if (made->kind == ORL_SYMBOL_MATERIAL) {
         material.pattern = parser->out->materials[made->index].pattern;
         material.texture = parser->out->materials[made->index].texture;
-    } else if (parser->out->patterns[made->index]->texture) {
+    } else if (parser->out->patterns[made->index]->role == ORL_PATTERN_TEXTURE) {
         material.texture = parser->out->patterns[made->index];
     } else {
         material.pattern = parser->out->patterns[made->index];
@@ -337,7 +338,8 @@ int orl_parser_alias(struct orl_parser *parser, const struct orl_scope *scope,
         return define_like(parser, scope, symbol, err);
     material = parser->out->materials[symbol->index];
     const bool unlike = material.kind == ORL_MATERIAL_MIXTURE;
-    const bool mixture = unlike || (material.pattern && material.pattern->mixture);
+    const bool mixture =
+        unlike || (material.pattern && material.pattern->role == ORL_PATTERN_BLEND);
     if (mixture && (own.pattern || own.sky >= 0 || (unlike && own.texture)))
         return orl_parser_fail(parser, scope, err, ORL_ERR_UNSUPPORTED,
                                "the mixture '%.200s' can have only the patterns of its materials",

@@ -94,7 +94,8 @@ static int check_unlike(struct orl_parser *parser, const struct orl_scope *scope
 /* Returns true if the pattern depends on the direction beyond its angle to the normal. */
 static bool depends_on_azimuth(const struct orl_pattern *pattern)
 {
-    const uint64_t inputs = pattern->function ? orl_function_inputs(pattern->function) : 0;
+    const uint64_t inputs =
+        pattern->program.function ? orl_function_inputs(pattern->program.function) : 0;
     return (inputs >> ORL_RAY_DX & 7) != 0;
 }
 

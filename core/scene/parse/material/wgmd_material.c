@@ -69,8 +69,9 @@ static int find_modifier(struct reading *r, size_t i, struct orl_material *ret)
     struct orl_pattern *const top = r->parser->out->patterns[symbol->index];
     struct orl_pattern *const other =
         top->other ? r->parser->out->patterns[top->other->index] : NULL;
-    ret->pattern = top->texture ? other : top;
-    ret->texture = top->texture ? top : other;
+    const bool texture = top->role == ORL_PATTERN_TEXTURE;
+    ret->pattern = texture ? other : top;
+    ret->texture = texture ? top : other;
     return 0;
 }
 

@@ -351,12 +351,13 @@ int orl_lettering_read(struct orl_parser *parser, const struct orl_scope *scope,
         return code;
     if (spacing != 0)
         text->unit = font.width + ORL_GLYPH_SIDE * fabs(spacing);
-    pattern->factor = orl_gray(colors > 0 ? p->reals[9] : 1);
-    pattern->around = orl_gray(colors > 0 ? p->reals[10] : 0);
+    struct orl_rgb inside = orl_gray(colors > 0 ? p->reals[9] : 1);
+    struct orl_rgb around = orl_gray(colors > 0 ? p->reals[10] : 0);
     if (colors == 6) {
-        pattern->factor = orl_material_rgb(parser, 9);
-        pattern->around = orl_material_rgb(parser, 12);
+        inside = orl_material_rgb(parser, 9);
+        around = orl_material_rgb(parser, 12);
     }
-    pattern->text = text;
+    pattern->source = ORL_PATTERN_TEXT;
+    pattern->as_source.text = (struct orl_pattern_text){text, inside, around};
     return 0;
 }

@@ -89,12 +89,12 @@ static void fix_inputs(const struct orl_pattern *pattern, double ret_fixed[ORL_R
 
 /* Returns true for inputs that only functions of materials have: those oriented to the front, the
  * colour, the light. */
-static bool is_function_brdf_input(enum orl_function_brdf_kind kind, int i)
+static bool is_function_brdf_input(enum orl_pattern_role role, int i)
 {
-    if (kind == ORL_FUNCTION_BRDF_LOBES)
+    if (role == ORL_PATTERN_LOBES)
         return (i >= ORL_RAY_NXP && i <= ORL_RAY_CBP) ||
                (i >= ORL_RAY_LIGHT_X && i <= ORL_RAY_LIGHT_Z);
-    return kind == ORL_FUNCTION_BRDF_GLAZING && i == ORL_RAY_RDOTP;
+    return role == ORL_PATTERN_GLAZING && i == ORL_RAY_RDOTP;
 }
 
 /* Refuses inputs other than the place, the normal and the direction. */
@@ -106,9 +106,10 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         const bool directed = i == ORL_RAY_RDOT || (i >= ORL_RAY_DX && i <= ORL_RAY_DZ);
         const bool uses_mesh_uv = i == ORL_RAY_LU || i == ORL_RAY_LV;
-        const bool oriented = is_function_brdf_input(pattern->function_brdf, i);
+        const bool oriented = is_function_brdf_input(pattern->role, i);
         const bool placed = oriented || uses_mesh_uv || (i >= ORL_RAY_NX && i <= ORL_RAY_PZ);
-        const bool data = i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->values;
+        const bool data =
+            i >= ORL_RAY_DATA && i <= ORL_RAY_DATA_3 && function == pattern->program.values;
         if (inputs >> i & 1)
             pattern->uses_mesh_uv = pattern->uses_mesh_uv || uses_mesh_uv;
         if (!(inputs >> i & 1) || placed || data)
@@ -130,7 +131,7 @@ static int check_inputs(struct orl_parser *parser, const struct orl_scope *scope
 static int check_angles(struct orl_parser *parser, const struct orl_scope *scope,
                         const struct orl_pattern *pattern, struct orl_error *err)
 {
-    const uint64_t inputs = orl_function_inputs(pattern->function);
+    const uint64_t inputs = orl_function_inputs(pattern->program.function);
     for (int i = 0; i < ORL_RAY_INPUTS; i++) {
         if (!(inputs >> i & 1) || i == ORL_RAY_RDOT || i == ORL_RAY_RDOTP)
             continue;
@@ -170,7 +171,8 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
                           struct orl_pattern *pattern, int context, size_t first,
                           struct orl_error *err)
 {
-    const bool channels = pattern->is_rgb || pattern->grids[0]->channels > 1;
+    const bool texture = pattern->role == ORL_PATTERN_TEXTURE;
+    const bool channels = pattern->is_rgb || pattern->program.grids[0]->channels > 1;
     const size_t n = pattern->is_rgb ? ORL_GRID_CHANNELS : 1;
     char *texts[ORL_GRID_CHANNELS] = {NULL};
     int code = 0;
@@ -181,15 +183,15 @@ static int compile_values(struct orl_parser *parser, const struct orl_scope *sco
         texts[i] = malloc(room);
         if (!texts[i])
             code = ORL_ERR_NOMEM;
-        else if (!channels || ((i > 0 || pattern->texture) &&
-                               orl_functions_arity(parser->functions, context, name) < n))
-            snprintf(texts[i], room, "%s(%s)", name, data[pattern->texture ? 0 : i]);
+        else if (!channels ||
+                 ((i > 0 || texture) && orl_functions_arity(parser->functions, context, name) < n))
+            snprintf(texts[i], room, "%s(%s)", name, data[texture ? 0 : i]);
         else
             snprintf(texts[i], room, "%s(%s,%s,%s)", name, data[0], data[1], data[2]);
     }
     if (code == 0)
         code = compile_program(parser, scope, pattern, context, (const char *const *)texts, n,
-                               &pattern->values, err);
+                               &pattern->program.values, err);
     for (size_t i = 0; i < n; i++)
         free(texts[i]);
     return code;
@@ -205,13 +207,13 @@ static int compile_spectral(struct orl_parser *parser, const struct orl_scope *s
     char *const text = malloc(room);
     if (!text)
         return ORL_ERR_NOMEM;
-    if (pattern->n_grids > 0)
+    if (pattern->program.n_grids > 0)
         snprintf(text, room, "%s(%s,%s)", name, data[1], data[0]);
     else
         snprintf(text, room, "%s(%s)", name, data[0]);
     const char *const expression = text;
-    const int code =
-        compile_program(parser, scope, pattern, context, &expression, 1, &pattern->values, err);
+    const int code = compile_program(parser, scope, pattern, context, &expression, 1,
+                                     &pattern->program.values, err);
     free(text);
     return code;
 }
@@ -247,7 +249,7 @@ static int compile_lobes(struct orl_parser *parser, const struct orl_scope *scop
     const char *const *const light = orl_function_ray_names + ORL_RAY_LIGHT_X;
     const char *const arguments[] = {orl_function_ray_names[ORL_RAY_DATA], light[0], light[1],
                                      light[2], "0"};
-    const bool data = pattern->n_grids > 0;
+    const bool data = pattern->program.n_grids > 0;
     const size_t first = data ? strings->file + 1 : strings->functions;
     char *texts[MOST_EXPRESSIONS + 1] = {NULL};
     int code = 0;
@@ -263,10 +265,11 @@ static int compile_lobes(struct orl_parser *parser, const struct orl_scope *scop
             code = ORL_ERR_NOMEM;
     if (code == 0)
         code = compile_program(parser, scope, pattern, context, (const char *const *)texts,
-                               strings->n, &pattern->function, err);
+                               strings->n, &pattern->program.function, err);
     if (code == 0 && data)
         code = compile_program(parser, scope, pattern, context,
-                               (const char *const *)texts + strings->n, 1, &pattern->values, err);
+                               (const char *const *)texts + strings->n, 1, &pattern->program.values,
+                               err);
     for (size_t i = 0; i < strings->n + data; i++)
         free(texts[i]);
     return code;
@@ -277,28 +280,28 @@ int orl_pattern_compile(struct orl_parser *parser, const struct orl_scope *scope
                         const struct orl_pattern_strings *strings, struct orl_error *err)
 {
     const struct orl_primitive *const primitive = &parser->primitive;
-    const size_t first = pattern->n_grids > 0 ? strings->file + 1 : strings->functions;
+    const size_t first = pattern->program.n_grids > 0 ? strings->file + 1 : strings->functions;
     const size_t n = strings->n;
     const char *expressions[MOST_EXPRESSIONS];
     int context = ORL_FUNCTION_GLOBAL;
     place_pattern(pattern, to_world);
     /* A picture's first coordinate points right, which is the grid's second axis. */
-    const bool picture = pattern->n_grids > 0 && pattern->grids[0]->channels > 1;
+    const bool picture = pattern->program.n_grids > 0 && pattern->program.grids[0]->channels > 1;
     for (size_t i = 0; i < n; i++)
         expressions[i] = orl_primitive_string(primitive, first + (picture ? n - 1 - i : i));
     int code =
         load_context(parser, scope, orl_primitive_string(primitive, strings->file), &context, err);
-    if (code == 0 && pattern->function_brdf == ORL_FUNCTION_BRDF_LOBES)
+    if (code == 0 && pattern->role == ORL_PATTERN_LOBES)
         code = compile_lobes(parser, scope, pattern, context, strings, err);
-    else if (code == 0 && (!strings->spectral || pattern->n_grids > 0))
-        code = compile_program(parser, scope, pattern, context, expressions, n, &pattern->function,
-                               err);
-    if (code == 0 && pattern->function_brdf == ORL_FUNCTION_BRDF_GLAZING)
+    else if (code == 0 && (!strings->spectral || pattern->program.n_grids > 0))
+        code = compile_program(parser, scope, pattern, context, expressions, n,
+                               &pattern->program.function, err);
+    if (code == 0 && pattern->role == ORL_PATTERN_GLAZING)
         code = check_angles(parser, scope, pattern, err);
     if (code == 0 && strings->spectral)
         code = compile_spectral(parser, scope, pattern, context,
                                 orl_primitive_string(primitive, strings->functions), err);
-    else if (code == 0 && pattern->n_grids > 0 && pattern->function_brdf != ORL_FUNCTION_BRDF_LOBES)
+    else if (code == 0 && pattern->program.n_grids > 0 && pattern->role != ORL_PATTERN_LOBES)
         code = compile_values(parser, scope, pattern, context, strings->functions, err);
     if (code == 0 || code == ORL_ERR_NOMEM)
         return code;

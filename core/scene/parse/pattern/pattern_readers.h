@@ -14,7 +14,7 @@ struct orl_pattern_strings {
     size_t functions; /* index of the first function, or without grids of the first expression */
     size_t file;      /* index of the function file; with grids the coordinates follow it */
     size_t n;         /* number of expressions or coordinates */
-    bool spectral;    /* the function takes the wavelength: orl_pattern.bands */
+    bool spectral;    /* the function takes the wavelength: orl_spectrum_of */
 };
 
 /* Sets the pattern's frame, functions and inputs. */
@@ -36,7 +36,7 @@ int orl_pattern_grid(struct orl_parser *parser, const struct orl_scope *scope, c
  * Radiance reads wrongly, values between are linear. Functions are sampled every 5 nm.
  */
 
-/* Reads a spectrum or, with a grid, a specfile: sets the pattern's factor. */
+/* Reads a spectrum or, with a grid, a specfile: makes the pattern a constant. */
 int orl_spectrum_read(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_pattern *pattern, struct orl_error *err);
 
@@ -59,7 +59,7 @@ int orl_spectrum_bands(struct orl_parser *parser, const struct orl_scope *scope,
  * fonts.
  */
 
-/* Sets text, factor (of letters) and around. first: index of the string that names the font. */
+/* Makes the pattern a text. first: index of the string that names the font. */
 int orl_lettering_read(struct orl_parser *parser, const struct orl_scope *scope,
                        struct orl_pattern *pattern, size_t first, struct orl_error *err);
 

@@ -21,10 +21,9 @@ struct pattern_type {
     size_t n_functions, n_files; /* number of functions of factors; of grid files */
     bool picture;
     size_t n_materials; /* number of mixed materials, which come first */
-    bool texture;
     bool spectral;
     bool text;
-    enum orl_function_brdf_kind function_brdf; /* the functions of a material */
+    enum orl_pattern_role role; /* of mixtures: ORL_PATTERN_FACTOR */
     /* other strings before the functions, and between them and the function file */
     size_t n_before, n_between;
 };
@@ -48,42 +47,56 @@ static const struct pattern_type pattern_types[] = {
     {.name = "mixtext", .text = true, .n_materials = 2},
     {.name = "BRTDfunc",
      .n_functions = ORL_PATTERN_ANGLES,
-     .function_brdf = ORL_FUNCTION_BRDF_GLAZING,
+     .role = ORL_PATTERN_GLAZING,
      .n_between = 3},
     {.name = "BRTDfunc",
      .n_functions = 3,
-     .function_brdf = ORL_FUNCTION_BRDF_LOBES,
+     .role = ORL_PATTERN_LOBES,
      .n_before = ORL_PATTERN_ANGLES},
-    {.name = "prism1", .n_functions = 4, .function_brdf = ORL_FUNCTION_BRDF_PRISM},
-    {.name = "prism2", .n_functions = 8, .function_brdf = ORL_FUNCTION_BRDF_PRISM},
-    {.name = "plasfunc", .n_functions = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "metfunc", .n_functions = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "transfunc", .n_functions = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "plasdata", .n_functions = 1, .n_files = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "metdata", .n_functions = 1, .n_files = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "transdata", .n_functions = 1, .n_files = 1, .function_brdf = ORL_FUNCTION_BRDF_LOBES},
-    {.name = "texfunc", .n_functions = 3, .texture = true},
-    {.name = "texdata", .n_functions = 3, .n_files = 3, .texture = true},
+    {.name = "prism1", .n_functions = 4, .role = ORL_PATTERN_PRISM},
+    {.name = "prism2", .n_functions = 8, .role = ORL_PATTERN_PRISM},
+    {.name = "plasfunc", .n_functions = 1, .role = ORL_PATTERN_LOBES},
+    {.name = "metfunc", .n_functions = 1, .role = ORL_PATTERN_LOBES},
+    {.name = "transfunc", .n_functions = 1, .role = ORL_PATTERN_LOBES},
+    {.name = "plasdata", .n_functions = 1, .n_files = 1, .role = ORL_PATTERN_LOBES},
+    {.name = "metdata", .n_functions = 1, .n_files = 1, .role = ORL_PATTERN_LOBES},
+    {.name = "transdata", .n_functions = 1, .n_files = 1, .role = ORL_PATTERN_LOBES},
+    {.name = "texfunc", .n_functions = 3, .role = ORL_PATTERN_TEXTURE},
+    {.name = "texdata", .n_functions = 3, .n_files = 3, .role = ORL_PATTERN_TEXTURE},
 };
 
-static const struct pattern_type *find_type(const char *name,
-                                            enum orl_function_brdf_kind function_brdf)
+/* Returns true for functions of a material, which are not patterns. */
+static bool is_function_brdf(enum orl_pattern_role role)
+{
+    return role == ORL_PATTERN_GLAZING || role == ORL_PATTERN_PRISM || role == ORL_PATTERN_LOBES;
+}
+
+/* Finds a pattern, texture or mixture. */
+static const struct pattern_type *find_type(const char *name)
 {
     for (size_t i = 0; i < sizeof pattern_types / sizeof *pattern_types; i++)
-        if (pattern_types[i].function_brdf == function_brdf &&
-            strcmp(pattern_types[i].name, name) == 0)
+        if (!is_function_brdf(pattern_types[i].role) && strcmp(pattern_types[i].name, name) == 0)
+            return pattern_types + i;
+    return NULL;
+}
+
+/* Finds the functions of a material in that role. */
+static const struct pattern_type *find_function_brdf(const char *name, enum orl_pattern_role role)
+{
+    for (size_t i = 0; i < sizeof pattern_types / sizeof *pattern_types; i++)
+        if (pattern_types[i].role == role && strcmp(pattern_types[i].name, name) == 0)
             return pattern_types + i;
     return NULL;
 }
 
 bool orl_parser_is_pattern(const char *type)
 {
-    return find_type(type, ORL_FUNCTION_BRDF_NONE) != NULL;
+    return find_type(type) != NULL;
 }
 
 bool orl_parser_is_mixture(const char *type)
 {
-    const struct pattern_type *const found = find_type(type, ORL_FUNCTION_BRDF_NONE);
+    const struct pattern_type *const found = find_type(type);
     return found && found->n_materials > 0;
 }
 
@@ -101,8 +114,8 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
                               [13] = pattern->other ? pattern->other->index + 1.0 : 0};
     memcpy(numbers, to_world->row, sizeof to_world->row);
     memcpy(numbers + 9, &to_world->offset, sizeof to_world->offset);
-    for (size_t i = 0; i < 2; i++) {
-        const struct orl_mixed *const m = &pattern->mixed[i];
+    for (size_t i = 0; pattern->role == ORL_PATTERN_BLEND && i < 2; i++) {
+        const struct orl_mixed *const m = &orl_blend_of(pattern)->mixed[i];
         const double numbers_of_material[4] = {m->color.r, m->color.g, m->color.b,
                                                m->pattern ? m->pattern->index + 1.0 : 0};
         memcpy(numbers + 14 + 4 * i, numbers_of_material, sizeof numbers_of_material);
@@ -128,9 +141,9 @@ static int make_key(struct orl_parser *parser, const struct orl_scope *scope,
         memcpy(at, orl_primitive_string(primitive, i), length);
         at += length;
     }
-    *at = (unsigned char)((unsigned)type->function_brdf << 6 | (unsigned)type->text << 5 |
-                          (unsigned)type->spectral << 4 | (unsigned)pattern->texture << 3 |
-                          (unsigned)pattern->n_grids << 1 | (unsigned)pattern->is_rgb);
+    *at = (unsigned char)((unsigned)type->role << 5 | (unsigned)type->text << 4 |
+                          (unsigned)type->spectral << 3 | (unsigned)pattern->program.n_grids << 1 |
+                          (unsigned)pattern->is_rgb);
     return 0;
 }
 
@@ -183,33 +196,34 @@ static int find_grids(struct orl_parser *parser, const struct orl_scope *scope,
     for (size_t i = 0; i < type->n_files && code == 0; i++) {
         const char *const name =
             orl_primitive_string(&parser->primitive, type->n_materials + type->n_functions + i);
-        code = orl_pattern_grid(parser, scope, name, type->picture, &pattern->grids[i], err);
+        code =
+            orl_pattern_grid(parser, scope, name, type->picture, &pattern->program.grids[i], err);
         if (code < 0)
             return code;
-        if (i > 0 && pattern->grids[i]->n_axes != *ret_axes)
+        if (i > 0 && pattern->program.grids[i]->n_axes != *ret_axes)
             return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
                                    "its data files have different numbers of axes");
-        *ret_axes = pattern->grids[i]->n_axes;
+        *ret_axes = pattern->program.grids[i]->n_axes;
     }
-    pattern->n_grids = (uint32_t)type->n_files;
+    pattern->program.n_grids = (uint32_t)type->n_files;
     return code;
 }
 
-/* Returns a material's functions of that kind, or those of the first of its mixed materials that
+/* Returns a material's functions in that role, or those of the first of its mixed materials that
  * has any. */
 static struct orl_pattern *function_brdf_of(const struct orl_material *material,
-                                            enum orl_function_brdf_kind function_brdf)
+                                            enum orl_pattern_role role)
 {
     const struct orl_material *const mixed = orl_material_mixed(material);
     struct orl_pattern *found = NULL;
-    if (function_brdf == ORL_FUNCTION_BRDF_GLAZING && material->kind == ORL_MATERIAL_GLAZING)
+    if (role == ORL_PATTERN_GLAZING && material->kind == ORL_MATERIAL_GLAZING)
         found = orl_glazing_of(material)->angles;
-    if (function_brdf == ORL_FUNCTION_BRDF_PRISM && material->kind == ORL_MATERIAL_PRISM)
+    if (role == ORL_PATTERN_PRISM && material->kind == ORL_MATERIAL_PRISM)
         found = orl_prism_of(material)->rays;
-    if (function_brdf == ORL_FUNCTION_BRDF_LOBES && material->kind == ORL_MATERIAL_FUNCTION_LOBES)
+    if (role == ORL_PATTERN_LOBES && material->kind == ORL_MATERIAL_FUNCTION_LOBES)
         found = orl_function_lobes_of(material)->functions;
     for (int i = 0; mixed && i < 2 && !found; i++)
-        found = function_brdf_of(&mixed[i], function_brdf);
+        found = function_brdf_of(&mixed[i], role);
     return found;
 }
 
@@ -224,18 +238,19 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
                                           const struct pattern_type *type,
                                           const struct orl_pattern *pattern, bool of_material)
 {
-    const bool share = type->n_materials > 0 && !pattern->mixture;
+    const bool blend = pattern->role == ORL_PATTERN_BLEND;
+    const bool share = type->n_materials > 0 && !blend;
     const struct orl_symbol *const old = orl_symbols_find(&parser->symbols, parser->primitive.id);
     const struct orl_pattern *other = NULL;
-    if (old && old->kind == ORL_SYMBOL_MATERIAL && type->function_brdf != ORL_FUNCTION_BRDF_NONE)
-        other = function_brdf_of(&parser->out->materials[old->index], type->function_brdf);
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && is_function_brdf(type->role))
+        other = function_brdf_of(&parser->out->materials[old->index], type->role);
     if (old && old->kind == ORL_SYMBOL_MATERIAL && share)
         other = share_of(&parser->out->materials[old->index]);
     if (old && old->kind == ORL_SYMBOL_PATTERN && type->n_materials == 0 && !of_material)
         other = parser->out->patterns[old->index];
-    if (old && old->kind == ORL_SYMBOL_MATERIAL && (pattern->mixture || of_material))
-        other = pattern->texture ? parser->out->materials[old->index].texture
-                                 : parser->out->materials[old->index].pattern;
+    if (old && old->kind == ORL_SYMBOL_MATERIAL && (blend || of_material))
+        other = pattern->role == ORL_PATTERN_TEXTURE ? parser->out->materials[old->index].texture
+                                                     : parser->out->materials[old->index].pattern;
     return other && other->key_size == pattern->key_size &&
                    memcmp(other->key, pattern->key, other->key_size) == 0
                ? old
@@ -246,6 +261,11 @@ static const struct orl_symbol *find_same(const struct orl_parser *parser,
 static bool is_fixed(const struct pattern_type *type)
 {
     return type->n_functions == 0 && !type->text;
+}
+
+static bool is_coloured(struct orl_rgb color)
+{
+    return color.r != color.g || color.g != color.b;
 }
 
 static void inherit_properties(struct orl_pattern *pattern, const struct orl_pattern *other)
@@ -259,20 +279,25 @@ static void inherit_properties(struct orl_pattern *pattern, const struct orl_pat
 static int combine_properties(struct orl_parser *parser, const struct orl_scope *scope,
                               struct orl_pattern *pattern, struct orl_error *err)
 {
-    pattern->steps = 1 + (pattern->fixed ? 0 : pattern->n_bands / ORL_FUNCTION_LANES);
-    pattern->coloured = pattern->is_rgb || pattern->bands ||
-                        pattern->factor.r != pattern->factor.g ||
-                        pattern->factor.g != pattern->factor.b;
+    const bool texture = pattern->role == ORL_PATTERN_TEXTURE;
+    pattern->steps = 1;
+    pattern->coloured = pattern->coloured || pattern->is_rgb;
+    if (pattern->source == ORL_PATTERN_SPECTRUM)
+        pattern->steps += orl_spectrum_of(pattern)->n_bands / ORL_FUNCTION_LANES;
+    if (pattern->source == ORL_PATTERN_CONSTANT)
+        pattern->coloured = pattern->coloured || is_coloured(orl_constant_of(pattern));
+    if (pattern->source == ORL_PATTERN_TEXT)
+        pattern->coloured = pattern->coloured || is_coloured(orl_text_of(pattern)->inside);
     inherit_properties(pattern, pattern->under);
-    for (int i = 0; pattern->mixture && i < 2; i++) {
-        const struct orl_rgb c = pattern->mixed[i].color;
-        inherit_properties(pattern, pattern->mixed[i].pattern);
-        pattern->coloured = pattern->coloured || c.r != c.g || c.g != c.b;
+    for (int i = 0; pattern->role == ORL_PATTERN_BLEND && i < 2; i++) {
+        const struct orl_mixed *const mixed = &orl_blend_of(pattern)->mixed[i];
+        inherit_properties(pattern, mixed->pattern);
+        pattern->coloured = pattern->coloured || is_coloured(mixed->color);
     }
     /* Textures have no colour, and their dependence on direction needs no support by the
      * material. */
-    pattern->directed = pattern->directed && !pattern->texture;
-    pattern->coloured = pattern->coloured && !pattern->texture;
+    pattern->directed = pattern->directed && !texture;
+    pattern->coloured = pattern->coloured && !texture;
     if (pattern->steps <= ORL_PATTERN_STEPS)
         return 0;
     return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
@@ -358,16 +383,17 @@ static struct orl_pattern *new_pattern(struct orl_parser *parser, const struct o
                         parser->primitive.n_strings);
         return NULL;
     }
-    struct orl_pattern *const pattern = malloc(sizeof *pattern);
-    if (!pattern)
+    struct orl_pattern *const pattern = calloc(1, sizeof *pattern);
+    if (!pattern) {
         orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    else
-        *pattern = (struct orl_pattern){.is_rgb = type->n_functions == 3 ||
-                                                  strcmp(type->name, "colortext") == 0,
-                                        .texture = type->texture,
-                                        .function_brdf = type->function_brdf,
-                                        .n_brdf_functions = (uint32_t)type->n_functions,
-                                        .sided = type->n_before > 0}; /* BRTDfunc's lobes */
+        return NULL;
+    }
+    pattern->is_rgb = type->n_functions == 3 || strcmp(type->name, "colortext") == 0;
+    pattern->role = type->role;
+    if (type->role == ORL_PATTERN_PRISM)
+        pattern->as_role.prism.n_rays = (uint32_t)type->n_functions / 4;
+    if (type->role == ORL_PATTERN_LOBES)
+        pattern->as_role.lobes.sided = type->n_before > 0; /* BRTDfunc's lobes */
     return pattern;
 }
 
@@ -375,14 +401,14 @@ int orl_parser_pattern(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_pattern *color, const struct orl_pattern *texture,
                        bool of_material, struct orl_error *err)
 {
-    const struct pattern_type *const type =
-        find_type(parser->primitive.type, ORL_FUNCTION_BRDF_NONE);
+    const struct pattern_type *const type = find_type(parser->primitive.type);
     const struct orl_symbol *same = NULL;
     struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
         return err->code;
-    pattern->under = type->texture ? texture : color;
-    pattern->other = type->texture ? color : texture;
+    const bool is_texture = type->role == ORL_PATTERN_TEXTURE;
+    pattern->under = is_texture ? texture : color;
+    pattern->other = is_texture ? color : texture;
     int code = read_pattern(parser, scope, type, pattern, of_material, &same, err);
     if (code < 0 || same)
         orl_pattern_free(pattern);
@@ -401,9 +427,10 @@ static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope
     struct orl_pattern *const pattern = new_pattern(parser, scope, type, err);
     if (!pattern)
         return err->code;
-    pattern->mixture = mixed != NULL;
-    for (int i = 0; i < 2 && mixed; i++)
-        pattern->mixed[i] = (struct orl_mixed){mixed[i].color, mixed[i].pattern};
+    if (mixed)
+        pattern->role = ORL_PATTERN_BLEND;
+    for (int i = 0; mixed && i < 2; i++)
+        pattern->as_role.blend.mixed[i] = (struct orl_mixed){mixed[i].color, mixed[i].pattern};
     int code = read_pattern(parser, scope, type, pattern, false, &same, err);
     if (code < 0 || same)
         orl_pattern_free(pattern);
@@ -411,11 +438,10 @@ static int read_unnamed(struct orl_parser *parser, const struct orl_scope *scope
         code = orl_parser_add_pattern(parser, pattern);
     if (code == 0) {
         struct orl_material *const old = same ? &parser->out->materials[same->index] : NULL;
-        *ret_pattern = !old ? pattern
-                       : type->function_brdf != ORL_FUNCTION_BRDF_NONE
-                           ? function_brdf_of(old, type->function_brdf)
-                       : mixed ? old->pattern
-                               : share_of(old);
+        *ret_pattern = !old                           ? pattern
+                       : is_function_brdf(type->role) ? function_brdf_of(old, type->role)
+                       : mixed                        ? old->pattern
+                                                      : share_of(old);
     }
     return code == ORL_ERR_NOMEM ? orl_error_set(err, code, "out of memory") : code;
 }
@@ -424,14 +450,13 @@ int orl_parser_mixture(struct orl_parser *parser, const struct orl_scope *scope,
                        const struct orl_material *mixed, struct orl_pattern **ret_pattern,
                        struct orl_error *err)
 {
-    return read_unnamed(parser, scope, find_type(parser->primitive.type, ORL_FUNCTION_BRDF_NONE),
-                        mixed, ret_pattern, err);
+    return read_unnamed(parser, scope, find_type(parser->primitive.type), mixed, ret_pattern, err);
 }
 
 int orl_parser_function_brdf(struct orl_parser *parser, const struct orl_scope *scope,
-                             enum orl_function_brdf_kind kind, struct orl_pattern **ret_pattern,
+                             enum orl_pattern_role role, struct orl_pattern **ret_pattern,
                              struct orl_error *err)
 {
-    return read_unnamed(parser, scope, find_type(parser->primitive.type, kind), NULL, ret_pattern,
-                        err);
+    return read_unnamed(parser, scope, find_function_brdf(parser->primitive.type, role), NULL,
+                        ret_pattern, err);
 }

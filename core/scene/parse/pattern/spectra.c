@@ -46,7 +46,7 @@ static int too_many(struct orl_parser *parser, const struct orl_scope *scope, st
 }
 
 static int read_numbers(struct orl_parser *parser, const struct orl_scope *scope,
-                        struct orl_pattern *pattern, struct orl_error *err)
+                        struct orl_rgb *ret_factor, struct orl_error *err)
 {
     const struct orl_primitive *const p = &parser->primitive;
     struct orl_tristimulus white = {0, 0, 0};
@@ -57,15 +57,14 @@ static int read_numbers(struct orl_parser *parser, const struct orl_scope *scope
     if (p->n_reals > MOST_SAMPLES)
         return too_many(parser, scope, err);
     const struct samples s = {p->reals + 2, p->n_reals - 2, p->reals[0], p->reals[1]};
-    pattern->factor = see_samples(&s, &white);
+    *ret_factor = see_samples(&s, &white);
     warn_of_range(parser, scope, white);
     return 0;
 }
 
 static int read_file(struct orl_parser *parser, const struct orl_scope *scope,
-                     struct orl_pattern *pattern, struct orl_error *err)
+                     const struct orl_grid *grid, struct orl_rgb *ret_factor, struct orl_error *err)
 {
-    const struct orl_grid *const grid = pattern->grids[0];
     const struct orl_grid_axis *const axis = &grid->axes[0];
     const double fine = axis->places ? 1 : fabs(axis->size) / (axis->n - 1.0);
     const double from =
@@ -91,7 +90,7 @@ static int read_file(struct orl_parser *parser, const struct orl_scope *scope,
                             value[0]);
     }
     orl_tristimulus_add(&white, from, from + (double)n * fine, 1);
-    pattern->factor = orl_tristimulus_rgb(seen);
+    *ret_factor = orl_tristimulus_rgb(seen);
     warn_of_range(parser, scope, white);
     return 0;
 }
@@ -99,10 +98,13 @@ static int read_file(struct orl_parser *parser, const struct orl_scope *scope,
 int orl_spectrum_read(struct orl_parser *parser, const struct orl_scope *scope,
                       struct orl_pattern *pattern, struct orl_error *err)
 {
-    const int code = pattern->n_grids > 0 ? read_file(parser, scope, pattern, err)
-                                          : read_numbers(parser, scope, pattern, err);
-    pattern->fixed = true;
-    if (code == 0 && !(orl_rgb_max(pattern->factor) < 1e30))
+    struct orl_rgb factor = orl_gray(0);
+    const int code = pattern->program.n_grids > 0
+                         ? read_file(parser, scope, pattern->program.grids[0], &factor, err)
+                         : read_numbers(parser, scope, &factor, err);
+    pattern->source = ORL_PATTERN_CONSTANT;
+    pattern->as_source.constant = factor;
+    if (code == 0 && !(orl_rgb_max(factor) < 1e30))
         return orl_parser_fail(parser, scope, err, ORL_ERR_RANGE, "its values are too large");
     return code;
 }
@@ -125,8 +127,8 @@ static struct orl_spectral_band *new_bands(struct orl_parser *parser, struct orl
                                            size_t n)
 {
     struct orl_spectral_band *const bands = orl_arena_alloc(parser->out->arena, n * sizeof *bands);
-    pattern->bands = bands;
-    pattern->n_bands = bands ? (uint32_t)n : 0;
+    pattern->source = ORL_PATTERN_SPECTRUM;
+    pattern->as_source.spectrum = (struct orl_pattern_spectrum){bands, bands ? (uint32_t)n : 0};
     return bands;
 }
 
@@ -142,7 +144,7 @@ static int bands_of_data(struct orl_parser *parser, struct orl_pattern *pattern,
                          struct orl_tristimulus *white)
 {
     const struct orl_grid_axis *const axis =
-        &pattern->grids[0]->axes[pattern->grids[0]->n_axes - 1];
+        &pattern->program.grids[0]->axes[pattern->program.grids[0]->n_axes - 1];
     struct orl_spectral_band *const bands = new_bands(parser, pattern, axis->n);
     for (uint32_t i = 0; bands && i < axis->n; i++) {
         const double nm =
@@ -171,11 +173,11 @@ int orl_spectrum_bands(struct orl_parser *parser, const struct orl_scope *scope,
     const struct orl_primitive *const p = &parser->primitive;
     struct orl_tristimulus white = {0, 0, 0};
     int code;
-    if (pattern->n_grids > 0 &&
-        pattern->grids[0]->axes[pattern->grids[0]->n_axes - 1].n > MOST_BANDS)
+    if (pattern->program.n_grids > 0 &&
+        pattern->program.grids[0]->axes[pattern->program.grids[0]->n_axes - 1].n > MOST_BANDS)
         return orl_parser_fail(parser, scope, err, ORL_ERR_LIMIT,
                                "its data has more than %d wavelengths", MOST_BANDS);
-    if (pattern->n_grids > 0) {
+    if (pattern->program.n_grids > 0) {
         code = bands_of_data(parser, pattern, &white);
     } else if (p->n_reals < 2) {
         return orl_parser_fail(parser, scope, err, ORL_ERR_SYNTAX,
@@ -192,6 +194,7 @@ int orl_spectrum_bands(struct orl_parser *parser, const struct orl_scope *scope,
     if (code < 0)
         return code;
     warn_of_range(parser, scope, white);
+    pattern->coloured = true;
     orl_pattern_make_constant(pattern);
     return 0;
 }
