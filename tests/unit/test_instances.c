@@ -191,7 +191,7 @@ static struct orl_rgb widest(const struct orl_scene *scene, struct orl_rgb *ret_
     double n = 0;
     for (size_t i = 0; i < scene->parsed_scene.n_patterns; i++) {
         const struct orl_pattern *const p = scene->parsed_scene.patterns[i];
-        if (p->texture)
+        if (p->role == ORL_PATTERN_TEXTURE)
             continue;
         maximum.g = fmax(maximum.g, p->maximum.g);
         sum.g += p->mean.g;
