@@ -84,8 +84,7 @@ struct found {
 /* A shaded ray of the pixel. */
 struct shaded_sample {
     uint64_t visible_surfaces;
-    double x, y;   /* position in the pixel */
-    double direct; /* luma of its direct light */
+    double x, y; /* position in the pixel */
     struct orl_ray_radiance radiance;
 };
 struct finds {
@@ -228,31 +227,29 @@ static bool is_close(const struct matching_pixels *matching_pixels,
 
 /*
  * Returns the shaded ray of the pixel nearest to a position that sees the same surfaces, or NULL.
- * There is none either if their direct light differs, as along the edge of a shadow: how much of
- * the pixel is lit is then up to every ray.
+ * There is none either if such rays differ, as along the edge of a shadow, of a pattern, or of what
+ * a mirror shows: coverage by the surfaces seen does not then give the pixel.
  */
 static const struct shaded_sample *nearest_shaded(const struct finds *finds, const double place[2],
                                                   uint64_t visible_surfaces)
 {
     const struct shaded_sample *nearest = NULL;
-    double least = INFINITY, least_direct = INFINITY, most_direct = 0;
+    double least = INFINITY, darkest = INFINITY, brightest = 0;
     for (uint32_t i = 0; i < finds->n_shaded; i++) {
         const struct shaded_sample *sample = &finds->shaded[i];
         const double across = sample->x - place[0], down = sample->y - place[1];
         const double distance2 = across * across + down * down;
         if (sample->visible_surfaces != visible_surfaces)
             continue;
-        least_direct = fmin(least_direct, sample->direct);
-        most_direct = fmax(most_direct, sample->direct);
+        const double luma = orl_luma(sample->radiance.radiance);
+        darkest = fmin(darkest, luma);
+        brightest = fmax(brightest, luma);
         if (distance2 < least) {
             least = distance2;
             nearest = sample;
         }
     }
-    return nearest && most_direct - least_direct <=
-                          sharp_difference * orl_luma(nearest->radiance.radiance)
-               ? nearest
-               : NULL;
+    return brightest - darkest <= sharp_difference * brightest ? nearest : NULL;
 }
 
 /* Returns a shaded ray that stands for one through this position, or NULL. */
@@ -271,14 +268,6 @@ static const struct shaded_sample *find_shaded(const struct orl_adaptive_tile *t
     return nearest_shaded(finds, place,
                           orl_shade_visible_surfaces(&painter->shader, origin, direction,
                                                      &tile_state->search->health));
-}
-
-static void add_shaded(struct finds *finds, const struct orl_shaded_ray *shaded,
-                       const double place[2], struct orl_rgb direct,
-                       const struct orl_ray_radiance *radiance)
-{
-    finds->shaded[finds->n_shaded++] = (struct shaded_sample){
-        shaded->visible_surfaces, place[0], place[1], orl_luma(direct), *radiance};
 }
 
 /* Returns the radiance of one more ray. */
@@ -318,7 +307,8 @@ static struct orl_ray_radiance shade_ray(const struct orl_adaptive_tile *tile_st
         seen.variance = found->variance + direct.variance;
     }
     const struct orl_ray_radiance radiance = shade_of(&seen);
-    add_shaded(finds, &shaded, place, direct.radiance, &radiance);
+    finds->shaded[finds->n_shaded++] =
+        (struct shaded_sample){shaded.visible_surfaces, place[0], place[1], radiance};
     return radiance;
 }
 
