@@ -236,7 +236,7 @@ static int run_resolved(const struct orl_job *job, const struct orl_run_env *env
     result.total_s = env->now_s(env->ctx) - started;
     orl_run_free_pixels(&state);
     orl_run_release_maps(&state);
-    orl_run_free_renderer(&state);
+    orl_renderer_destroy(&state.renderer);
     orl_emission_free(state.emission);
     orl_lit_scene_free(state.lit_scene);
     orl_lights_release(state.lights);

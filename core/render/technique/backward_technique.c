@@ -51,9 +51,11 @@ static void destroy_backward(void *technique)
     free(b);
 }
 
-static int create_backward(const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
+static int create_backward(const struct orl_technique_definition *definition,
+                           const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
                            void **ret_technique, struct orl_error *err)
 {
+    (void)definition;
     struct backward *b = calloc(1, sizeof *b);
     *ret_technique = b;
     if (b && orl_backward_init(&b->backward, lit_scene, pool) == 0)
@@ -140,14 +142,16 @@ static int paint_view(void *technique, const struct orl_painting *painting, stru
                                b->input->sums_of_pixels, err);
 }
 
-const struct orl_technique_methods orl_backward_technique = {
+static const struct orl_technique_methods methods = {.create = create_backward,
+                                                     .prepare = prepare_backward,
+                                                     .compute_sensor = compute_sensor,
+                                                     .paint_view = paint_view,
+                                                     .destroy = destroy_backward};
+
+const struct orl_technique_definition orl_backward_technique = {
     .facts = {.name = "backward",
               .alternative = ORL_TECHNIQUE_GATHER,
               .samples_paths = true,
               .photons = ORL_PHOTONS_FOR_VPLS,
               .final_gather = ORL_GATHER_NOWHERE},
-    .create = create_backward,
-    .prepare = prepare_backward,
-    .compute_sensor = compute_sensor,
-    .paint_view = paint_view,
-    .destroy = destroy_backward};
+    .methods = &methods};

@@ -52,14 +52,7 @@ const struct orl_indirect_estimator orl_indirect_density = {.name = "density",
                                                             .at_surface = estimate_density,
                                                             .at_hit = orl_gather_read_leaf};
 
-static int create_direct(const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
-                         void **ret_technique, struct orl_error *err)
-{
-    (void)pool;
-    return orl_photon_maps_create(&orl_indirect_density, lit_scene, ret_technique, err);
-}
-
-const struct orl_technique_methods orl_direct_technique = {
+const struct orl_technique_definition orl_direct_technique = {
     .facts = {.name = "direct",
               .alternative = ORL_TECHNIQUE_BACKWARD,
               .photons = ORL_PHOTONS_FOR_MAPS,
@@ -67,11 +60,5 @@ const struct orl_technique_methods orl_direct_technique = {
               .final_gather = ORL_GATHER_NOWHERE,
               .shows_map = true,
               .shows_density = true},
-    .create = create_direct,
-    .prepare = orl_photon_maps_prepare,
-    .compute_sensor = orl_photon_maps_compute_sensor,
-    .load_sensor = orl_photon_maps_load_sensor,
-    .finish_sensors = orl_photon_maps_finish_sensors,
-    .paint_view = orl_photon_maps_paint_view,
-    .finish = orl_photon_maps_finish,
-    .destroy = orl_photon_maps_destroy};
+    .methods = &orl_photon_map_methods,
+    .indirect = &orl_indirect_density};

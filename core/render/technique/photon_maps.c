@@ -19,20 +19,21 @@ struct photon_maps {
     struct orl_sensor_flux *sensor_flux;  /* NULL: nothing redirects light into mid-air */
 };
 
-int orl_photon_maps_create(const struct orl_indirect_estimator *indirect,
-                           const struct orl_lit_scene *lit_scene, void **ret_technique,
-                           struct orl_error *err)
+static int create(const struct orl_technique_definition *definition,
+                  const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
+                  void **ret_technique, struct orl_error *err)
 {
+    (void)pool;
     struct photon_maps *p = calloc(1, sizeof *p);
     *ret_technique = p;
     if (!p)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    p->indirect = indirect;
+    p->indirect = definition->indirect;
     p->lit_scene = lit_scene;
     return 0;
 }
 
-void orl_photon_maps_destroy(void *technique)
+static void destroy(void *technique)
 {
     free(technique);
 }
@@ -119,8 +120,8 @@ static int make_sensor_data(struct photon_maps *p)
     return code;
 }
 
-int orl_photon_maps_prepare(void *technique, const struct orl_technique_input *input,
-                            struct orl_error *err)
+static int prepare_maps(void *technique, const struct orl_technique_input *input,
+                        struct orl_error *err)
 {
     struct photon_maps *p = technique;
     p->input = input;
@@ -138,7 +139,7 @@ int orl_photon_maps_prepare(void *technique, const struct orl_technique_input *i
     return 0;
 }
 
-void orl_photon_maps_finish(void *technique)
+static void finish_maps(void *technique)
 {
     struct photon_maps *p = technique;
     free_sensor_data(p);
@@ -155,9 +156,9 @@ static struct orl_shading_point place_of(const struct photon_maps *p,
     return orl_gather_sensor_point(&p->gather, query->position, query->normal, ret_surface_point);
 }
 
-void orl_photon_maps_compute_sensor(void *technique, const struct orl_sensor_query *query,
-                                    struct orl_sensor_estimate *ret_found,
-                                    struct orl_rgb ret_batches[ORL_MAP_BATCHES])
+static void compute_sensor(void *technique, const struct orl_sensor_query *query,
+                           struct orl_sensor_estimate *ret_found,
+                           struct orl_rgb ret_batches[ORL_MAP_BATCHES])
 {
     const struct photon_maps *p = technique;
     struct orl_surface_point surface_point;
@@ -170,8 +171,8 @@ void orl_photon_maps_compute_sensor(void *technique, const struct orl_sensor_que
     *ret_found = (struct orl_sensor_estimate){e, place.in_free_space};
 }
 
-void orl_photon_maps_load_sensor(void *technique, const struct orl_sensor_query *query,
-                                 const struct orl_sensor_estimate *found)
+static void load_sensor(void *technique, const struct orl_sensor_query *query,
+                        const struct orl_sensor_estimate *found)
 {
     const struct photon_maps *p = technique;
     struct orl_surface_point surface_point;
@@ -183,7 +184,7 @@ void orl_photon_maps_load_sensor(void *technique, const struct orl_sensor_query 
 }
 
 /* Adds caustics at sensors in mid-air, from photons traced for them. */
-int orl_photon_maps_finish_sensors(void *technique, struct orl_error *err)
+static int finish_sensors(void *technique, struct orl_error *err)
 {
     struct photon_maps *p = technique;
     const struct orl_technique_input *input = p->input;
@@ -211,9 +212,17 @@ int orl_photon_maps_finish_sensors(void *technique, struct orl_error *err)
 
 /* ---- Views ----------------------------------------------------------------------------------- */
 
-int orl_photon_maps_paint_view(void *technique, const struct orl_painting *painting,
-                               struct orl_error *err)
+static int paint_view(void *technique, const struct orl_painting *painting, struct orl_error *err)
 {
     const struct photon_maps *p = technique;
     return orl_image_render(&p->gather, painting, err);
 }
+
+const struct orl_technique_methods orl_photon_map_methods = {.create = create,
+                                                             .prepare = prepare_maps,
+                                                             .compute_sensor = compute_sensor,
+                                                             .load_sensor = load_sensor,
+                                                             .finish_sensors = finish_sensors,
+                                                             .paint_view = paint_view,
+                                                             .finish = finish_maps,
+                                                             .destroy = destroy};

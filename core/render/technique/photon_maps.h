@@ -10,8 +10,8 @@
  * space no photon is stored. There photons that are traced for that purpose measure E_caustic by
  * their flux through a disc (render/gather/sensor_flux.h). The estimator gives E_rest.
  *
- * References: Jensen 2001, chapters 7 to 9 (photon maps); Grobe 2019 (these techniques with BSDFs of
- * high resolution, and their abbreviations GCx and xCP).
+ * References: Jensen 2001, chapters 7 to 9 (photon maps); Grobe 2019 (these techniques with BSDFs
+ * of high resolution, and their abbreviations GCx and xCP).
  */
 #ifndef ORL_RENDER_TECHNIQUE_PHOTON_MAPS_H
 #define ORL_RENDER_TECHNIQUE_PHOTON_MAPS_H
@@ -22,23 +22,6 @@
 extern const struct orl_indirect_estimator orl_indirect_gathered, orl_indirect_density,
     orl_indirect_records;
 
-/* Makes the data of a technique with that estimator; the technique's create. */
-int orl_photon_maps_create(const struct orl_indirect_estimator *indirect,
-                           const struct orl_lit_scene *lit_scene, void **ret_technique,
-                           struct orl_error *err);
-
-/* The other methods, as struct orl_technique_methods describes them. */
-int orl_photon_maps_prepare(void *technique, const struct orl_technique_input *input,
-                            struct orl_error *err);
-void orl_photon_maps_compute_sensor(void *technique, const struct orl_sensor_query *query,
-                                    struct orl_sensor_estimate *ret_found,
-                                    struct orl_rgb ret_batches[ORL_MAP_BATCHES]);
-void orl_photon_maps_load_sensor(void *technique, const struct orl_sensor_query *query,
-                                 const struct orl_sensor_estimate *found);
-int orl_photon_maps_finish_sensors(void *technique, struct orl_error *err);
-int orl_photon_maps_paint_view(void *technique, const struct orl_painting *painting,
-                               struct orl_error *err);
-void orl_photon_maps_finish(void *technique);
-void orl_photon_maps_destroy(void *technique);
+extern const struct orl_technique_methods orl_photon_map_methods;
 
 #endif

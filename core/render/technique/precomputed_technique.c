@@ -60,25 +60,12 @@ const struct orl_indirect_estimator orl_indirect_records = {.name = "records",
                                                             .at_surface = fit_records,
                                                             .at_hit = read_records};
 
-static int create_precomputed(const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
-                              void **ret_technique, struct orl_error *err)
-{
-    (void)pool;
-    return orl_photon_maps_create(&orl_indirect_records, lit_scene, ret_technique, err);
-}
-
-const struct orl_technique_methods orl_precomputed_technique = {
+const struct orl_technique_definition orl_precomputed_technique = {
     .facts = {.name = "precomputed",
               .alternative = ORL_TECHNIQUE_BACKWARD,
               .photons = ORL_PHOTONS_FOR_MAPS,
               .reads_map = {[ORL_MAP_CAUSTIC] = true, [ORL_MAP_PRECOMPUTED] = true},
               .final_gather = ORL_GATHER_WHERE_DOUBTFUL,
               .shows_map = true},
-    .create = create_precomputed,
-    .prepare = orl_photon_maps_prepare,
-    .compute_sensor = orl_photon_maps_compute_sensor,
-    .load_sensor = orl_photon_maps_load_sensor,
-    .finish_sensors = orl_photon_maps_finish_sensors,
-    .paint_view = orl_photon_maps_paint_view,
-    .finish = orl_photon_maps_finish,
-    .destroy = orl_photon_maps_destroy};
+    .methods = &orl_photon_map_methods,
+    .indirect = &orl_indirect_records};

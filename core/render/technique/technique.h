@@ -129,11 +129,13 @@ struct orl_sensor_estimate {
 
 /* ---- Methods --------------------------------------------------------------------------------- */
 
+struct orl_technique_definition;
+
 struct orl_technique_methods {
-    struct orl_technique_facts facts;
     /* Makes *ret_technique, the data that depend on the lit scene alone, which is borrowed until
      * destroy. On failure it is NULL. */
-    int (*create)(const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
+    int (*create)(const struct orl_technique_definition *definition,
+                  const struct orl_lit_scene *lit_scene, struct orl_thread_pool *pool,
                   void **ret_technique, struct orl_error *err);
     /* Makes the data of a round: virtual point lights, or data derived from maps. */
     int (*prepare)(void *technique, const struct orl_technique_input *input, struct orl_error *err);
@@ -153,10 +155,15 @@ struct orl_technique_methods {
     void (*destroy)(void *technique); /* accepts NULL */
 };
 
-/* Returns the methods of a technique other than ORL_TECHNIQUE_AUTO. */
-const struct orl_technique_methods *orl_technique_methods(enum orl_technique technique);
+/* A technique. */
+struct orl_technique_definition {
+    struct orl_technique_facts facts;
+    const struct orl_technique_methods *methods;
+    /* Estimator of indirect light of a technique that reads maps (photon_maps.h); NULL: none. */
+    const struct orl_indirect_estimator *indirect;
+};
 
-extern const struct orl_technique_methods orl_backward_technique, orl_gather_technique,
+extern const struct orl_technique_definition orl_backward_technique, orl_gather_technique,
     orl_direct_technique, orl_precomputed_technique;
 
 /* A technique that has been created for a lit scene. */
@@ -164,5 +171,12 @@ struct orl_renderer {
     const struct orl_technique_methods *methods; /* NULL: not created yet */
     void *technique;
 };
+
+/* Creates the renderer of a technique other than ORL_TECHNIQUE_AUTO. On failure its methods stay
+ * NULL. */
+int orl_renderer_create(enum orl_technique technique, const struct orl_lit_scene *lit_scene,
+                        struct orl_thread_pool *pool, struct orl_renderer *ret_renderer,
+                        struct orl_error *err);
+void orl_renderer_destroy(struct orl_renderer *renderer); /* accepts an all-zero struct */
 
 #endif

@@ -29,7 +29,6 @@ int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err);
  * a job use it. If the technique traces photons in every round, their emission is created as well.
  */
 int orl_run_ensure_renderer(struct orl_run_state *state, struct orl_error *err);
-void orl_run_free_renderer(struct orl_run_state *state);
 
 /* Photons and maps stages: loads every map that the job needs into state->maps, or makes it. */
 int orl_run_prepare_maps(struct orl_run_state *state, struct orl_error *err);

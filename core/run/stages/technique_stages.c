@@ -18,19 +18,9 @@ int orl_run_ensure_renderer(struct orl_run_state *state, struct orl_error *err)
         if (code < 0)
             return code;
     }
-    if (renderer->methods)
-        return 0;
-    const struct orl_technique_methods *methods = orl_technique_methods(technique);
-    const int code = methods->create(state->lit_scene, state->env->pool, &renderer->technique, err);
-    renderer->methods = code == 0 ? methods : NULL;
-    return code;
-}
-
-void orl_run_free_renderer(struct orl_run_state *state)
-{
-    if (state->renderer.methods)
-        state->renderer.methods->destroy(state->renderer.technique);
-    state->renderer = (struct orl_renderer){.methods = NULL};
+    return renderer->methods
+               ? 0
+               : orl_renderer_create(technique, state->lit_scene, state->env->pool, renderer, err);
 }
 
 /* ---- Input of a technique -------------------------------------------------------------------- */
