@@ -146,8 +146,10 @@ void orl_remove_folder(const char *folder)
 
 int orl_write_json(const char *path, const json_t *json, struct orl_error *err)
 {
-    struct orl_atomic_file file;
-    int rc = json ? orl_atomic_file_open(&file, path, err) : orl_error_no_memory(err);
+    struct orl_atomic_file file = {.stream = NULL};
+    if (!json)
+        return orl_error_no_memory(err);
+    int rc = orl_atomic_file_open(&file, path, err);
     if (rc)
         return rc;
     /* 17 digits reproduce every double exactly; files are compared by their bytes. */

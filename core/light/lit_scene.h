@@ -17,6 +17,7 @@
 #include "light/lights.h"
 #include "light/virtual_lamps.h"
 #include "light/virtual_suns.h"
+#include "scene/material/scatter.h"
 
 /* Effects that a run omits (plan/plan.h decides). */
 struct orl_omissions {
@@ -124,6 +125,15 @@ static inline bool orl_lit_scene_hides(const struct orl_lit_scene *lit_scene, ui
 {
     return lit_scene->hidden && !orl_facet_is_instanced(lit_scene->geometry, facet) &&
            lit_scene->hidden[facet];
+}
+
+/* Returns true if a facet is a flat mirror or pane with an area; a polygon may be slightly bent. */
+static inline bool orl_is_flat_mirror(const struct orl_lit_scene *lit_scene,
+                                      const struct orl_facet *facet)
+{
+    const struct orl_material *const m = &lit_scene->materials[facet->material];
+    return orl_surface_kind_is_flat(facet->kind) && facet->area > 0 && !m->texture &&
+           orl_material_is_mirror(m);
 }
 
 /* Returns true if a point in free space is outside; false unless the scene is sealed. */

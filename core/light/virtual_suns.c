@@ -28,13 +28,6 @@ struct class
     int16_t index; /* index among the selected classes; -1: not selected */
 };
 
-bool orl_is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *f)
-{
-    const struct orl_material *const m = &lit_scene->materials[f->material];
-    return orl_surface_kind_is_flat(f->kind) && f->area > 0 && !m->texture &&
-           orl_material_is_mirror(m);
-}
-
 /* Counts mirrors in instances, which have as many orientations as they have instances. */
 static size_t count_placed_mirrors(const struct orl_lit_scene *lit_scene)
 {

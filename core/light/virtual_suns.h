@@ -106,9 +106,6 @@ static inline struct orl_vec3 orl_virtual_sun_reflect(struct orl_vec3 v, struct 
     return orl_madd(v, mirror, -2 * orl_dot(v, mirror));
 }
 
-/* Returns true if a facet is a flat mirror or pane with an area; a polygon may be slightly bent. */
-bool orl_is_flat_mirror(const struct orl_lit_scene *lit_scene, const struct orl_facet *facet);
-
 /* Returns the class of a facet; -1: none. */
 static inline int16_t orl_virtual_suns_class(const struct orl_virtual_suns *images, uint32_t facet)
 {

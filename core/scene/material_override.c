@@ -245,7 +245,7 @@ int orl_material_overrides_apply(const struct orl_material_overrides *material_o
         return expanded;
     struct overriding s = {.parsed_scene = d,
                            .material_overrides = material_overrides,
-                           .modifier = malloc((d->n_surfaces + 1) * sizeof *s.modifier),
+                           .modifier = calloc(d->n_surfaces + 1, sizeof *s.modifier),
                            .override_of = calloc(d->n_surfaces + 1, sizeof *s.override_of),
                            .err = err};
     int code = s.modifier && s.override_of ? 0 : ORL_ERR_NOMEM;

@@ -28,14 +28,14 @@ struct orl_material;
 struct orl_pattern;
 
 enum orl_material_kind {
-    ORL_MATERIAL_VOID,       /* placeholder for void or a refused modifier while files are read */
-    ORL_MATERIAL_PLASTIC,    /* reflector */
-    ORL_MATERIAL_METAL,      /* reflector */
-    ORL_MATERIAL_TRANS,      /* reflector */
-    ORL_MATERIAL_ASHIKHMIN,  /* ashikhmin: ashik2 */
-    ORL_MATERIAL_GLASS,      /* glass */
-    ORL_MATERIAL_GLAZING,    /* glazing: BRTDfunc without lobes */
-    ORL_MATERIAL_DIELECTRIC, /* interface: a dielectric has air in front */
+    ORL_MATERIAL_VOID,           /* void, or a modifier that is refused, while files are read */
+    ORL_MATERIAL_PLASTIC,        /* reflector */
+    ORL_MATERIAL_METAL,          /* reflector */
+    ORL_MATERIAL_TRANS,          /* reflector */
+    ORL_MATERIAL_ASHIKHMIN,      /* ashikhmin: ashik2 */
+    ORL_MATERIAL_GLASS,          /* glass */
+    ORL_MATERIAL_GLAZING,        /* glazing: BRTDfunc without lobes */
+    ORL_MATERIAL_DIELECTRIC,     /* interface: a dielectric has air in front */
     ORL_MATERIAL_FUNCTION_LOBES, /* function_lobes: plasfunc, metfunc, transfunc and the like */
     ORL_MATERIAL_PRISM,          /* prism: prism1, prism2 */
     ORL_MATERIAL_MIRROR,         /* the head alone: color on the front; the back is black */

@@ -31,7 +31,10 @@ int orl_rgb_matrix_init(struct orl_rgb_matrix *matrix, size_t rows, size_t colum
             columns, ORL_LIMIT_MATRIX_CELLS);
     }
     matrix->values = calloc(rows * columns, 3 * sizeof *matrix->values);
-    return matrix->values ? 0 : orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
+    if (matrix->values)
+        return 0;
+    orl_error_set(err, ORL_ERR_NOMEM, "out of memory for a matrix");
+    return ORL_ERR_NOMEM;
 }
 
 void orl_rgb_matrix_done(struct orl_rgb_matrix *matrix)

@@ -424,8 +424,9 @@ static int list_all(const struct builder *m)
     struct orl_sun_weights *w = m->sun_weights;
     const size_t n_firsts = m->suns->count * (1 + w->n_window_groups) + 1;
     w->first = orl_arrays_new(&w->arrays, n_firsts, sizeof *w->first);
-    if (w->first)
-        orl_sun_weights_allocate(w, n_firsts, list_suns(m, false));
+    if (!w->first)
+        return ORL_ERR_NOMEM;
+    orl_sun_weights_allocate(w, n_firsts, list_suns(m, false));
     if (w->arrays.failed)
         return ORL_ERR_NOMEM;
     list_suns(m, true);

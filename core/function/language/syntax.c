@@ -154,7 +154,9 @@ static int read_name(struct parser *p, struct orl_term **ret_node)
     struct orl_term *const node = make_term(p, ORL_NODE_NAME);
     struct orl_resolved_name resolved;
     uint32_t index = 0;
-    int code = node ? next_word(p) : no_memory(p);
+    if (!node)
+        return no_memory(p);
+    int code = next_word(p);
     if (code < 0)
         return code;
     const bool called = is_sign(p, '(');

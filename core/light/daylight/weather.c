@@ -296,7 +296,7 @@ static int check_fields(struct reader *reader, struct orl_slice rest)
 static int read_epw_row(struct reader *reader, struct orl_slice line)
 {
     struct orl_slice fields[EPW_FIELDS_READ] = {0};
-    struct orl_weather_row row;
+    struct orl_weather_row row = {.hour = 0};
     int code;
     if (take_cells(&line, fields, EPW_FIELDS_READ) < EPW_FIELDS_READ)
         return fail_at_line(
@@ -380,7 +380,7 @@ static int read_wea_header(struct reader *reader)
 static int read_wea_row(struct reader *reader, struct orl_slice line)
 {
     struct orl_slice fields[5] = {0};
-    struct orl_weather_row row;
+    struct orl_weather_row row = {.hour = 0};
     int code;
     for (int i = 0; i < 5; i++) {
         fields[i] = orl_slice_take_word(&line);

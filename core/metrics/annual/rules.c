@@ -16,12 +16,12 @@
 /* A rule by its name, clause and targets. */
 #define RULE(title, text, ...)                                                                     \
     {                                                                                              \
-        .name = title, .clause = text, .targets = { __VA_ARGS__ }                                  \
+        .name = (title), .clause = (text), .targets = { __VA_ARGS__ }                              \
     }
 /* A rule of LM-83's sDA for half of the hours of use, with blinds. */
 #define LM_83(title, text, lux, share)                                                             \
     {                                                                                              \
-        .name = title, .clause = text, .targets = {"sDA" #lux "/50 >= " #share " %"},              \
+        .name = (title), .clause = (text), .targets = {"sDA" #lux "/50 >= " #share " %"},          \
         .needs_blinds = true                                                                       \
     }
 /* Targets of EN 17037 for a share of the area, by climate data and by daylight factor. */

@@ -19,7 +19,8 @@ struct reading {
 
 static int fail(const struct reading *r, int code, struct orl_error *err, const char *what)
 {
-    return orl_scanner_fail(&r->scanner, code, err, "%s", what);
+    orl_scanner_fail(&r->scanner, code, err, "%s", what);
+    return code;
 }
 
 static int read_number(struct reading *r, double *ret_value, struct orl_error *err)

@@ -237,9 +237,11 @@ static void read_sizes(struct reading *r)
 
 static double *read_numbers(struct reading *r, uint32_t n)
 {
-    double *const numbers = malloc(n * sizeof *numbers);
-    if (!numbers)
+    double *const numbers = calloc((size_t)n + 1, sizeof *numbers);
+    if (!numbers) {
         fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire");
+        return NULL;
+    }
     for (uint32_t i = 0; i < n && !r->code; i++)
         numbers[i] = read_number(r);
     return numbers;
@@ -288,8 +290,10 @@ static void read_candela(struct reading *r)
         return;
     }
     ies->candela = malloc(n * sizeof *ies->candela);
-    if (!ies->candela)
+    if (!ies->candela) {
         fail(r, ORL_ERR_NOMEM, "out of memory for a luminaire");
+        return;
+    }
     for (size_t i = 0; i < n && !r->code; i++) {
         const double value = read_number(r);
         if (value < 0)

@@ -5,24 +5,12 @@
 #include "health/crash.h"
 #include "http/connection/connections.h"
 #include "http/context.h"
-#include "http/response/reply.h"
 
 void orl_request_step_run(struct orl_request *request, orl_request_step step)
 {
     orl_crash_request_begin(request->id, request->method, request->path);
     step(request);
     orl_crash_request_end();
-}
-
-void *orl_request_new_state(struct orl_request *request, size_t size,
-                            void (*free_state)(void *state))
-{
-    request->state = calloc(1, size);
-    if (request->state)
-        request->free_state = free_state;
-    else
-        orl_reply_json(request, 503, NULL);
-    return request->state;
 }
 
 const char *orl_request_query(const struct orl_request *request, const char *name)

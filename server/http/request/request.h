@@ -122,11 +122,6 @@ struct orl_request {
     void (*free_state)(void *state);
 };
 
-/* Makes a zeroed state of that size, which free_state frees with the request. NULL after a 503: out
- * of memory. */
-void *orl_request_new_state(struct orl_request *request, size_t size,
-                            void (*free_state)(void *state));
-
 /* Calls a step of the request. If it crashes, the report has the request's method and path. */
 void orl_request_step_run(struct orl_request *request, orl_request_step step);
 

@@ -318,3 +318,14 @@ bool orl_reply_if_full(struct orl_request *request, uint64_t bytes)
         refuse_full(request, bytes);
     return true;
 }
+
+void *orl_request_new_state(struct orl_request *request, size_t size,
+                            void (*free_state)(void *state))
+{
+    request->state = calloc(1, size);
+    if (request->state)
+        request->free_state = free_state;
+    else
+        orl_reply_json(request, 503, NULL);
+    return request->state;
+}

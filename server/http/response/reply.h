@@ -73,4 +73,9 @@ bool orl_reply_if_full(struct orl_request *request, uint64_t bytes);
  * for the client's own limit. */
 void orl_reply_quota_exceeded(struct orl_request *request, uint64_t bytes);
 
+/* Makes a zeroed state of that size, which free_state frees with the request. NULL after a 503: out
+ * of memory. */
+void *orl_request_new_state(struct orl_request *request, size_t size,
+                            void (*free_state)(void *state));
+
 #endif

@@ -401,18 +401,18 @@ bool orl_gonio_builder_merge_level(struct orl_gonio_builder *builder, struct orl
 bool orl_gonio_merge_nodes(const struct orl_gonio_merger *merger, unsigned level, uint32_t a,
                            struct orl_gonio_cells ret_cells)
 {
-    const unsigned in = orl_gonio_children_in(merger->builder->rank);
+    const size_t in = orl_gonio_children_in(merger->builder->rank);
     const size_t count = merger->components << 2 * level;
     struct orl_gonio_cells parts;
     if (level == merger->end)
         return merger->fill(merger->ctx, a, ret_cells);
     bool fine = orl_gonio_cells_make(&parts, in * 4 * count, merger->builder->color);
-    for (unsigned k = 0; k < in && fine; k++) {
+    for (size_t k = 0; k < in && fine; k++) {
         const struct orl_gonio_cells part = orl_gonio_cells_at(parts, k * 4 * count);
         if (merger->builder->rank == 3 && level == 0 && k == 1)
             orl_gonio_cells_copy(part, parts, 4 * count);
         else
-            fine = orl_gonio_merge_nodes(merger, level + 1, in * a + k, part);
+            fine = orl_gonio_merge_nodes(merger, level + 1, (uint32_t)(in * a + k), part);
     }
     fine = fine && orl_gonio_builder_merge_level(merger->builder, parts, count, level, ret_cells);
     orl_gonio_cells_done(&parts);

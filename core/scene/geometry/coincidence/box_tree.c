@@ -154,3 +154,37 @@ void orl_box_tree_done(struct orl_box_tree *tree)
     free(tree->nodes);
     free(tree->found);
 }
+
+/* ---- Boxes of surfaces ----------------------------------------------------------------------- */
+
+static struct orl_box box_of_ring(const struct orl_surface *s)
+{
+    const struct orl_vec3 n = s->normal;
+    const struct orl_vec3 reach =
+        orl_scale(orl_v3(sqrt(fmax(1 - n.x * n.x, 0)), sqrt(fmax(1 - n.y * n.y, 0)),
+                         sqrt(fmax(1 - n.z * n.z, 0))),
+                  s->quadric->radius[1]);
+    return (struct orl_box){orl_sub(s->quadric->center[0], reach),
+                            orl_add(s->quadric->center[0], reach)};
+}
+
+struct orl_box orl_box_of_flat(const struct orl_surface *surface)
+{
+    if (surface->kind == ORL_SURFACE_RING)
+        return box_of_ring(surface);
+    struct orl_box box = {surface->vertices[0], surface->vertices[0]};
+    for (uint32_t i = 1; i < surface->n_vertices; i++)
+        orl_box_include(surface->vertices[i], &box.low, &box.high);
+    return box;
+}
+
+bool orl_boxes_overlap(const struct orl_box *a, const struct orl_box *b, double tolerance)
+{
+    const double pad = tolerance;
+    if (!orl_boxes_meet(a, b, pad))
+        return false;
+    const struct orl_vec3 common = {fmin(a->high.x, b->high.x) - fmax(a->low.x, b->low.x),
+                                    fmin(a->high.y, b->high.y) - fmax(a->low.y, b->low.y),
+                                    fmin(a->high.z, b->high.z) - fmax(a->low.z, b->low.z)};
+    return (common.x > pad) + (common.y > pad) + (common.z > pad) >= 2;
+}

@@ -138,6 +138,15 @@ void orl_corners_done(struct orl_corners *corners)
     free(corners->latest);
 }
 
+/* Returns true if two places have the same bits: 0 and -0 differ. */
+static bool are_same(struct orl_vec3 a, struct orl_vec3 b)
+{
+    uint64_t bits_a[3], bits_b[3];
+    memcpy(bits_a, &a, sizeof bits_a);
+    memcpy(bits_b, &b, sizeof bits_b);
+    return memcmp(bits_a, bits_b, sizeof bits_a) == 0;
+}
+
 static size_t slot_of(struct orl_vec3 place)
 {
     static const uint64_t odd = 0x9e3779b97f4a7c15U;
@@ -154,8 +163,7 @@ bool orl_corners_add(struct orl_corners *corners, struct orl_vec3 place, uint32_
 {
     struct orl_geometry *const g = corners->geometry;
     uint32_t *const latest = &corners->latest[slot_of(place)];
-    /* Compares bits: 0 and -0 differ. */
-    if (*latest == 0 || memcmp(&g->corners[*latest - 1], &place, sizeof place) != 0) {
+    if (*latest == 0 || !are_same(g->corners[*latest - 1], place)) {
         if (!orl_array_reserve(&g->corners, &corners->room, g->n_corners, sizeof *g->corners))
             return false;
         g->corners[g->n_corners++] = place;

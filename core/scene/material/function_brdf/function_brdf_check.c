@@ -170,13 +170,12 @@ static struct orl_vec3 light_of(const struct orl_hit *hit, size_t look)
  * */
 static bool is_sum(const struct orl_material *m)
 {
-    if (m->kind != ORL_MATERIAL_MIXTURE || orl_mixture_of(m)->share)
+    const struct orl_material *const terms = orl_material_mixed(m);
+    if (!terms || orl_mixture_of(m)->share)
         return false;
-    for (int i = 0; i < 2; i++) {
-        const struct orl_material *const term = &orl_mixture_of(m)->mixed[i];
-        if (term->kind == ORL_MATERIAL_MIXTURE && !is_sum(term))
+    for (int i = 0; i < 2; i++)
+        if (terms[i].kind == ORL_MATERIAL_MIXTURE && !is_sum(&terms[i]))
             return false;
-    }
     return true;
 }
 

@@ -252,8 +252,10 @@ static void mark_children(struct reading *r, size_t index, bool *within)
 static void add_all(struct reading *r)
 {
     bool *const within = calloc(r->n_nodes + 1, sizeof *within);
-    if (!within)
+    if (!within) {
         orl_gltf_no_memory(&r->file);
+        return;
+    }
     for (size_t i = 0; i < r->n_nodes && !r->file.code; i++)
         mark_children(r, i, within);
     for (size_t i = 0; i < r->n_nodes && !r->file.code; i++)
