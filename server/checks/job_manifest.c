@@ -9,9 +9,9 @@
 #include <oriel/base/limits.h>
 
 #include "checks/child/messages.h"
-#include "jobs/job_results.h"
 #include "runner/estimate/job_estimate.h"
-#include "runner/job_output.h"
+#include "runner/job_document.h"
+#include "json/decode.h"
 #include "json/encode.h"
 
 void orl_job_manifest_done(struct orl_job_manifest *manifest)
@@ -47,37 +47,47 @@ static int add_file(void *ctx, const struct orl_job_request_file *named, struct 
     return file->name && file->location && (file->entry || !entry) ? 0 : orl_error_no_memory(err);
 }
 
-int orl_job_manifest_read(const struct orl_file *document, struct orl_job_manifest *ret_manifest,
+/* Fills a manifest from a document's request, but for its identity. */
+static int fill_manifest(struct orl_job_manifest *manifest, struct orl_job_request *job_request,
+                         struct orl_error *err)
+{
+    const struct orl_job_kind *kind = &orl_job_kinds[job_request->kind];
+    manifest->kind = job_request->kind;
+    manifest->priority = job_request->priority;
+    manifest->labels = job_request->labels;
+    job_request->labels = (struct orl_labels){0};
+    manifest->result_bytes = kind->result_bytes(job_request);
+    manifest->sensor_bytes = kind->sensor_bytes(job_request);
+    manifest->hour_bytes = kind->hour_bytes ? kind->hour_bytes(job_request) : 0;
+    manifest->whole_scene = kind->whole_scene && kind->whole_scene(job_request);
+    kind->needs(job_request, &manifest->needs);
+    return orl_job_request_files(job_request, add_file, manifest, err);
+}
+
+int orl_job_manifest_read(const struct orl_file *text, struct orl_job_manifest *ret_manifest,
                           struct orl_error *err)
 {
     struct orl_job_manifest manifest = {0};
     struct orl_job_request job_request;
+    json_t *document = NULL;
     char *scene = NULL;
-    int rc = orl_job_read(document->data, document->size, &job_request, &scene, err);
+    int rc = orl_json_parse(NULL, text->data, text->size, &document, err);
     if (rc)
         return rc;
-    manifest.kind = job_request.kind;
-    manifest.priority = job_request.priority;
-    manifest.labels = job_request.labels;
-    job_request.labels = (struct orl_labels){0};
-    manifest.result_bytes = orl_job_kinds[job_request.kind].result_bytes(&job_request);
-    manifest.sensor_bytes = orl_job_kinds[job_request.kind].sensor_bytes(&job_request);
-    if (orl_job_kinds[job_request.kind].hour_bytes)
-        manifest.hour_bytes = orl_job_kinds[job_request.kind].hour_bytes(&job_request);
-    orl_job_kinds[job_request.kind].needs(&job_request, &manifest.needs);
-    manifest.whole_scene = orl_job_kinds[job_request.kind].whole_scene &&
-                           orl_job_kinds[job_request.kind].whole_scene(&job_request);
-    snprintf(manifest.scene, sizeof manifest.scene, "%s", scene);
-    rc = orl_job_request_files(&job_request, add_file, &manifest, err);
-    orl_job_request_done(&job_request);
-    free(scene);
-    if (rc) {
-        orl_job_manifest_done(&manifest);
-        return rc;
+    rc = orl_job_document_decode(document, &job_request, &scene, err);
+    if (rc == 0) {
+        rc = fill_manifest(&manifest, &job_request, err);
+        snprintf(manifest.scene, sizeof manifest.scene, "%s", scene);
+        orl_job_document_identity(document, manifest.identity);
+        orl_job_request_done(&job_request);
+        free(scene);
     }
-    orl_dedup_identity(document->data, document->size, manifest.identity);
-    *ret_manifest = manifest;
-    return 0;
+    json_decref(document);
+    if (rc)
+        orl_job_manifest_done(&manifest);
+    else
+        *ret_manifest = manifest;
+    return rc;
 }
 
 /* Lists the addresses of a document's needs, in the order in which they are sent. */

@@ -30,7 +30,7 @@ struct orl_job_manifest {
     enum orl_job_request_kind kind;
     int priority;
     struct orl_labels labels;
-    char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_results.h */
+    char scene[ORL_SHA_HEX], identity[ORL_SHA_HEX]; /* identity: job_document.h */
     uint64_t result_bytes;                          /* estimate, without the following two */
     uint64_t sensor_bytes,
         hour_bytes;               /* result bytes for each sensor of a file, each daylight hour */
@@ -43,8 +43,8 @@ struct orl_job_manifest {
 /* Frees a manifest. NULL and all zeros are allowed. */
 void orl_job_manifest_done(struct orl_job_manifest *manifest);
 
-/* Reads a document. Errors are those of orl_job_read. */
-int orl_job_manifest_read(const struct orl_file *document, struct orl_job_manifest *ret_manifest,
+/* Parses and decodes a document. Errors are those of orl_job_document_decode. */
+int orl_job_manifest_read(const struct orl_file *text, struct orl_job_manifest *ret_manifest,
                           struct orl_error *err);
 
 /* Returns a new reference; NULL: out of memory. */

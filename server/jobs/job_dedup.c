@@ -10,26 +10,6 @@
 #include <sys/stat.h>
 
 #include "jobs/job_runs.h"
-#include "json/decode.h"
-#include "json/encode.h"
-
-void orl_dedup_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX])
-{
-    json_t *doc = NULL;
-    ret_identity[0] = '\0';
-    if (orl_json_parse(NULL, text, size, &doc, NULL))
-        return;
-    const char *kind = json_string_value(json_object_get(doc, "kind"));
-    json_object_del(doc, "priority");
-    if (!kind || strncmp(kind, "bsdf_", 5) != 0) /* the name is part of such a job's BSDFs */
-        json_object_del(doc, "name");
-    json_object_del(doc, "tags");
-    char *plain = orl_json_text(doc, JSON_COMPACT | JSON_SORT_KEYS);
-    if (plain)
-        orl_sha256_hex(plain, strlen(plain), ret_identity);
-    free(plain);
-    json_decref(doc);
-}
 
 void orl_dedup_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job)
 {

@@ -58,17 +58,14 @@ void orl_job_results_sweep(struct orl_jobs *jobs);
  * Identical jobs share one computation: the first leads, the others follow it. Each has an id, a
  * state and results of its own.
  *
- * Jobs are identical if their documents ask for identical results, regardless of the order of
- * members and the priority. They share from the arrival of the second until the computation ends; a
- * job that arrives later is computed anew. The leader owns the place in the queue and the worker. A
- * leader that is cancelled while others follow still leads, as cancelled, until the computation
- * ends. Partial results go to the last job that is cancelled; jobs cancelled before it get none.
+ * Jobs are identical if their documents have the same identity (runner/job_document.h). They share
+ * from the arrival of the second until the computation ends; a job that arrives later is computed
+ * anew. The leader owns the place in the queue and the worker. A leader that is cancelled while
+ * others follow still leads, as cancelled, until the computation ends. Partial results go to the
+ * last job that is cancelled; jobs cancelled before it get none.
  *
- * Threads: the loop thread only, except for orl_dedup_identity.
+ * Threads: the loop thread only.
  */
-
-/* Computes the digest of a document's request; "" if it cannot be computed. Any thread. */
-void orl_dedup_identity(const char *text, size_t size, char ret_identity[ORL_SHA_HEX]);
 
 /* follow: makes job a follower of leader. leave: takes it out again. */
 void orl_dedup_follow(struct orl_jobs_job *leader, struct orl_jobs_job *job);

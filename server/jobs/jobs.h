@@ -117,7 +117,7 @@ struct orl_job_submission {
     enum orl_job_request_kind kind;
     int priority;
     const char *scene, *document; /* the document is a blob */
-    const char *identity;         /* job_results.h */
+    const char *identity;         /* job_document.h */
     struct orl_labels labels;     /* copied */
     uint64_t result_bytes;        /* expected */
     uint64_t memory_bytes;        /* job_estimate.h */

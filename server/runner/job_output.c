@@ -12,52 +12,8 @@
 #include "chart/charts.h"
 #include "job/study_json.h"
 #include "result/result_json.h"
-#include "runner/estimate/job_estimate.h"
 #include "store/files/folders.h"
-#include "json/decode.h"
 #include "json/encode.h"
-
-int orl_job_read(const char *text, size_t size, struct orl_job_request *ret_job_request,
-                 char **ret_scene_id, struct orl_error *err)
-{
-    json_t *doc = NULL;
-    struct orl_job_request job_request;
-    char *scene = NULL;
-    int rc = orl_json_parse(NULL, text, size, &doc, err);
-    if (rc)
-        return rc;
-    rc = orl_job_request_from_json(doc, ORL_JOB_REMOTE, &job_request, &scene, err);
-    json_decref(doc);
-    if (rc)
-        return rc;
-    rc = orl_job_kinds[job_request.kind].check_limits
-             ? orl_job_kinds[job_request.kind].check_limits(&job_request, err)
-             : 0;
-    if (rc)
-        orl_job_request_done(&job_request);
-    else
-        *ret_job_request = job_request;
-    return orl_json_return_text(scene, ret_scene_id, rc);
-}
-
-int orl_job_set_scene(struct orl_job_request *job_request, const struct orl_bundle *bundle,
-                      struct orl_error *err)
-{
-    const size_t count = orl_bundle_main_count(bundle);
-    if (count == 0)
-        return orl_error_set(err, ORL_ERR_NOT_FOUND, "the job's scene is not stored");
-    char **names = calloc(count, sizeof *names);
-    size_t n = 0;
-    bool all = names != NULL;
-    for (size_t i = 0; all && i < bundle->count; i++) {
-        if (bundle->files[i].resource)
-            continue;
-        names[n] = strdup(bundle->files[i].name);
-        all = names[n++] != NULL;
-    }
-    orl_job_request_set_scene(job_request, names, n);
-    return all ? 0 : orl_error_no_memory(err);
-}
 
 void orl_job_output_path(const char *folder, const char *name, char ret_path[ORL_PATH_MAX])
 {

@@ -1,4 +1,4 @@
-/* Reads a job's document and writes the files of its results. Pool threads; no state. */
+/* Writes the files of a job's results. Pool threads; no state. */
 #ifndef ORL_SERVER_RUNNER_JOB_OUTPUT_H
 #define ORL_SERVER_RUNNER_JOB_OUTPUT_H
 
@@ -9,17 +9,6 @@
 
 #include "job/job_request_json.h"
 #include "store/files/scene_bundle.h"
-
-/*
- * Parses and validates a document. Returns its request (orl_job_request_done), without the files of
- * its scene. *ret_scene_id (NULL is allowed) is the scene's id, owned by the caller.
- */
-int orl_job_read(const char *text, size_t size, struct orl_job_request *ret_job_request,
-                 char **ret_scene_id, struct orl_error *err);
-
-/* Adds the bundle's main files to the job. */
-int orl_job_set_scene(struct orl_job_request *job_request, const struct orl_bundle *bundle,
-                      struct orl_error *err);
 
 /* Makes orl_job_output_list on this thread poll *cancel from now on (ORL_ERR_CANCELLED); NULL: no
  * polling. */

@@ -16,7 +16,7 @@
 #include "process/times.h"
 #include "result/result_json.h"
 #include "runner/estimate/job_estimate.h"
-#include "runner/job_output.h"
+#include "runner/job_document.h"
 #include "json/encode.h"
 
 static int check_year(struct orl_annual_request *request, const struct orl_files *files,
@@ -40,10 +40,10 @@ int orl_child_document(struct orl_child_task *task, struct orl_job_inputs_found 
     const struct orl_files files = orl_mapped_inputs_provider(&task->files);
     const struct orl_file *document = &task->files.single;
     struct orl_job_request job_request;
-    int rc = orl_job_read(document->data, document->size, &job_request, NULL, err);
+    int rc = orl_job_document_read(document->data, document->size, &job_request, err);
     if (rc)
         return rc;
-    rc = orl_job_set_scene(&job_request, &task->files.bundle, err);
+    rc = orl_job_document_set_scene(&job_request, &task->files.bundle, err);
     if (rc == 0 && job_request.kind == ORL_JOB_KIND_ANNUAL)
         rc = check_year(&job_request.of.annual.request, &files, found, err);
     else if (rc == 0 && orl_job_request_render_job(&job_request))
@@ -71,12 +71,12 @@ int orl_child_plan(struct orl_child_task *task, json_t **ret_result, struct orl_
     const struct orl_file *document = &task->files.single;
     struct orl_run_env env = {.files = &files, .cancel = &cancel, .now_s = orl_time_steady_for};
     struct orl_job_request job_request;
-    int rc = orl_job_read(document->data, document->size, &job_request, NULL, err);
+    int rc = orl_job_document_read(document->data, document->size, &job_request, err);
     if (rc)
         return rc;
     if (job_request.kind != ORL_JOB_KIND_RENDER)
         return orl_error_set(err, ORL_ERR_INVALID, "only a render job has a plan");
-    rc = orl_job_set_scene(&job_request, &task->files.bundle, err);
+    rc = orl_job_document_set_scene(&job_request, &task->files.bundle, err);
     const struct orl_job_work work = orl_job_work(&job_request, &files);
     env.pool = orl_thread_pool_new(1);
     json_t *plans = json_array();

@@ -9,6 +9,7 @@
 #include "process/limits.h"
 #include "process/times.h"
 #include "runner/checkpoints.h"
+#include "runner/job_document.h"
 #include "store/files/folders.h"
 #include "json/decode.h"
 
@@ -83,7 +84,7 @@ static int read_document(struct orl_worker *worker, struct orl_job_request *ret_
     orl_sha256_hex(file.data, file.size, sha);
     orl_json_set_cancel(&worker->cancel);
     if (strcmp(sha, worker->spec.document) == 0)
-        rc = orl_job_read(file.data, file.size, ret_job_request, NULL, err);
+        rc = orl_job_document_read(file.data, file.size, ret_job_request, err);
     else
         rc = orl_error_set(err, ORL_ERR_CORRUPT, "the job's document is damaged in the store");
     orl_json_set_cancel(NULL);
@@ -92,7 +93,7 @@ static int read_document(struct orl_worker *worker, struct orl_job_request *ret_
         malloc_trim(0);
     orl_unmap_file(&file);
     if (rc == 0) {
-        rc = orl_job_set_scene(ret_job_request, &worker->spec.bundle, err);
+        rc = orl_job_document_set_scene(ret_job_request, &worker->spec.bundle, err);
         if (rc)
             orl_job_request_done(ret_job_request);
     }

@@ -34,7 +34,7 @@ struct orl_job_row {
     int priority;
     char client[ORL_JOB_CLIENT]; /* handle_jobs.c */
     char owner[ORL_JOB_OWNER];   /* id of the token that submitted it; "": none */
-    char identity[ORL_SHA_HEX];  /* job_results.h; "" for jobs from before identities existed */
+    char identity[ORL_SHA_HEX];  /* job_document.h; "" for jobs from before identities existed */
     int64_t created_ms, started_ms, finished_ms; /* 0: not yet */
     int64_t retained_ms;                         /* time of its end, by removal.h */
     const char *outcome, *problem;               /* JSON text, borrowed; NULL: none */
