@@ -5,6 +5,7 @@
 
 #include <oriel/job/paths.h>
 
+#include "run/cache/emission_cache.h"
 #include "run/cache/scene_cache.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/estimate/progress.h"
@@ -237,7 +238,7 @@ static int run_resolved(const struct orl_job *job, const struct orl_run_env *env
     orl_run_free_pixels(&state);
     orl_run_release_maps(&state);
     orl_renderer_destroy(&state.renderer);
-    orl_emission_free(state.emission);
+    orl_run_release_emission(&state);
     orl_lit_scene_free(state.lit_scene);
     orl_lights_release(state.lights);
     if (*scene)

@@ -6,6 +6,7 @@
 
 #include "base/statistics/estimate.h"
 #include "photon/emission/emit.h"
+#include "photon/shooting/shoot.h"
 #include "render/technique/technique.h"
 #include "scene/surfaces.h"
 
@@ -22,6 +23,13 @@ struct orl_progress {
     double share, at_s;
     double phase_from, phase_to, phase_s;
     bool rounds_unknown; /* true if the number of rounds after the current one is unknown */
+};
+
+/* Photon pilot of the state's emission, kept with it (cache/emission_cache.h). */
+struct orl_pilot_of_emission {
+    bool known;
+    uint32_t threads; /* size of the pool that measured its seconds */
+    struct orl_photon_pilot result;
 };
 
 struct orl_film;
@@ -77,7 +85,8 @@ struct orl_run_state {
     struct orl_lights *lights;
     struct orl_lit_scene *lit_scene; /* made of scene and lights by the plan; owned */
     struct orl_emission *emission;   /* set when photons are first needed, for all rounds */
-    struct orl_renderer renderer;    /* likewise: the plan's technique, for the lit scene */
+    struct orl_pilot_of_emission pilot_of_emission;
+    struct orl_renderer renderer; /* likewise: the plan's technique, for the lit scene */
     struct orl_photon_map *maps[ORL_MAP_KINDS];
     bool pinned[ORL_MAP_KINDS]; /* true if a pin of the store must be released */
     char keys[ORL_MAP_KINDS][ORL_DIGEST_HEX + 1];

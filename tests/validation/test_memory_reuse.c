@@ -17,6 +17,7 @@
 #include "support/techniques.h"
 
 #define SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE
+#define PANEL_SCENE ROOM_SKY ROOM_SUN ROOM_GREY ROOM_BSDF ROOM_SHELL ROOM_PANE
 #define SHELF_BYTES (64UL << 20)
 
 static const char near_wall[] = "-vtv -vp 1 1 1.2 -vd 1 0.6 -0.2 -vh 70 -vv 60";
@@ -29,10 +30,14 @@ struct outcome {
     size_t size;
 };
 
-static struct outcome run_job(enum orl_technique technique, const char *view, uint32_t threads,
-                              const char *folder, struct orl_memory_cache *memory_cache)
+/* Runs a job in the room with the glass pane, or with the panel if its text is given. */
+static struct outcome run_job(enum orl_technique technique, const char *panel, const char *view,
+                              uint32_t threads, const char *folder,
+                              struct orl_memory_cache *memory_cache)
 {
-    const struct scene_run job = {.scene = SCENE,
+    const struct scene_run job = {.scene = panel ? PANEL_SCENE : SCENE,
+                                  .resource_name = panel ? "pane.xml" : NULL,
+                                  .resource_text = panel,
                                   .sensors = room_sensors,
                                   .n_sensors = ROOM_SENSORS,
                                   .view = view,
@@ -75,20 +80,55 @@ static void compare_with_memory_cache(void **state)
     assert_non_null(memory_cache);
     cli_make_folder(folder);
     cli_make_folder(other);
-    struct outcome first = run_job(technique, near_wall, 2, folder, memory_cache);
-    struct outcome alone = run_job(technique, near_wall, 1, other, NULL);
+    struct outcome first = run_job(technique, NULL, near_wall, 2, folder, memory_cache);
+    struct outcome alone = run_job(technique, NULL, near_wall, 1, other, NULL);
     assert_same(&first, &alone);
     assert_true(orl_memory_cache_totals(memory_cache).bytes > 0);
     /* Another view, then the first one, both from the cache. */
     for (int i = 0; i < 2; i++) {
         const char *view = i == 0 ? near_pane : near_wall;
-        struct outcome again = run_job(technique, view, 1 + (uint32_t)i, folder, memory_cache);
-        alone = run_job(technique, view, 1, other, NULL);
+        struct outcome again =
+            run_job(technique, NULL, view, 1 + (uint32_t)i, folder, memory_cache);
+        alone = run_job(technique, NULL, view, 1, other, NULL);
         assert_same(&again, &alone);
     }
     orl_memory_cache_free(memory_cache);
     cli_remove_folder(folder);
     cli_remove_folder(other);
+}
+
+/* The second job finds no maps, and shoots photons from the first one's emission. */
+static void compare_photons(const char *panel)
+{
+    struct orl_memory_cache *memory_cache = orl_memory_cache_new(SHELF_BYTES);
+    struct outcome outcomes[2];
+    assert_non_null(memory_cache);
+    for (uint32_t i = 0; i < 2; i++) {
+        char folder[64];
+        const uint64_t hits = orl_memory_cache_totals(memory_cache).hits;
+        cli_make_folder(folder);
+        outcomes[i] = run_job(ORL_TECHNIQUE_GATHER, panel, near_wall, 1 + i, folder, memory_cache);
+        cli_remove_folder(folder);
+        /* Of the emission, and of what is derived from the maps. */
+        assert_int_equal(orl_memory_cache_totals(memory_cache).hits - hits, i == 0 ? 0 : 2);
+    }
+    assert_same(&outcomes[0], &outcomes[1]);
+    orl_memory_cache_free(memory_cache);
+}
+
+static void test_photons_from_the_cached_emission_of_a_pane_are_the_same(void **state)
+{
+    (void)state;
+    compare_photons(NULL);
+}
+
+static void test_photons_from_the_cached_emission_of_a_panel_are_the_same(void **state)
+{
+    (void)state;
+    size_t size;
+    unsigned char *panel = scene_read_bytes("tests/fixtures/bsdf_lcp8.xml", &size);
+    compare_photons((const char *)panel);
+    free(panel);
 }
 
 int main(void)
@@ -97,6 +137,8 @@ int main(void)
         OF_TECHNIQUE(compare_with_memory_cache, GATHER),
         OF_TECHNIQUE(compare_with_memory_cache, DIRECT),
         OF_TECHNIQUE(compare_with_memory_cache, PRECOMPUTED),
+        cmocka_unit_test(test_photons_from_the_cached_emission_of_a_pane_are_the_same),
+        cmocka_unit_test(test_photons_from_the_cached_emission_of_a_panel_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

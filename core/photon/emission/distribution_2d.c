@@ -43,6 +43,14 @@ void orl_distribution_2d_done(struct orl_distribution_2d *distribution)
     memset(distribution, 0, sizeof *distribution);
 }
 
+uint64_t orl_distribution_2d_bytes(const struct orl_distribution_2d *distribution)
+{
+    const uint64_t cells = (uint64_t)distribution->side_x * distribution->side_y;
+    return distribution->weight
+               ? (2 * cells + 2 * (uint64_t)distribution->side_y + 1) * sizeof *distribution->weight
+               : 0;
+}
+
 /* Bisection step without branches, because the result is unpredictable. */
 static inline uint32_t bisect_step(const double *cdf, uint32_t low, uint32_t half, double at)
 {

@@ -302,7 +302,7 @@ int orl_emission_importance_build(struct orl_emission *emission, uint64_t seed,
 
 void orl_emission_importance_done(struct orl_emission *emission)
 {
-    for (size_t i = 0; emission->sun_caustic_importance && i < emission->lit_scene->n_suns; i++) {
+    for (size_t i = 0; emission->sun_caustic_importance && i < emission->n_suns; i++) {
         orl_distribution_2d_done(&emission->sun_importance[i]);
         orl_distribution_2d_done(&emission->sun_caustic_importance[i]);
     }
@@ -311,6 +311,17 @@ void orl_emission_importance_done(struct orl_emission *emission)
     free(emission->sun_importance);
     free(emission->sun_caustic_importance);
     free(emission->dome_importance);
+}
+
+uint64_t orl_emission_importance_bytes(const struct orl_emission *emission)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; emission->sun_caustic_importance && i < emission->n_suns; i++)
+        bytes += orl_distribution_2d_bytes(&emission->sun_importance[i]) +
+                 orl_distribution_2d_bytes(&emission->sun_caustic_importance[i]);
+    for (size_t i = 0; emission->dome_importance && i < PATCHES; i++)
+        bytes += orl_distribution_2d_bytes(&emission->dome_importance[i]);
+    return bytes;
 }
 
 double orl_emission_importance_mean(const struct orl_emission *emission, struct orl_vec3 towards)

@@ -74,8 +74,10 @@ struct orl_stratum {
 enum orl_photon_use { ORL_PHOTONS_FOR_MAPS, ORL_PHOTONS_FOR_VPLS };
 
 struct orl_emission {
-    const struct orl_lit_scene *lit_scene; /* borrowed */
+    const struct orl_lit_scene *lit_scene; /* borrowed; NULL: detached */
+    size_t n_ports, n_suns;                /* of the lit scene: lengths of the arrays below */
     enum orl_photon_use use;
+    uint64_t seed; /* of the pilots */
     struct orl_sobol sobol;
     struct orl_stratum *strata;
     size_t n_strata;
@@ -147,7 +149,15 @@ struct orl_photon_ray {
 int orl_emission_new(const struct orl_lit_scene *lit_scene, enum orl_photon_use use, uint64_t seed,
                      struct orl_thread_pool *pool, struct orl_emission **ret_emission,
                      struct orl_error *err);
-void orl_emission_free(struct orl_emission *emission);
+void orl_emission_free(struct orl_emission *emission); /* attached or not; NULL is allowed */
+
+/*
+ * orl_emission_detach removes an emission's references to its lit scene between jobs, and returns
+ * its size in bytes. orl_emission_attach gives it the lit scene of a later job with the same scene,
+ * lights and omissions; returns 0 or ORL_ERR_NOMEM.
+ */
+uint64_t orl_emission_detach(struct orl_emission *emission);
+int orl_emission_attach(struct orl_emission *emission, const struct orl_lit_scene *lit_scene);
 
 /* Computes the Sobol points of the emissions from index on, one per batch; index is a multiple
  * of ORL_MAP_BATCHES. */

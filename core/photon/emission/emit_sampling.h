@@ -20,6 +20,7 @@
 int orl_distribution_2d_init(struct orl_distribution_2d *distribution, uint32_t side_x,
                              uint32_t side_y, const double *values, double floor_share);
 void orl_distribution_2d_done(struct orl_distribution_2d *distribution);
+uint64_t orl_distribution_2d_bytes(const struct orl_distribution_2d *distribution); /* its memory */
 
 /* Samples a point of the square with two uniform numbers. Returns its pdf (1 for a uniform
  * distribution). */
@@ -57,6 +58,7 @@ double orl_parallel_beam_sample(const struct orl_geometry *geometry, struct orl_
 int orl_emission_importance_build(struct orl_emission *emission, uint64_t seed,
                                   struct orl_thread_pool *pool);
 void orl_emission_importance_done(struct orl_emission *emission);
+uint64_t orl_emission_importance_bytes(const struct orl_emission *emission); /* its memory */
 
 /* Returns the mean importance of the dome's photons from that direction; 1 if there is no map. */
 double orl_emission_importance_mean(const struct orl_emission *emission, struct orl_vec3 towards);

@@ -108,4 +108,9 @@ static inline bool orl_shadow_boxes_contain(const struct orl_shadow_boxes *shado
 int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_thread_pool *pool);
 void orl_port_sun_done(struct orl_emission *emission);
 
+/* The tables of orl_stratum.sun_bsdf_table, the part of that data that refers to the lit scene.
+ * make: returns 0 or ORL_ERR_NOMEM. */
+int orl_sun_bsdf_tables_make(struct orl_emission *emission);
+void orl_sun_bsdf_tables_free(struct orl_emission *emission);
+
 #endif

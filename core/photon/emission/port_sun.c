@@ -242,37 +242,55 @@ static int find_sun_bsdf_table(struct orl_emission *e, const struct orl_material
     return code;
 }
 
-void orl_port_sun_done(struct orl_emission *emission)
+void orl_sun_bsdf_tables_free(struct orl_emission *emission)
 {
     for (size_t i = 0; i < emission->n_sun_bsdf_tables; i++)
         orl_sun_bsdf_table_free(emission->sun_bsdf_tables[i]);
     free(emission->sun_bsdf_tables);
-    for (size_t i = 0; emission->strata && i < emission->n_strata; i++)
+    emission->sun_bsdf_tables = NULL;
+    emission->n_sun_bsdf_tables = 0;
+    for (size_t i = 0; i < emission->n_strata; i++)
+        emission->strata[i].sun_bsdf_table = NULL;
+}
+
+int orl_sun_bsdf_tables_make(struct orl_emission *emission)
+{
+    const struct orl_lit_scene *lit_scene = emission->lit_scene;
+    int code = 0;
+    emission->sun_bsdf_tables = calloc(MOST_SUN_BSDF_TABLES, sizeof(struct orl_sun_bsdf_table *));
+    if (!emission->sun_bsdf_tables)
+        return ORL_ERR_NOMEM;
+    for (size_t i = 0; i < emission->n_strata && code == 0; i++) {
+        struct orl_stratum *s = &emission->strata[i];
+        struct orl_facet own;
+        if (s->kind != ORL_STRATUM_PORT_SUN)
+            continue;
+        const struct orl_facet *facet =
+            orl_facet_get_own(lit_scene->geometry, lit_scene->ports[s->port].facet, &own);
+        code = find_sun_bsdf_table(emission, &lit_scene->materials[facet->material], facet->normal,
+                                   &lit_scene->suns[s->sun], &s->sun_bsdf_table);
+    }
+    return code;
+}
+
+void orl_port_sun_done(struct orl_emission *emission)
+{
+    orl_sun_bsdf_tables_free(emission);
+    for (size_t i = 0; i < emission->n_strata; i++)
         free(emission->strata[i].shadow_boxes);
 }
 
 int orl_port_sun_prepare(struct orl_emission *emission, const struct orl_thread_pool *pool)
 {
     const struct orl_lit_scene *lit_scene = emission->lit_scene;
-    emission->sun_bsdf_tables = calloc(MOST_SUN_BSDF_TABLES, sizeof(struct orl_sun_bsdf_table *));
-    if (!emission->sun_bsdf_tables)
-        return ORL_ERR_NOMEM;
     const double facets =
         (double)(lit_scene->geometry->n_facets + lit_scene->geometry->n_instances);
     const bool look = facets * (double)emission->n_strata <= most_tests;
     int code = 0;
     for (size_t i = 0; i < emission->n_strata && code == 0; i++) {
         struct orl_stratum *s = &emission->strata[i];
-        if (s->kind != ORL_STRATUM_PORT_SUN)
-            continue;
-        struct orl_facet own;
-        const struct orl_facet *facet =
-            orl_facet_get_own(lit_scene->geometry, lit_scene->ports[s->port].facet, &own);
-        if (look || lit_scene->ports[s->port].clear)
+        if (s->kind == ORL_STRATUM_PORT_SUN && (look || lit_scene->ports[s->port].clear))
             code = find_shadow_boxes(emission, s, pool);
-        if (code == 0)
-            code = find_sun_bsdf_table(emission, &lit_scene->materials[facet->material],
-                                       facet->normal, &lit_scene->suns[s->sun], &s->sun_bsdf_table);
     }
-    return code;
+    return code < 0 ? code : orl_sun_bsdf_tables_make(emission);
 }

@@ -454,7 +454,10 @@ int orl_emission_new(const struct orl_lit_scene *lit_scene, enum orl_photon_use 
     int code = e ? 0 : ORL_ERR_NOMEM;
     if (code == 0) {
         e->lit_scene = lit_scene;
+        e->n_ports = lit_scene->n_ports;
+        e->n_suns = lit_scene->n_suns;
         e->use = use;
+        e->seed = seed;
         orl_sobol_init(&e->sobol);
         code = build_port_distributions(&pilot, pool);
     }
@@ -488,7 +491,7 @@ void orl_emission_free(struct orl_emission *emission)
 {
     if (!emission)
         return;
-    for (size_t i = 0; emission->port_distributions && i < emission->lit_scene->n_ports; i++)
+    for (size_t i = 0; emission->port_distributions && i < emission->n_ports; i++)
         orl_distribution_2d_done(&emission->port_distributions[i]);
     free(emission->port_distributions);
     orl_distribution_2d_done(&emission->dome_distribution);
@@ -499,4 +502,25 @@ void orl_emission_free(struct orl_emission *emission)
     free(emission->strata);
     free(emission->lamps_outside);
     free(emission);
+}
+
+uint64_t orl_emission_detach(struct orl_emission *emission)
+{
+    uint64_t bytes = sizeof *emission + emission->n_strata * sizeof *emission->strata +
+                     orl_distribution_2d_bytes(&emission->dome_distribution) +
+                     orl_emission_importance_bytes(emission);
+    for (size_t i = 0; i < emission->n_ports; i++)
+        bytes += orl_distribution_2d_bytes(&emission->port_distributions[i]);
+    for (size_t i = 0; i < emission->n_strata; i++)
+        bytes += orl_distribution_2d_bytes(&emission->strata[i].place) +
+                 (emission->strata[i].shadow_boxes ? sizeof *emission->strata[i].shadow_boxes : 0);
+    orl_sun_bsdf_tables_free(emission);
+    emission->lit_scene = NULL;
+    return bytes;
+}
+
+int orl_emission_attach(struct orl_emission *emission, const struct orl_lit_scene *lit_scene)
+{
+    emission->lit_scene = lit_scene;
+    return orl_sun_bsdf_tables_make(emission);
 }

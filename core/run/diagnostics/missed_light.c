@@ -14,6 +14,7 @@
 #include "base/sampling/sampling.h"
 #include "photon/shooting/shoot.h"
 #include "render/gather/sensor_flux.h"
+#include "run/cache/emission_cache.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/estimate/progress.h"
 #include "run/run_state.h"

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "photon/density/precomputed_irradiance.h"
+#include "run/cache/emission_cache.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/distributed/task_work.h"
 #include "run/estimate/progress.h"
@@ -12,14 +13,6 @@
 /* Warn if fewer than one photon per FEW_PHOTONS emissions is stored and there were more than
  * MANY_EMISSIONS. */
 enum { FEW_PHOTONS = 16, MANY_EMISSIONS = 10000000 };
-
-int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err)
-{
-    const enum orl_photon_use use = orl_technique_facts(state->result->plan.technique)->photons;
-    return state->emission ? 0
-                           : orl_emission_new(state->lit_scene, use, state->job->seed,
-                                              state->env->pool, &state->emission, err);
-}
 
 struct map_work {
     uint64_t target;

@@ -7,6 +7,7 @@
 
 #include "plan/plan.h"
 #include "render/technique/technique.h"
+#include "run/cache/emission_cache.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/estimate/progress.h"
 #include "run/run_state.h"
@@ -67,21 +68,13 @@ static void warn_of_budget(struct orl_run_state *state, const struct orl_plan *p
 static int run_photon_pilot(struct orl_run_state *state, struct orl_plan *plan,
                             struct orl_error *err)
 {
-    const struct orl_run_env *env = state->env;
     const bool decides =
         plan->photons_caustic > 0 && (state->job->photons_caustic == ORL_PHOTONS_BY_PLAN ||
                                       orl_plan_bounds_caustics(state->job));
     struct orl_photon_pilot pilot;
     if (!decides && state->mode != ORL_RUN_PLAN)
         return 0;
-    int code = orl_run_ensure_emission(state, err);
-    if (code == 0) {
-        const struct orl_shoot_env shooting = {.emission = state->emission,
-                                               .seed = state->job->seed,
-                                               .pool = env->pool,
-                                               .cancel = env->cancel};
-        code = orl_photon_pilot_run(&shooting, env->now_s, env->ctx, &pilot, err);
-    }
+    const int code = orl_run_photon_pilot(state, &pilot, err);
     if (code < 0)
         return code;
     orl_plan_budget(state->job, &pilot, plan);

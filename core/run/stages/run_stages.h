@@ -23,8 +23,6 @@ struct orl_map_name orl_run_map_name(const struct orl_run_state *state, enum orl
 
 /* The stages of a run: plan, photon maps, rendering by a technique. */
 
-/* Creates state->emission, where photons start, unless it exists. */
-int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err);
 /* Creates state->renderer, the plan's technique for the lit scene, unless it exists; all rounds of
  * a job use it. If the technique traces photons in every round, their emission is created as well.
  */

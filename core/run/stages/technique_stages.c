@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "render/technique/technique.h"
+#include "run/cache/emission_cache.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/estimate/progress.h"
 #include "run/run_state.h"
