@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/morton.h"
 #include "base/sampling/sampling.h"
 #include "photon/map/quantization.h"
 #include "photon/tracing/trace.h"
@@ -11,109 +12,107 @@
 /* ---- Contrast -------------------------------------------------------------------------------- */
 
 /* Levels of cubes, from the scene's own to 1/16384 of its width; minimum number of photons in a
- * cube. */
-enum { LEVELS = 15, LEAST_IN_CUBE = 8 };
-/* Hash table of cubes: more slots than photons. */
-enum { MOST_PHOTONS = 1 << 15, SLOTS = 1 << 17 };
-_Static_assert((int)SLOTS >= 4 * (int)MOST_PHOTONS, "no long searches");
+ * cube; maximum number of photons of each kind that are looked at. */
+enum { LEVELS = 15, LEAST_IN_CUBE = 8, MOST_PHOTONS = 1 << 14 };
 
-struct cube {
-    uint64_t key; /* hash of a cube and a bin of normals; 0: free */
-    uint32_t caustic, rest;
-    double caustic_w, rest_w;
+/* A photon in the finest cubes, with the flux over area around it if it is caustic. */
+struct landed_photon {
+    uint64_t code; /* bin of normals, and Morton code of the finest cube */
+    bool caustic;
+    double flux_w;
+    double caustic_around, rest_around;
 };
 
-/* Every step-th photon of an array. */
-struct photon_subset {
-    const struct orl_photon *photons;
-    size_t count, step;
-    double scale;
-};
-
-static struct photon_subset select_photons(const struct orl_photon *photons, size_t count,
-                                           double scale)
+static uint64_t code_of(const struct orl_photon *p, const struct orl_geometry *g)
 {
-    const size_t step = (count + MOST_PHOTONS / 2 - 1) / (MOST_PHOTONS / 2);
-    return (struct photon_subset){photons, count, step > 0 ? step : 1,
-                                  scale * (double)(step > 0 ? step : 1)};
+    const double most = ldexp(1, LEVELS - 1), width = 2 * g->radius * (1 + 1e-6);
+    uint64_t cube[3];
+    for (int i = 0; i < 3; i++)
+        cube[i] = (uint64_t)fmin(fmax(most * (0.5 + p->position[i] / width), 0), most - 1);
+    return (uint64_t)orl_normal_bin(p->normal) << 3 * (LEVELS - 1) |
+           orl_morton_code(cube[0], cube[1], cube[2]);
 }
 
-static uint64_t key_of(const struct orl_photon *p, const struct orl_geometry *g, int level)
+/* Appends every n-th photon, so that there are at most MOST_PHOTONS. Returns the new length. */
+static size_t append_photons(const struct orl_photon *photons, size_t count, double scale,
+                             bool caustic, const struct orl_geometry *g, struct landed_photon *list,
+                             size_t length)
 {
-    const double cubes = ldexp(1, level), width = 2 * g->radius * (1 + 1e-6);
-    uint64_t key = orl_normal_bin(p->normal) + 1;
-    for (int i = 0; i < 3; i++) {
-        const double at = cubes * (0.5 + p->position[i] / width);
-        key = orl_mix64(key) + (uint64_t)fmin(fmax(at, 0), cubes);
-    }
-    return orl_mix64(key) | 1;
-}
-
-static struct cube *find_cube(struct cube *cubes, uint64_t key)
-{
-    size_t at = key >> 17 & (SLOTS - 1);
-    while (cubes[at].key != 0 && cubes[at].key != key)
-        at = (at + 1) & (SLOTS - 1);
-    cubes[at].key = key;
-    return &cubes[at];
-}
-
-static void fill_cubes(struct cube *cubes, const struct photon_subset *caustic,
-                       const struct photon_subset *rest, const struct orl_geometry *g, int level)
-{
-    memset(cubes, 0, SLOTS * sizeof *cubes);
-    for (size_t i = 0; i < caustic->count; i += caustic->step) {
-        struct cube *c = find_cube(cubes, key_of(&caustic->photons[i], g, level));
-        c->caustic++;
-        c->caustic_w += caustic->scale * orl_photon_luma(&caustic->photons[i]);
-    }
-    for (size_t i = 0; i < rest->count; i += rest->step) {
-        const struct orl_photon *p = &rest->photons[i];
-        if (p->tag == ORL_PHOTON_CAUSTIC)
+    const size_t step = count / MOST_PHOTONS + (count % MOST_PHOTONS != 0);
+    for (size_t i = 0; i < count; i += step) {
+        const struct orl_photon *p = &photons[i];
+        if (!caustic && p->tag == ORL_PHOTON_CAUSTIC)
             continue;
-        struct cube *c = find_cube(cubes, key_of(p, g, level));
-        c->rest++;
-        c->rest_w += rest->scale * orl_photon_luma(p);
+        list[length++] =
+            (struct landed_photon){.code = code_of(p, g),
+                                   .caustic = caustic,
+                                   .flux_w = scale * (double)step * orl_photon_luma(p)};
+    }
+    return length;
+}
+
+static int compare_codes(const void *a, const void *b)
+{
+    const uint64_t x = ((const struct landed_photon *)a)->code,
+                   y = ((const struct landed_photon *)b)->code;
+    return (x > y) - (x < y);
+}
+
+/* Sets the flux around the caustic photons of a cube, of the kinds with enough photons in it. */
+static void spread_in_cube(struct landed_photon *photons, size_t count, int level)
+{
+    size_t n_caustic = 0;
+    double caustic_w = 0, rest_w = 0;
+    for (size_t i = 0; i < count; i++) {
+        n_caustic += photons[i].caustic;
+        caustic_w += photons[i].caustic ? photons[i].flux_w : 0;
+        rest_w += photons[i].caustic ? 0 : photons[i].flux_w;
+    }
+    const double per_area = ldexp(1, 2 * level);
+    for (size_t i = 0; i < count && n_caustic > 0; i++) {
+        if (level == 0 || n_caustic >= LEAST_IN_CUBE)
+            photons[i].caustic_around = per_area * caustic_w;
+        if (level == 0 || count - n_caustic >= LEAST_IN_CUBE)
+            photons[i].rest_around = per_area * rest_w;
     }
 }
 
-/* Flux over area, of both kinds, around each caustic photon. */
-struct local_flux {
-    double caustic, rest;
-};
+/* Photons of a cube follow each other in the list, which is sorted by code. */
+static void spread_in_cubes(struct landed_photon *list, size_t length, int level)
+{
+    const int finer = 3 * (LEVELS - 1 - level);
+    for (size_t first = 0, end; first < length; first = end) {
+        for (end = first + 1; end < length && list[end].code >> finer == list[first].code >> finer;)
+            end++;
+        if (level == 0 || end - first >= LEAST_IN_CUBE)
+            spread_in_cube(list + first, end - first, level);
+    }
+}
 
 int orl_photon_pilot_contrast(const struct orl_photon *caustic, size_t n_caustic,
                               double caustic_scale, const struct orl_photon *rest, size_t n_rest,
                               double rest_scale, const struct orl_geometry *geometry,
                               double *ret_contrast)
 {
-    const struct photon_subset c = select_photons(caustic, n_caustic, caustic_scale),
-                               r = select_photons(rest, n_rest, rest_scale);
-    struct cube *cubes = malloc(SLOTS * sizeof *cubes);
-    struct local_flux *local_flux = calloc(n_caustic + 1, sizeof *local_flux);
+    struct landed_photon *list = malloc(2 * (size_t)MOST_PHOTONS * sizeof *list);
+    size_t length = 0;
     double sum = 0, all = 0;
-    for (int level = 0; level < LEVELS && cubes && local_flux; level++) {
-        const double per_area = ldexp(1, 2 * level);
-        fill_cubes(cubes, &c, &r, geometry, level);
-        for (size_t i = 0; i < n_caustic; i += c.step) {
-            const struct cube *cube = find_cube(cubes, key_of(&caustic[i], geometry, level));
-            if (level == 0 || cube->caustic >= LEAST_IN_CUBE)
-                local_flux[i].caustic = per_area * cube->caustic_w;
-            if (level == 0 || cube->rest >= LEAST_IN_CUBE)
-                local_flux[i].rest = per_area * cube->rest_w;
-        }
-    }
-    for (size_t i = 0; i < n_caustic && cubes && local_flux; i += c.step) {
-        const double flux = orl_photon_luma(&caustic[i]),
-                     both = local_flux[i].caustic + local_flux[i].rest;
-        sum += both > 0 ? flux * local_flux[i].caustic / both : 0;
-        all += flux;
-    }
-    const bool failed = !cubes || !local_flux;
-    free(cubes);
-    free(local_flux);
-    if (failed)
+    if (!list)
         return ORL_ERR_NOMEM;
+    length = append_photons(caustic, n_caustic, caustic_scale, true, geometry, list, length);
+    length = append_photons(rest, n_rest, rest_scale, false, geometry, list, length);
+    qsort(list, length, sizeof *list, compare_codes);
+    for (int level = 0; level < LEVELS; level++)
+        spread_in_cubes(list, length, level);
+    for (size_t i = 0; i < length; i++) {
+        const struct landed_photon *p = &list[i];
+        const double both = p->caustic_around + p->rest_around;
+        if (!p->caustic)
+            continue;
+        sum += both > 0 ? p->flux_w * p->caustic_around / both : 0;
+        all += p->flux_w;
+    }
+    free(list);
     *ret_contrast = all > 0 ? sum / all : 1;
     return 0;
 }

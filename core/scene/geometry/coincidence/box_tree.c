@@ -1,3 +1,4 @@
+#include "base/morton.h"
 #include "scene/geometry/coincidence/coincident_pairs.h"
 
 #include <math.h>
@@ -45,16 +46,6 @@ static const struct orl_box *box_at(const struct orl_box *boxes, size_t stride, 
     return (const struct orl_box *)((const char *)boxes + i * stride);
 }
 
-/* Inserts two zero bits between the 21 low bits. */
-static uint64_t spread_bits(uint64_t x)
-{
-    x = (x | x << 32) & UINT64_C(0x1f00000000ffff);
-    x = (x | x << 16) & UINT64_C(0x1f0000ff0000ff);
-    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
-    return (x | x << 2) & UINT64_C(0x1249249249249249);
-}
-
 /* Position of an interval's middle within the range, as 21 bits. */
 static uint64_t grid_place(double low, double high, double range_low, double range_high)
 {
@@ -64,9 +55,9 @@ static uint64_t grid_place(double low, double high, double range_low, double ran
 
 static uint64_t code_of(const struct orl_box *box, const struct orl_box *all)
 {
-    return spread_bits(grid_place(box->low.x, box->high.x, all->low.x, all->high.x)) |
-           spread_bits(grid_place(box->low.y, box->high.y, all->low.y, all->high.y)) << 1 |
-           spread_bits(grid_place(box->low.z, box->high.z, all->low.z, all->high.z)) << 2;
+    return orl_morton_code(grid_place(box->low.x, box->high.x, all->low.x, all->high.x),
+                           grid_place(box->low.y, box->high.y, all->low.y, all->high.y),
+                           grid_place(box->low.z, box->high.z, all->low.z, all->high.z));
 }
 
 static int compare_leaves(const void *left, const void *right)
