@@ -48,7 +48,7 @@ SERVER_SRC := $(sort $(wildcard server/*.c server/*/*.c server/*/*/*.c))
 CLIENT_SRC := $(sort $(wildcard client/*.c client/*/*.c))
 FUZZ_TARGETS := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/fuzz_*.c)))
 # Programs of tests/bench; the rest there is shared.
-BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale instructions table2 gallery calibration annual \
+BENCH_SRC  := $(patsubst %,tests/bench/%.c,speed scale table2 gallery calibration annual \
 	eta_course polygons hello)
 SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/%.c) \
 	tests/fuzz/promise.c $(filter-out $(BENCH_SRC),$(wildcard tests/bench/*.c)))
@@ -105,7 +105,7 @@ help:
 ## make load       how the daemon bears many clients, idle and while all cores render: a table
 ## make dashboards  200 dashboards at once while all cores render, and what one page takes: a table
 ## make eta        what ten jobs were said to take still, beside what they took: a table
-## make check-perf   instructions of three small jobs against those on record (RECORD=1: records them)
+## make check-perf  work and errors of small jobs against the best commit on record (tests/bench/ratchet)
 ## make table2     the techniques' times and errors on the office, beside Radiance's if it is there
 ## make study      what accuracy costs in time on the office: a table, and build/study/study.png
 ## make bsdf-study  BSDFs of panels against closed forms and, if they are there, Radiance's genBSDF and
@@ -381,9 +381,18 @@ format:
 # Programs that time parallel loops apart from the rest (tests/bench/pool_clock.c).
 $(BUILD)/tests/bench/speed $(BUILD)/tests/bench/scale: \
 	ALL_LDFLAGS += -Wl,--wrap=orl_parallel_for -Wl,--wrap=orl_parallel_try
+# OLD=commit: instead, the ratchet's rows by that commit and this one in turns.
+OLD ?=
 bench: deps-check
+ifneq ($(OLD),)
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel
+	@test -d $(BUILD)/old/$(OLD) || git worktree add --force --detach $(BUILD)/old/$(OLD) $(OLD)
+	@$(MAKE) --no-print-directory -C $(BUILD)/old/$(OLD) -j$(JOBS) build/oriel
+	@$(RATCHET) times $(BUILD) $(BUILD)/old/$(OLD)/build
+else
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/tests/bench/speed
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/speed
+endif
 .PHONY: bench-slurm
 bench-slurm: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) all
@@ -400,11 +409,10 @@ load: deps-perf
 dashboards: deps-check deps-browser
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/orield $(BUILD)/browser/ready
 	@PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/bench/dashboards.py $(BUILD)
-RECORD ?=
+RATCHET := PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 tests/bench/ratchet/ratchet.py
 check-perf: deps-perf
-	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/instructions
-	@ORIEL_BUILD=$(BUILD) tests/bench/check_perf $(BUILD) $(BUILD)/tests/bench/instructions \
-		'$(CC)' '$(RECORD)'
+	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/oriel
+	@$(RATCHET) check $(BUILD)
 paths rare-rooms: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) $(BUILD)/tests/bench/paths
 	@ORIEL_BUILD=$(BUILD) $(BUILD)/tests/bench/paths $(if $(filter paths,$@),cells,rooms)
