@@ -3,7 +3,6 @@
 #include "light/path.h"
 #include "scene/built/scene.h"
 
-enum { MOST_PANES = 64 };
 static const uint32_t no_target = UINT32_MAX;
 
 /* A shadow ray. */
@@ -33,7 +32,7 @@ static struct orl_rgb panes_transmittance(const struct orl_lit_scene *lit_scene,
 {
     struct orl_path path = orl_path_from(segment->origin, segment->direction);
     double max_distance = segment->max_distance;
-    for (int pane = 0; pane < MOST_PANES; pane++) {
+    for (int pane = 0; pane < ORL_MOST_PANES; pane++) {
         struct orl_hit hit;
         if (!orl_geometry_intersect(lit_scene->geometry, path.origin, segment->direction,
                                     max_distance, &hit))
@@ -65,7 +64,7 @@ struct orl_rgb orl_transmittance_to_facet(const struct orl_lit_scene *lit_scene,
                                           struct orl_hit *ret_hit)
 {
     struct orl_path path = orl_path_from(origin, direction);
-    for (int pane = 0; pane < MOST_PANES; pane++) {
+    for (int pane = 0; pane < ORL_MOST_PANES; pane++) {
         if (!orl_path_intersect(lit_scene, &path, ret_hit))
             return orl_gray(0);
         if (ret_hit->facet == facet)

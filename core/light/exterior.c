@@ -1,6 +1,6 @@
 #include "light/exterior.h"
 
-enum { SURE_BOUNCES = 3, MOST_PANES = 64 };
+enum { SURE_BOUNCES = 3 };
 
 /* State of a path outdoors. */
 struct exterior_path {
@@ -95,7 +95,7 @@ static struct orl_rgb unreflected_radiance(struct exterior_path *o)
     struct orl_eye_path *p = &o->eye;
     const struct orl_lit_scene *lit_scene = p->lit_scene;
     o->health->paths++;
-    for (int pane = 0; pane < MOST_PANES; pane++) {
+    for (int pane = 0; pane < ORL_MOST_PANES; pane++) {
         o->health->rays++;
         if (!orl_path_intersect(lit_scene, &p->path, &p->hit)) {
             orl_eye_path_add_radiance(p, orl_lit_scene_dome_radiance(lit_scene, p->path.direction));

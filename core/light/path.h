@@ -19,6 +19,9 @@
 
 #include "light/lit_scene.h"
 
+/* Panes that a straight ray passes at most; more count as opaque. */
+enum { ORL_MOST_PANES = 64 };
+
 struct orl_path {
     struct orl_vec3 origin, direction;
     struct orl_rgb weight; /* photons: flux, W; eye paths: throughput */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "light/lit_scene.h"
+#include "light/path.h"
 #include "scene/material/scatter.h"
 
 /* Limit of pairs, beyond which they are left out: testing that many takes some tenths of a
@@ -17,6 +18,8 @@ enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
 /* Limit of mirrors for the estimate of light by two mirrors. Scenes with more of them have pairs
  * left out, too (images->left_out). */
 enum { MOST_TWICE = 64 };
+/* Points of a mirror that test whether light of another one reaches it, along each side. */
+enum { POINTS_A_SIDE = 8 };
 
 /* A lamp and a mirror. */
 struct pair {
@@ -262,26 +265,56 @@ struct mirrored_spot {
     struct spot spot; /* power: the lamp's times the mirror's reflectance */
 };
 
-/* Returns true if a mirror may reflect the lamp's light to another mirror. The ray from the
- * image of the lamp to the other's middle must pass the mirror and meet nothing after it. */
-static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct mirrored_spot *from,
-                           const struct mirror *to)
+/* Returns true if a ray reaches the facet, straight through panes. */
+static bool is_visible(const struct orl_lit_scene *lit_scene, struct orl_vec3 origin,
+                       struct orl_vec3 direction, uint32_t facet)
+{
+    struct orl_path path = orl_path_from(origin, direction);
+    struct orl_hit hit;
+    for (int pane = 0; pane < ORL_MOST_PANES; pane++) {
+        if (!orl_path_intersect(lit_scene, &path, &hit))
+            return false;
+        if (hit.facet == facet)
+            return true;
+        if (!orl_path_transmit_straight(&path, orl_lit_scene_material(lit_scene, &hit), &hit))
+            return false;
+        orl_path_skip_surface(&path, lit_scene, &hit);
+    }
+    return false;
+}
+
+/* Returns true if the first mirror may reflect the lamp's light to a point of the other one. */
+static bool reaches_point(const struct orl_lit_scene *lit_scene, const struct mirrored_spot *from,
+                          uint32_t facet, struct orl_vec3 point)
 {
     const struct orl_virtual_lamp *image = from->image;
-    const struct orl_vec3 way = orl_sub(to->image.center, from->spot.middle);
+    const struct orl_vec3 way = orl_sub(point, from->spot.middle);
     const double height = orl_dot(orl_sub(image->center, from->spot.middle), image->normal);
     const double climb = orl_dot(way, image->normal), share = height / climb;
     if (!(climb * height > 0) || !(share < 1))
         return false;
     const struct orl_vec3 at = orl_madd(from->spot.middle, way, share);
     const struct orl_vec3 off = orl_sub(at, image->center), ahead = orl_normalize(way);
-    const double length = (1 - share) * orl_length(way);
-    const double wide = image->radius + to->image.radius;
     struct orl_facet own;
     const double offset = orl_facet_get_own(lit_scene->geometry, image->mirror, &own)->offset;
-    return orl_dot(off, off) < wide * wide && length > 4 * offset &&
-           !orl_geometry_occluded(lit_scene->geometry, orl_madd(at, ahead, 2 * offset), ahead,
-                                  length - 4 * offset);
+    return orl_dot(off, off) < image->radius * image->radius &&
+           is_visible(lit_scene, orl_madd(at, ahead, 2 * offset), ahead, facet);
+}
+
+/* Returns true if a mirror may reflect the lamp's light to another mirror. Many points of it are
+ * tested, since the lamp itself, or a part of the room, may stand in front of some. */
+static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct mirrored_spot *from,
+                           const struct mirror *to)
+{
+    for (int i = 0; i < POINTS_A_SIDE * POINTS_A_SIDE; i++) {
+        const double u[2] = {(i % POINTS_A_SIDE + 0.5) / POINTS_A_SIDE,
+                             ((double)(i / POINTS_A_SIDE) + 0.5) / POINTS_A_SIDE};
+        struct orl_vec3 point, normal;
+        orl_facet_sample(lit_scene->geometry, to->image.mirror, u, &point, &normal);
+        if (reaches_point(lit_scene, from, to->image.mirror, point))
+            return true;
+    }
+    return false;
 }
 
 /* Lists the mirrors that have images, each once, in the order of the images; returns their
