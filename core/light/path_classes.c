@@ -2,6 +2,7 @@
 #include <oriel/job/paths.h>
 
 #include <stddef.h>
+#include <stdio.h>
 
 enum {
     RAYS = ORL_PATHS_BY_BSDF_SAMPLING,
@@ -94,6 +95,16 @@ const char *orl_path_class_name(enum orl_path_class class)
 const char *orl_path_class_words(enum orl_path_class class)
 {
     return classes[class].words;
+}
+
+void orl_path_classes_words(uint32_t set, char ret_text[ORL_PATH_CLASSES_TEXT])
+{
+    size_t length = 0;
+    ret_text[0] = '\0';
+    for (int i = 0; i < ORL_PATH_CLASSES; i++)
+        if (set & 1U << i)
+            length += (size_t)snprintf(ret_text + length, ORL_PATH_CLASSES_TEXT - length, "%s%s",
+                                       length > 0 ? ", or " : "", classes[i].words);
 }
 
 const char *orl_path_strategy_name(enum orl_path_strategy strategy)

@@ -135,6 +135,25 @@ static void a_trough_of_strips(void **state)
     check_missed(scene, missed);
 }
 
+/* A ball spreads the sun's light, and two facing mirrors that of a lamp: either may be what lacks.
+ */
+static void a_warning_names_all_classes(void **state)
+{
+    (void)state;
+    struct orl_result r =
+        run_scene(SUN SKY GLARE "m sphere ball 0 0 4 0 0 0 2\n"
+                                "m polygon a 0 0 12 3 -4 -1 3 -2 -1 3 -2 1 3 -4 1\n"
+                                "m polygon b 0 0 12 5 -4 -1 5 -4 1 5 -2 1 5 -2 -1\n"
+                                "void light bulb 0 0 3 1e5 1e5 1e5\nbulb sphere s 0 0 4 4 -3 0 .05\n",
+                  ORL_TECHNIQUE_BACKWARD);
+    const char *warning = warning_of(&r);
+    assert_non_null(warning);
+    if (!strstr(warning, "by way of curved mirrors") ||
+        !strstr(warning, ", or lamps by way of two"))
+        fail_msg("%s", warning);
+    orl_result_done(&r);
+}
+
 /* ---- No warning ------------------------------------------------------------------------------ */
 
 static void check_quiet(const char *scene, uint32_t samples)
@@ -193,8 +212,11 @@ static void views(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_mirror_ball), cmocka_unit_test(a_trough_of_strips),
-        cmocka_unit_test(a_thin_rod),    cmocka_unit_test(a_wide_lamp),
+        cmocka_unit_test(a_mirror_ball),
+        cmocka_unit_test(a_trough_of_strips),
+        cmocka_unit_test(a_thin_rod),
+        cmocka_unit_test(a_wide_lamp),
+        cmocka_unit_test(a_warning_names_all_classes),
         cmocka_unit_test(views),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -132,17 +132,14 @@ static uint32_t missed_by_paths(const struct orl_run_state *state)
                : orl_paths_missed(plan->technique, plan->paths);
 }
 
-static const char *missed_class_text(const struct orl_run_state *state)
-{
-    return orl_path_class_words(orl_paths_first(missed_by_paths(state)));
-}
-
 static int diagnose_sensors(struct orl_run_state *state, const struct orl_shoot_env *env)
 {
     const struct orl_sensor_flux_limits bounds = {MAX_EMISSIONS, MAX_RAYS};
     struct missed_light missed_light = {0};
     struct orl_sensor_flux *sensor_flux = NULL;
+    char classes[ORL_PATH_CLASSES_TEXT];
     int code = orl_sensor_flux_new_unsampled(state->lit_scene, state->n_sensors, &sensor_flux);
+    orl_path_classes_words(missed_by_paths(state), classes);
     if (code == 0) {
         add_sensors(state, sensor_flux);
         code = orl_sensor_flux_collect(sensor_flux, env, &bounds, &state->result->health);
@@ -156,8 +153,8 @@ static int diagnose_sensors(struct orl_run_state *state, const struct orl_shoot_
             "%zu of %zu sensors lack light of %s, which the backward technique finds by chance "
             "only; sensors[%zu] lacks about %.3g lx, %.2g %% of its light. Intervals are widened "
             "to include it. Photons find this light: use technique gather, or let the plan choose",
-            missed_light.sensors, state->n_sensors, missed_class_text(state), missed_light.worst,
-            missed_light.lx, 100 * missed_light.share);
+            missed_light.sensors, state->n_sensors, classes, missed_light.worst, missed_light.lx,
+            100 * missed_light.share);
     return code;
 }
 
@@ -165,13 +162,15 @@ static int diagnose_views(struct orl_run_state *state, const struct orl_shoot_en
                           struct orl_error *err)
 {
     struct orl_photon_pilot pilot;
+    char classes[ORL_PATH_CLASSES_TEXT];
     const int code = orl_photon_pilot_run(env, NULL, NULL, &pilot, err);
+    orl_path_classes_words(missed_by_paths(state), classes);
     if (code == 0 && pilot.share * pilot.contrast > tolerable_of_view)
         orl_run_warn(state,
                      "views lack light of %s, which the backward technique finds by chance only; "
                      "this is %.2g %% of all light, and %.2g %% where it falls. Photons find this "
                      "light: use technique gather, or let the plan choose",
-                     missed_class_text(state), 100 * pilot.share, 100 * pilot.contrast);
+                     classes, 100 * pilot.share, 100 * pilot.contrast);
     return code;
 }
 

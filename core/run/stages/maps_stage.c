@@ -64,7 +64,8 @@ static int acquire_map(struct orl_run_state *state, enum orl_map_kind kind, stru
         }
         if (code != ORL_ERR_CORRUPT && code != ORL_ERR_VERSION)
             return code;
-        orl_run_warn(state, "a cached %s photon map was damaged and is built again", name);
+        orl_run_warn(state, "a cached %s photon map %s and is built again", name,
+                     code == ORL_ERR_VERSION ? "is of another version of Oriel" : "was damaged");
         store->abandon(store->ctx, name, state->keys[kind]);
         state->pinned[kind] = false;
     }
@@ -92,7 +93,8 @@ static int find_earlier(struct orl_run_state *state, enum orl_map_kind kind, str
         if (code == 0 && orl_photon_map_header(work->earlier)->count > 0)
             return 0;
         if (code < 0 && code != ORL_ERR_CANCELLED)
-            orl_run_warn(state, "a smaller %s photon map is damaged and cannot be extended", name);
+            orl_run_warn(state, "a smaller %s photon map %s and cannot be extended", name,
+                         code == ORL_ERR_VERSION ? "is of another version of Oriel" : "is damaged");
         orl_photon_map_free(work->earlier);
         work->earlier = NULL;
         store->release(store->ctx, name, info->key);

@@ -31,6 +31,9 @@ enum orl_path_class {
 };
 const char *orl_path_class_name(enum orl_path_class class);  /* "sky", "flat-mirrors", ... */
 const char *orl_path_class_words(enum orl_path_class class); /* "suns and lamps by ..." */
+/* Writes the words of all classes of a set (flags 1 << class), joined by ", or ". */
+enum { ORL_PATH_CLASSES_TEXT = 1024 };
+void orl_path_classes_words(uint32_t classes, char ret_text[ORL_PATH_CLASSES_TEXT]);
 
 /* Sampling strategies, as flags. */
 enum orl_path_strategy {
