@@ -16,7 +16,7 @@ export const TECHNIQUES = {
 };
 
 export const MAPS = {
-  global: 'Global photons', caustic: 'Caustic photons', precomputed: 'Precomputed photons', bsdf: 'Loaded BSDF', scene: 'Loaded scene', annual: 'Light of a year', made: 'Computed BSDF',
+  global: 'Global photons', caustic: 'Caustic photons', precomputed: 'Precomputed photons', bsdf: 'Loaded BSDF', scene: 'Loaded scene', annual: 'Light of a year', made: 'Computed BSDF', pilot: 'Pilot of photons',
 };
 
 // Largest error without an effect.

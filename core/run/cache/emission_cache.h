@@ -12,7 +12,8 @@
  * once the plan has made the lit scene. */
 int orl_run_ensure_emission(struct orl_run_state *state, struct orl_error *err);
 
-/* Runs the photon pilot of the state's emission, or returns the result of an earlier job. */
+/* Runs the photon pilot of the job's emission, or returns the result of an earlier job: from the
+ * memory cache, or from the store (kind "pilot"), where later processes find it. */
 int orl_run_photon_pilot(struct orl_run_state *state, struct orl_photon_pilot *ret_pilot,
                          struct orl_error *err);
 

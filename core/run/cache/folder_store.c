@@ -11,12 +11,17 @@
 #include "photon/map/map.h"
 #include "run/cache/word_file.h"
 
+static bool is_word_file(const char *kind)
+{
+    return strcmp(kind, "annual") == 0 || strcmp(kind, "made") == 0 || strcmp(kind, "pilot") == 0;
+}
+
 int orl_map_verify(const char *kind, const char *path, struct orl_error *err)
 {
     struct orl_photon_map *map = NULL;
     if (strcmp(kind, "bsdf") == 0 || strcmp(kind, "scene") == 0)
         return 0;
-    if (strcmp(kind, "annual") == 0 || strcmp(kind, "made") == 0) {
+    if (is_word_file(kind)) {
         struct orl_word_file_info file_info;
         return orl_word_file_read(path, NULL, &file_info, NULL, NULL, err);
     }
@@ -112,7 +117,7 @@ static bool read_info(const struct orl_folder_store *state, const char *name,
         name[end] != '\0' || map_path(state, info.kind, key, "", path, NULL) < 0)
         return false;
     memcpy(info.key, key, sizeof key);
-    if (strcmp(info.kind, "annual") == 0 || strcmp(info.kind, "made") == 0) {
+    if (is_word_file(info.kind)) {
         *ret_info = info;
         return read_cached(path, ret_info);
     }

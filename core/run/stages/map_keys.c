@@ -12,6 +12,9 @@ static const char recipe[] = "oriel photons 22";
 /* Version of precomputed irradiance, apart from its global map. */
 static const char records_recipe[] = "oriel records 24";
 
+/* Version of the photon pilot, apart from the photons themselves. */
+static const char pilot_recipe[] = "oriel pilot 1";
+
 static void finish_hex(struct orl_sha256 *hash, char ret_hex[ORL_DIGEST_HEX + 1])
 {
     unsigned char digest[ORL_SHA256_BYTES];
@@ -98,4 +101,19 @@ struct orl_map_name orl_run_map_name(const struct orl_run_state *state, enum orl
     make_family(state, kind, name.family);
     make_key(recipe, sizeof recipe, name.family, target, name.key);
     return name;
+}
+
+void orl_run_pilot_key(const struct orl_run_state *state, enum orl_photon_use use,
+                       char ret_key[ORL_DIGEST_HEX + 1])
+{
+    char family[ORL_DIGEST_HEX + 1];
+    struct orl_sha256 hash;
+    orl_sha256_init(&hash);
+    orl_sha256_add(&hash, pilot_recipe, sizeof pilot_recipe);
+    orl_sha256_add(&hash, &use, sizeof use);
+    make_family(state, ORL_MAP_GLOBAL, family);
+    orl_sha256_add(&hash, family, ORL_DIGEST_HEX);
+    make_family(state, ORL_MAP_CAUSTIC, family);
+    orl_sha256_add(&hash, family, ORL_DIGEST_HEX);
+    finish_hex(&hash, ret_key);
 }

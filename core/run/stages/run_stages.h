@@ -21,6 +21,10 @@ struct orl_map_name {
 struct orl_map_name orl_run_map_name(const struct orl_run_state *state, enum orl_map_kind kind,
                                      uint64_t target);
 
+/* Makes the key of the photon pilot of the job's emission. */
+void orl_run_pilot_key(const struct orl_run_state *state, enum orl_photon_use use,
+                       char ret_key[ORL_DIGEST_HEX + 1]);
+
 /* The stages of a run: plan, photon maps, rendering by a technique. */
 
 /* Creates state->renderer, the plan's technique for the lit scene, unless it exists; all rounds of

@@ -142,7 +142,8 @@ struct orl_map_info {
      * a BSDF as it is after loading; `stored` counts its values, and nothing is emitted. "scene" is
      * the parsed content of a scene's files; `stored` counts surfaces. "annual" holds data of
      * annual runs. "made" is a BSDF made from geometry or measurements (oriel/bsdf/bsdf_store.h);
-     * `emitted` counts its paths or rows. */
+     * `emitted` counts its paths or rows. "pilot" is what a pilot of photons measured of a scene
+     * and its lights. */
     char kind[16];
     char key[ORL_DIGEST_HEX + 1]; /* digest of all inputs that determine the map, lower-case hex */
     /* Digest of the same inputs without the target: of two maps of one family the larger continues
