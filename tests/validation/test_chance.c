@@ -140,12 +140,12 @@ static void a_trough_of_strips(void **state)
 static void a_warning_names_all_classes(void **state)
 {
     (void)state;
-    struct orl_result r =
-        run_scene(SUN SKY GLARE "m sphere ball 0 0 4 0 0 0 2\n"
-                                "m polygon a 0 0 12 3 -4 -1 3 -2 -1 3 -2 1 3 -4 1\n"
-                                "m polygon b 0 0 12 5 -4 -1 5 -4 1 5 -2 1 5 -2 -1\n"
-                                "void light bulb 0 0 3 1e5 1e5 1e5\nbulb sphere s 0 0 4 4 -3 0 .05\n",
-                  ORL_TECHNIQUE_BACKWARD);
+    struct orl_result r = run_scene(
+        SUN SKY GLARE "m sphere ball 0 0 4 0 0 0 2\n"
+                      "m polygon a 0 0 12 3 -4 -1 3 -2 -1 3 -2 1 3 -4 1\n"
+                      "m polygon b 0 0 12 5 -4 -1 5 -4 1 5 -2 1 5 -2 -1\n"
+                      "void light bulb 0 0 3 1e5 1e5 1e5\nbulb sphere s 0 0 4 4 -3 0 .05\n",
+        ORL_TECHNIQUE_BACKWARD);
     const char *warning = warning_of(&r);
     assert_non_null(warning);
     if (!strstr(warning, "by way of curved mirrors") ||

@@ -1,6 +1,6 @@
 /*
- * Rays, density estimates and map bytes of fixed small jobs are at most 2 % above the best commit on
- * record (tests/bench/ratchet). Their instructions and errors are compared by `make check-perf`.
+ * Rays, density estimates and map bytes of fixed small jobs are at most 2 % above the best commit
+ * on record (tests/bench/ratchet). Their instructions and errors are compared by `make check-perf`.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,6 @@ static void test_jobs_do_no_more_work_than_on_record(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_jobs_do_no_more_work_than_on_record)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_jobs_do_no_more_work_than_on_record)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
