@@ -109,7 +109,7 @@ static void compare_photons(const char *panel)
         cli_make_folder(folder);
         outcomes[i] = run_job(ORL_TECHNIQUE_GATHER, panel, near_wall, 1 + i, folder, memory_cache);
         cli_remove_folder(folder);
-        /* Of the emission, and of what is derived from the maps. */
+        /* Hits: the emission, and the data that are derived from the maps. */
         assert_int_equal(orl_memory_cache_totals(memory_cache).hits - hits, i == 0 ? 0 : 2);
     }
     assert_same(&outcomes[0], &outcomes[1]);
