@@ -97,7 +97,8 @@ help:
 ## make oracles    skies, the white furnace, the moved office: the same kind of table
 ## make fuzz       every reader of untrusted input under libFuzzer, SECONDS=60 each
 ## make bench      what the office costs in ray-times, beside its targets and Radiance's times if it
-##                 is there: a table, and build/bench.json
+##                 is there: a table, and build/bench.json; with OLD=commit, small jobs by that commit
+##                 and this one in turns
 ## make bench-scale  how that grows with photons, threads and little memory
 ## make bench-polygons  what five million polygons take to load, in bytes and seconds
 ## make bench-slurm  what parts, waves and merging cost, on a Slurm on loopback, and what 1 to 1000 nodes
