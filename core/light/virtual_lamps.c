@@ -307,8 +307,8 @@ static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct m
                            const struct mirror *to)
 {
     for (int i = 0; i < POINTS_A_SIDE * POINTS_A_SIDE; i++) {
-        const double u[2] = {(i % POINTS_A_SIDE + 0.5) / POINTS_A_SIDE,
-                             ((double)(i / POINTS_A_SIDE) + 0.5) / POINTS_A_SIDE};
+        const int row = i / POINTS_A_SIDE, column = i % POINTS_A_SIDE;
+        const double u[2] = {(column + 0.5) / POINTS_A_SIDE, (row + 0.5) / POINTS_A_SIDE};
         struct orl_vec3 point, normal;
         orl_facet_sample(lit_scene->geometry, to->image.mirror, u, &point, &normal);
         if (reaches_point(lit_scene, from, to->image.mirror, point))
