@@ -15,9 +15,12 @@ enum { MOST_MIRRORS_LOOKED_AT = 4096 };
 /* LEAST_PAIRS pairs are selected, or PAIRS_A_LAMP for each lamp if that is more; at most
  * MOST_PAIRS. */
 enum { LEAST_PAIRS = 64, PAIRS_A_LAMP = 2, MOST_PAIRS = 1024 };
-/* Limit of mirrors for the estimate of light by two mirrors. Scenes with more of them have pairs
- * left out, too (images->left_out). */
-enum { MOST_TWICE = 64 };
+/* Limit of mirrors for the estimate of light by two mirrors; bright ones come first. */
+enum { MOST_TWICE = 256 };
+/* Light of two mirrors that are not bright counts from this share of all light on. */
+static const double least_share = 1e-5;
+/* Reflectance of two mirrors together from which they are bright; that of panes is 0.03. */
+static const double bright_pair = 0.05;
 /* Points of a mirror that test whether light of another one reaches it, along each side. */
 enum { POINTS_A_SIDE = 8 };
 
@@ -98,6 +101,11 @@ struct mirror {
     struct orl_virtual_lamp image;
     double area, reflectance[2];
 };
+
+static double brightest(const struct mirror *mirror)
+{
+    return orl_larger(mirror->reflectance[0], mirror->reflectance[1]);
+}
 
 /* Returns the flux of the lamp, times the share of it that may hit the mirror, times the
  * mirror's reflectance. */
@@ -317,18 +325,19 @@ static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct m
     return false;
 }
 
-/* Lists the mirrors that have images, each once, in the order of the images; returns their
- * number. */
-static size_t list_mirrors(const struct orl_virtual_lamps *images,
-                           const struct orl_lit_scene *lit_scene, struct mirror *ret_mirrors)
+/* Appends the flat mirrors inside that are bright, or the others; returns the new length, at most
+ * MOST_TWICE. */
+static size_t append_mirrors(const struct orl_lit_scene *lit_scene, bool bright,
+                             struct mirror *mirrors, size_t n)
 {
-    size_t n = 0;
-    for (size_t i = 0; i < images->n_images && n < MOST_TWICE; i++) {
-        const uint32_t facet = images->images[i].mirror;
+    for (size_t i = 0; i < lit_scene->geometry->n_facets && n < MOST_TWICE; i++) {
         struct orl_facet own;
-        if (n == 0 || ret_mirrors[n - 1].image.mirror != facet)
-            ret_mirrors[n++] =
-                mirror_of(lit_scene, orl_facet_get_own(lit_scene->geometry, facet, &own), facet);
+        const struct orl_facet *f = orl_facet_get_own(lit_scene->geometry, i, &own);
+        if (!orl_facet_is_plane(f) || !orl_is_flat_mirror(lit_scene, f))
+            continue;
+        mirrors[n] = mirror_of(lit_scene, f, (uint32_t)i);
+        const double most = brightest(&mirrors[n]);
+        n += (most * most >= bright_pair) == bright && is_inside(lit_scene, (uint32_t)i);
     }
     return n;
 }
@@ -351,30 +360,51 @@ static const struct spot *find_spot(const struct spot *spots, size_t n, uint32_t
     return NULL;
 }
 
-/* Estimates images->two_mirror_share. */
-static void estimate_two_mirrors(struct orl_virtual_lamps *images,
-                                 const struct orl_lit_scene *lit_scene, const struct spot *spots,
-                                 size_t n_spots)
+/* Adds the light of an image by way of each other mirror. */
+static void add_second_mirrors(struct orl_virtual_lamps *images,
+                               const struct orl_lit_scene *lit_scene,
+                               const struct mirrored_spot *from, double first_reflectance,
+                               const struct mirror *mirrors, size_t n, double power)
 {
-    struct mirror mirrors[MOST_TWICE];
-    const size_t n = list_mirrors(images, lit_scene, mirrors);
-    double two_mirror_share = 0, power = 0;
-    size_t at = 0;
+    for (size_t k = 0; k < n; k++) {
+        const struct mirror *to = &mirrors[k];
+        const double share = strength_of(&from->spot, to) / power;
+        const bool bright = first_reflectance * brightest(to) >= bright_pair;
+        if (to->image.mirror == from->image->mirror || !(share > (bright ? 0 : least_share)) ||
+            !reaches_mirror(lit_scene, from, to))
+            continue;
+        images->two_mirror_share += share;
+        images->two_bright_mirrors |= bright;
+    }
+}
+
+/* Sets images->two_mirror_share and two_bright_mirrors. The second mirror need not face the lamp:
+ * in a periscope it does not. */
+static int estimate_two_mirrors(struct orl_virtual_lamps *images,
+                                const struct orl_lit_scene *lit_scene, const struct spot *spots,
+                                size_t n_spots)
+{
+    struct mirror *mirrors = malloc((MOST_TWICE + 1) * sizeof *mirrors);
+    double power = 0;
+    if (!mirrors)
+        return ORL_ERR_NOMEM;
+    size_t n = images->n_images > 0 ? append_mirrors(lit_scene, true, mirrors, 0) : 0;
+    n = images->n_images > 0 ? append_mirrors(lit_scene, false, mirrors, n) : 0;
     for (size_t i = 0; i < n_spots; i++)
         power += spots[i].power;
-    for (size_t i = 0; i < images->n_images && n > 1; i++) {
+    for (size_t i = 0; i < images->n_images && power > 0 && n > 1; i++) {
         const struct orl_virtual_lamp *image = &images->images[i];
         const struct spot *spot = find_spot(spots, n_spots, image->lamp);
-        while (at < n && mirrors[at].image.mirror != image->mirror)
-            at++;
-        if (at == n || !spot)
-            break;
-        const struct mirrored_spot from = mirror_spot(image, spot, &mirrors[at]);
-        for (size_t k = 0; k < n; k++)
-            if (k != at && reaches_mirror(lit_scene, &from, &mirrors[k]))
-                two_mirror_share += strength_of(&from.spot, &mirrors[k]);
+        struct orl_facet own;
+        const struct mirror first = mirror_of(
+            lit_scene, orl_facet_get_own(lit_scene->geometry, image->mirror, &own), image->mirror);
+        if (!spot)
+            continue;
+        const struct mirrored_spot from = mirror_spot(image, spot, &first);
+        add_second_mirrors(images, lit_scene, &from, brightest(&first), mirrors, n, power);
     }
-    images->two_mirror_share = power > 0 ? two_mirror_share / power : 0;
+    free(mirrors);
+    return 0;
 }
 
 int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_lit_scene *lit_scene,
@@ -394,7 +424,7 @@ int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_l
     if (code == 0)
         code = keep_images(images, pairs);
     if (code == 0)
-        estimate_two_mirrors(images, lit_scene, spots, list_spots(lit_scene, spots));
+        code = estimate_two_mirrors(images, lit_scene, spots, list_spots(lit_scene, spots));
     free(spots);
     free(pairs);
     return code;

@@ -36,6 +36,9 @@ struct orl_virtual_lamps {
     double left_out; /* approximate share of the mirrored light whose pairs are not selected */
     /* approximate flux by way of two mirrors, which have no images, over the flux of all lamps */
     double two_mirror_share;
+    /* two mirrors in succession reflect a twentieth or more: a place that sees the lamp by them
+     * may have hardly any other light, however little of all light takes this way */
+    bool two_bright_mirrors;
 };
 
 static inline double orl_virtual_lamp_height(const struct orl_virtual_lamp *image,
@@ -62,10 +65,11 @@ int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_l
                             const struct orl_thread_pool *pool);
 void orl_virtual_lamps_done(struct orl_virtual_lamps *images);
 
-/* Returns true if light by way of two mirrors matters: more than a hundredth of all light. */
+/* Returns true if light by way of two mirrors may matter: more than a hundredth of all light, or
+ * some of two bright mirrors. */
 static inline bool orl_virtual_lamps_omit_pairs(const struct orl_virtual_lamps *images)
 {
-    return images->two_mirror_share > 0.01;
+    return images->two_mirror_share > 0.01 || images->two_bright_mirrors;
 }
 
 /* Returns an image in a mirror, which is a facet; NULL: none. */

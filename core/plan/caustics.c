@@ -184,6 +184,7 @@ static void remove_images(struct orl_lit_scene *lit_scene)
     lit_scene->virtual_lamps.n_images = 0;
     lit_scene->virtual_lamps.left_out = 0;
     lit_scene->virtual_lamps.two_mirror_share = 0;
+    lit_scene->virtual_lamps.two_bright_mirrors = false;
 }
 
 void orl_decide_caustics(struct orl_plan_survey *survey, const struct orl_lit_specular *lit,

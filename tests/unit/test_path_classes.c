@@ -111,6 +111,12 @@ static void test_readme_shows_the_table(void **state)
 #define MIDDLE_LAMP "void light b 0 0 3 100 100 100\nb sphere lamp 0 0 4 0 0 1 .1\n"
 #define POLE "w cylinder pole 0 0 7 0 .5 0 0 .5 2 .1\n"
 #define BETWEEN "void glass g 0 0 3 .9 .9 .9\ng polygon pane 0 0 12 -3 -1 0 3 -1 0 3 -1 3 -3 -1 3\n"
+/* A periscope of mirrors of a decimetre. It gets little of the light, but may send it to a dark
+ * place. Its lower mirror does not face the lamp. */
+#define PERISCOPE                                                                                  \
+    "void mirror m 0 0 3 .9 .9 .9\nm polygon upper 0 0 12 -.05 2 2.6 -.05 2.1 2.5 .05 2.1 2.5 "    \
+    ".05 "                                                                                         \
+    "2 2.6\nm polygon lower 0 0 12 -.05 2 1.1 .05 2 1.1 .05 2.1 1 -.05 2.1 1\n"
 #define BALL "void dielectric d 0 0 5 1 1 1 1.5 0\nd sphere ball 0 0 4 0 .5 1 .3\n"
 #define METAL_BALL "void metal s 0 0 5 .9 .9 .9 1 0\ns sphere dish 0 0 4 0 .5 1 .3\n"
 #define ROUGH "void metal r 0 0 5 .9 .9 .9 1 .1\nr polygon rough 0 0 12 -1 2 0 1 2 0 1 2 2 -1 2 2\n"
@@ -135,6 +141,8 @@ static const struct {
      ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_GATHER},
     {MIDDLE_LAMP WALL FACING BETWEEN, SET(FLAT_MIRRORS) | SET(TWO_LAMP_MIRRORS), SET(CURVED),
      ORL_TECHNIQUE_GATHER, ORL_TECHNIQUE_GATHER},
+    {LAMP WALL PERISCOPE, SET(TWO_LAMP_MIRRORS), SET(CURVED), ORL_TECHNIQUE_GATHER,
+     ORL_TECHNIQUE_GATHER},
     {SOUTH_SUN WALL BALL, SET(CURVED), SET(FLAT_MIRRORS) | SET(SKY_CURVED), ORL_TECHNIQUE_GATHER,
      ORL_TECHNIQUE_GATHER},
     {SOUTH_SUN WALL METAL_BALL, SET(CURVED), SET(FLAT_MIRRORS), ORL_TECHNIQUE_GATHER,
