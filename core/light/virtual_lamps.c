@@ -28,15 +28,17 @@ enum { POINTS_A_SIDE = 8 };
 struct pair {
     struct orl_virtual_lamp image;
     double strength; /* upper bound of the lamp's flux that the mirror reflects */
+    bool bright;     /* the mirror is bright */
 };
 
 /* A min-heap of the strongest pairs so far. */
 struct pairs {
     struct pair kept[MOST_PAIRS];
     size_t n, most;
-    double left_out;  /* sum of the strengths of pairs that are not selected */
-    bool overflown;   /* there are pairs that were not tested */
-    size_t looked_at; /* mirrors from which rays were traced */
+    double left_out;      /* sum of the strengths of pairs that are not selected */
+    bool bright_left_out; /* some of them have bright mirrors */
+    bool overflown;       /* there are pairs that were not tested */
+    size_t looked_at;     /* mirrors from which rays were traced */
 };
 
 /* ---- Mirrors --------------------------------------------------------------------------------- */
@@ -107,6 +109,12 @@ static double brightest(const struct mirror *mirror)
     return orl_larger(mirror->reflectance[0], mirror->reflectance[1]);
 }
 
+/* Returns true if the mirror is as bright as one of two that are bright together. */
+static bool is_bright(const struct mirror *mirror)
+{
+    return brightest(mirror) * brightest(mirror) >= bright_pair;
+}
+
 /* Returns the flux of the lamp, times the share of it that may hit the mirror, times the
  * mirror's reflectance. */
 static double strength_of(const struct spot *spot, const struct mirror *mirror)
@@ -148,16 +156,22 @@ static bool is_strong(const struct pairs *pairs, double strength)
     return strength > 0 && (pairs->n < pairs->most || strength > pairs->kept[0].strength);
 }
 
+static void leave_out(struct pairs *pairs, double strength, bool bright)
+{
+    pairs->left_out += strength;
+    pairs->bright_left_out |= bright && strength > 0;
+}
+
 /* Adds a pair for which is_strong is true; in a full heap it replaces the weakest. */
-static void add_pair(struct pairs *pairs, const struct orl_virtual_lamp *image, double strength)
+static void add_pair(struct pairs *pairs, const struct pair *pair)
 {
     if (pairs->n < pairs->most) {
-        pairs->kept[pairs->n++] = (struct pair){*image, strength};
+        pairs->kept[pairs->n++] = *pair;
         sift_up(pairs);
         return;
     }
-    pairs->left_out += pairs->kept[0].strength;
-    pairs->kept[0] = (struct pair){*image, strength};
+    leave_out(pairs, pairs->kept[0].strength, pairs->kept[0].bright);
+    pairs->kept[0] = *pair;
     sift_down(pairs, 0);
 }
 
@@ -194,26 +208,26 @@ static struct mirror mirror_of(const struct orl_lit_scene *lit_scene, const stru
 static void pair_mirror(struct pairs *pairs, const struct orl_lit_scene *lit_scene,
                         const struct mirror *mirror, const struct spot *spots, size_t n_spots)
 {
-    struct orl_virtual_lamp image = mirror->image;
+    struct pair pair = {.image = mirror->image, .bright = is_bright(mirror)};
     bool known_inside = false;
     for (size_t i = 0; i < n_spots; i++) {
-        const double strength = strength_of(&spots[i], mirror);
-        if (spots[i].facet == image.mirror)
+        pair.strength = strength_of(&spots[i], mirror);
+        if (spots[i].facet == pair.image.mirror)
             continue;
-        if (!is_strong(pairs, strength)) {
-            pairs->left_out += strength;
+        if (!is_strong(pairs, pair.strength)) {
+            leave_out(pairs, pair.strength, pair.bright);
             continue;
         }
         if (!known_inside && pairs->looked_at++ >= MOST_MIRRORS_LOOKED_AT) {
             pairs->overflown = true;
             return;
         }
-        if (!known_inside && !is_inside(lit_scene, image.mirror))
+        if (!known_inside && !is_inside(lit_scene, pair.image.mirror))
             return;
         known_inside = true;
-        image.emitter = spots[i].emitter;
-        image.lamp = spots[i].facet;
-        add_pair(pairs, &image, strength);
+        pair.image.emitter = spots[i].emitter;
+        pair.image.lamp = spots[i].facet;
+        add_pair(pairs, &pair);
     }
 }
 
@@ -259,6 +273,7 @@ static int keep_images(struct orl_virtual_lamps *images, const struct pairs *pai
         kept += pairs->kept[i].strength;
     }
     qsort(images->images, images->n_images, sizeof *images->images, compare_images);
+    images->bright_left_out = pairs->bright_left_out;
     images->left_out = pairs->overflown      ? 1
                        : pairs->left_out > 0 ? pairs->left_out / (pairs->left_out + kept)
                                              : 0;
@@ -336,8 +351,7 @@ static size_t append_mirrors(const struct orl_lit_scene *lit_scene, bool bright,
         if (!orl_facet_is_plane(f) || !orl_is_flat_mirror(lit_scene, f))
             continue;
         mirrors[n] = mirror_of(lit_scene, f, (uint32_t)i);
-        const double most = brightest(&mirrors[n]);
-        n += (most * most >= bright_pair) == bright && is_inside(lit_scene, (uint32_t)i);
+        n += is_bright(&mirrors[n]) == bright && is_inside(lit_scene, (uint32_t)i);
     }
     return n;
 }

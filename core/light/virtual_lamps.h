@@ -34,6 +34,8 @@ struct orl_virtual_lamps {
     struct orl_virtual_lamp *images; /* sorted by mirror, then by lamp */
     size_t n_images;
     double left_out; /* approximate share of the mirrored light whose pairs are not selected */
+    /* some of these pairs have bright mirrors, which may send most of the light to a dark place */
+    bool bright_left_out;
     /* approximate flux by way of two mirrors, which have no images, over the flux of all lamps */
     double two_mirror_share;
     /* two mirrors in succession reflect a twentieth or more: a place that sees the lamp by them

@@ -183,6 +183,7 @@ static void remove_images(struct orl_lit_scene *lit_scene)
     orl_virtual_suns_keep(&lit_scene->images, NULL);
     lit_scene->virtual_lamps.n_images = 0;
     lit_scene->virtual_lamps.left_out = 0;
+    lit_scene->virtual_lamps.bright_left_out = false;
     lit_scene->virtual_lamps.two_mirror_share = 0;
     lit_scene->virtual_lamps.two_bright_mirrors = false;
 }

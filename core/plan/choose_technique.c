@@ -43,7 +43,8 @@ static uint32_t mirror_classes(const struct orl_lit_scene *lit_scene,
            set_if(wide && lit->classes[ORL_LIT_CURVED].facets > 0, ORL_PATHS_SKY_CURVED) |
            set_if(flat && lit_scene->n_suns > 0 && lit_scene->images.n_left_out > 0,
                   ORL_PATHS_MANY_SUN_MIRRORS) |
-           set_if(lit_scene->virtual_lamps.left_out > tolerable_left_out,
+           set_if(lit_scene->virtual_lamps.left_out > tolerable_left_out ||
+                      lit_scene->virtual_lamps.bright_left_out,
                   ORL_PATHS_MANY_LAMP_MIRRORS) |
            set_if(orl_virtual_lamps_omit_pairs(&lit_scene->virtual_lamps),
                   ORL_PATHS_TWO_LAMP_MIRRORS);

@@ -203,6 +203,30 @@ static void test_many_mirrors(void **state)
     }
 }
 
+/*
+ * A decimetre of mirror among many lamps and two large mirrors gets less than 2 % of the mirrored
+ * light, so its pairs are left out; a dark place may have no other light. A pane does not count.
+ */
+static void test_a_small_mirror_among_many_lamps(void **state)
+{
+    static const char *const small[] = {"m", "g"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        char text[16384];
+        int at =
+            snprintf(text, sizeof text,
+                     "void light b 0 0 3 100 100 100\nvoid glass g 0 0 3 .9 .9 .9\n" WALL FACING
+                     "%s polygon small 0 0 12 -.05 2.5 1 .05 2.5 1 .05 2.5 1.1 -.05 2.5 1.1\n",
+                     small[i]);
+        for (int lamp = 0; lamp < 80; lamp++)
+            at += snprintf(text + at, sizeof text - (size_t)at,
+                           "b sphere lamp%d 0 0 4 %g %g 2.5 .02\n", lamp, -1 + .2 * (lamp % 10),
+                           -1 + .25 * (lamp / 10));
+        const struct orl_plan plan = plan_of(&(struct plan_query){.text = text}, NULL);
+        assert_int_equal((plan.paths & SET(MANY_LAMP_MIRRORS)) != 0, i == 0);
+    }
+}
+
 /* A job without mirrors has no light reflected by them. */
 static void test_left_out_on_demand(void **state)
 {
@@ -217,9 +241,13 @@ static void test_left_out_on_demand(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table_is_complete),      cmocka_unit_test(test_names),
-        cmocka_unit_test(test_readme_shows_the_table), cmocka_unit_test(test_classes_of_scenes),
-        cmocka_unit_test(test_left_out_on_demand),     cmocka_unit_test(test_many_mirrors),
+        cmocka_unit_test(test_table_is_complete),
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_readme_shows_the_table),
+        cmocka_unit_test(test_classes_of_scenes),
+        cmocka_unit_test(test_left_out_on_demand),
+        cmocka_unit_test(test_many_mirrors),
+        cmocka_unit_test(test_a_small_mirror_among_many_lamps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
