@@ -1,5 +1,6 @@
 #include "light/virtual_suns.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,8 +16,10 @@ enum { PILOT_RAYS = 1 << 14, MOST_CANDIDATES = 256, MOST_SHOWN_DEEP = 32 };
 static const double alike = 1 - 5e-7;
 /* cosine of the largest angle between directions of a node */
 static const double same_place = 1 - 2e-6;
-/* share of the light on mirrors that an image by several reflections needs */
-static const double least_share = 1e-3;
+/* An image by several reflections needs this share of the light on mirrors, or a chain of mirrors
+ * that reflects this much together: it may light a dark place, however small the mirrors are. Two
+ * panes reflect 0.03. */
+static const double least_share = 1e-3, bright_chain = 0.05;
 
 /* ---- Classes of mirrors ---------------------------------------------------------------------- */
 
@@ -142,11 +145,12 @@ struct pilot {
     uint32_t sun;
     size_t n;
     struct orl_frame frames[MOST_CANDIDATES];
-    double flux[MOST_CANDIDATES];
-    double fallen; /* flux of this sun on mirrors */
+    double flux[MOST_CANDIDATES], throughput[MOST_CANDIDATES]; /* throughput: of the best chain */
+    double fallen;                                             /* flux of this sun on mirrors */
 };
 
-static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, double flux)
+static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, double flux,
+                          double throughput)
 {
     size_t i = 0;
     while (i < pilot->n && orl_dot(pilot->frames[i].n, frame->n) <= same_place)
@@ -155,16 +159,17 @@ static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, do
         return;
     if (i == pilot->n) {
         pilot->frames[i] = *frame;
-        pilot->flux[i] = 0;
+        pilot->flux[i] = pilot->throughput[i] = 0;
         pilot->n++;
     }
     pilot->flux[i] += flux;
+    pilot->throughput[i] = fmax(pilot->throughput[i], throughput);
 }
 
 /* Follows light between mirrors; it travels against frame.n. At each pane it randomly takes one
- * of two branches. */
+ * of two branches. throughput: reflectance of the first mirror. */
 static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl_frame frame,
-                         double flux, struct orl_random *random)
+                         double flux, double throughput, struct orl_random *random)
 {
     const struct orl_lit_scene *lit_scene = pilot->lit_scene;
     struct orl_path path = orl_path_from(origin, orl_neg(frame.n));
@@ -172,7 +177,7 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
     for (int step = 0; step < 4 * ORL_MOST_SUN_REFLECTIONS; step++) {
         struct orl_hit hit;
         if (reflections > 1)
-            add_candidate(pilot, &frame, flux);
+            add_candidate(pilot, &frame, flux, throughput);
         if (!orl_path_intersect(lit_scene, &path, &hit))
             return;
         const struct orl_material *m = orl_lit_scene_material(lit_scene, &hit);
@@ -180,10 +185,13 @@ static void follow_light(struct pilot *pilot, struct orl_vec3 origin, struct orl
         const double back =
             class < 0 ? 0 : orl_luma(orl_material_mirrored(m, &hit, orl_path_back(&path)));
         const double on = orl_luma(orl_material_straight(m, &hit, orl_path_back(&path)));
-        if (!(back + on > 0) || flux * (back + on) < ORL_VIRTUAL_SUN_LEAST * pilot->fallen)
+        if (!(back + on > 0))
             return;
         flux *= back + on;
         const bool mirrored = orl_random_uniform(random) * (back + on) < back;
+        throughput *= mirrored ? back : on;
+        if (throughput < ORL_VIRTUAL_SUN_LEAST)
+            return;
         if (mirrored && ++reflections > ORL_MOST_SUN_REFLECTIONS)
             return;
         if (mirrored)
@@ -215,11 +223,11 @@ static void light_mirror(struct pilot *pilot, uint32_t facet, uint32_t rays)
         const double share =
             orl_luma(orl_transmittance(lit_scene, start, sun->frame.n, INFINITY, true));
         pilot->fallen += each * share;
-        const double flux = each * share *
-                            orl_luma(orl_material_mirrored(orl_lit_scene_material(lit_scene, &hit),
-                                                           &hit, sun->frame.n));
-        if (flux > 0)
-            follow_light(pilot, start, turned_frame(sun->frame, mirror), flux, &random);
+        const double mirrored = orl_luma(
+            orl_material_mirrored(orl_lit_scene_material(lit_scene, &hit), &hit, sun->frame.n));
+        if (share * mirrored > 0)
+            follow_light(pilot, start, turned_frame(sun->frame, mirror), each * share * mirrored,
+                         mirrored, &random);
     }
 }
 
@@ -241,17 +249,26 @@ static int light_mirrors(struct pilot *pilot, const struct orl_thread_pool *pool
     return 0;
 }
 
-/* Makes the brightest candidates nodes that are shown. */
+static bool is_needed(const struct pilot *pilot, size_t candidate)
+{
+    return pilot->flux[candidate] > least_share * pilot->fallen ||
+           (pilot->flux[candidate] > 0 && pilot->throughput[candidate] >= bright_chain);
+}
+
+/* Makes the needed candidates nodes that are shown, the brightest first. */
 static void show_brightest(struct orl_virtual_suns *images, struct pilot *pilot)
 {
-    for (int taken = 0; taken < MOST_SHOWN_DEEP; taken++) {
-        size_t best = 0;
-        for (size_t i = 1; i < pilot->n; i++)
-            if (pilot->flux[i] > pilot->flux[best])
+    for (int taken = 0;; taken++) {
+        size_t best = pilot->n;
+        for (size_t i = 0; i < pilot->n; i++)
+            if (is_needed(pilot, i) && (best == pilot->n || pilot->flux[i] > pilot->flux[best]))
                 best = i;
-        if (pilot->n == 0 || !(pilot->flux[best] > least_share * pilot->fallen))
+        if (best == pilot->n)
             return;
-        const int node = add_node(images, pilot->frames[best], pilot->sun);
+        const int node = taken < MOST_SHOWN_DEEP
+                             ? add_node(images, pilot->frames[best], pilot->sun)
+                             : find_node(images, pilot->sun, pilot->frames[best].n);
+        images->n_chains_left_out += node < 0;
         if (node >= 0)
             images->nodes[node].shown = true;
         pilot->flux[best] = 0;

@@ -11,9 +11,9 @@
  *
  * Mirrors within a milliradian of each other form one class, that of the first of them: files have
  * rounded corners, and a sun is nine times as wide. All images by one reflection are used. Images
- * by more are used if a pilot finds that they carry a share of the light on mirrors, the brightest
- * first. A path that hits the sun by mirrors calls orl_virtual_suns_counted, so that it does not
- * count light that shadow rays have found.
+ * by more are used if a pilot finds that they carry a share of the light on mirrors, or that their
+ * mirrors are bright, the brightest first. A path that hits the sun by mirrors calls
+ * orl_virtual_suns_counted, so that it does not count light that shadow rays have found.
  *
  * Constant once built. Independent of the number of threads and of time.
  */
@@ -90,8 +90,9 @@ struct orl_virtual_suns {
     size_t n_mirrors;
     /* facets beyond ORL_MOST_MIRRORS classes: suns in them have no images */
     size_t n_left_out;
-    int16_t *class_of; /* per facet of the scene's own (not instanced); -1: none */
-    size_t n_facets;   /* length of class_of */
+    size_t n_chains_left_out; /* images by several reflections that are needed, but not shown */
+    int16_t *class_of;        /* per facet of the scene's own (not instanced); -1: none */
+    size_t n_facets;          /* length of class_of */
     struct orl_virtual_sun *nodes;
     size_t n_nodes;
     /* node that node i becomes by class m, at i * n_mirrors + m; -1: none */

@@ -52,7 +52,8 @@ static bool caustics_need_photons(const struct orl_lit_scene *lit_scene)
         any_lobes = any_lobes || lobes;
         several_planes = several_planes || !lie_in_one_plane(g, &first, f);
     }
-    return (any_lobes && several_planes) || lit_scene->images.n_left_out > 0;
+    return (any_lobes && several_planes) ||
+           lit_scene->images.n_left_out + lit_scene->images.n_chains_left_out > 0;
 }
 
 bool orl_sensor_flux_may_exist(const struct orl_lit_scene *lit_scene)
