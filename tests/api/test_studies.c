@@ -183,14 +183,18 @@ static void test_views_have_a_peak(void **state)
     reply_done(&reply);
 }
 
-/* Waits until the running study has that many points. */
+/* Waits until the running study has that many points, and runs that technique; NULL: any. A point
+ * is there before the next technique starts. */
 static void wait_for_points(struct daemon_room *f, const char *job, size_t points,
-                            struct reply *ret_reply)
+                            const char *technique, struct reply *ret_reply)
 {
     for (double until = patience_now_s() + 120 * PATIENCE; patience_nap(until);) {
         daemon_get(&f->daemon, job, ret_reply);
+        const json_t *running = reply_at(ret_reply, "study.running");
         if (json_array_size(reply_at(ret_reply, "study.points")) >= points &&
-            reply_at(ret_reply, "study"))
+            reply_at(ret_reply, "study") &&
+            (!technique ||
+             (json_is_string(running) && strcmp(json_string_value(running), technique) == 0)))
             return;
         assert_true(strcmp(reply_text(ret_reply, "state"), "queued") == 0 ||
                     strcmp(reply_text(ret_reply, "state"), "running") == 0);
@@ -226,7 +230,7 @@ static void test_progress_and_cancelling(void **state)
     char job[80], waiting[80], path[128];
     submit(f, seen, job);
     submit(f, small, waiting);
-    wait_for_points(f, job, 1, &reply);
+    wait_for_points(f, job, 1, "backward", &reply);
     assert_string_equal(reply_text(&reply, "study.running"), "backward");
     assert_string_equal(reply_text(&reply, "study.technique"), "backward");
     assert_true(json_is_null(reply_at(&reply, "study.photons")));
@@ -258,7 +262,7 @@ static void test_progress_and_cancelling(void **state)
 static void wait_until_under_way(struct daemon_room *f, const char *job)
 {
     struct reply reply;
-    wait_for_points(f, job, 0, &reply);
+    wait_for_points(f, job, 0, NULL, &reply);
     reply_done(&reply);
 }
 
