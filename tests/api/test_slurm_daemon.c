@@ -98,18 +98,15 @@ static int count_in_log(const struct parted_daemon *f, const char *const words[3
     return n;
 }
 
-/* A job's progress advances while its one round runs; and each part has log lines that lead a
- * cluster's user to its task. */
-static void test_a_wave_moves(void **state)
+/* Runs a job. Returns true if its percentage advanced, with an ETA, while parts ran. */
+static bool watch_progress(struct parted_daemon *f, char ret_path[80])
 {
-    struct parted_daemon *f = *state;
-    char path[80], job[96];
     struct reply reply;
     double last = -1;
     int moves = 0, with_eta = 0;
-    parted_submit(f, parted_long, path);
+    parted_submit(f, parted_long, ret_path);
     for (double until = patience_until(); patience_nap(until);) {
-        daemon_get(&f->daemon, path, &reply);
+        daemon_get(&f->daemon, ret_path, &reply);
         const bool ended = strcmp(reply_text(&reply, "state"), "succeeded") == 0;
         const double percent = reply_number(&reply, "percent");
         if (!ended && reply_number(&reply, "runner.parts.running") > 0) {
@@ -123,9 +120,22 @@ static void test_a_wave_moves(void **state)
             break;
         cluster_rest(0.2);
     }
-    /* The first percentage, and one above it: a busy machine may show no third one. */
-    if (moves < 2 || with_eta < 2)
-        fail_msg("%d moves, %d with an ETA", moves, with_eta);
+    print_message("%d percentages, %d with an ETA\n", moves, with_eta);
+    return moves >= 2 && with_eta >= 2;
+}
+
+/* A job's progress advances while its one round runs; and each part has log lines that lead a
+ * cluster's user to its task. On a busy machine the parts of one job may end between two reports,
+ * so that up to five jobs are watched. */
+static void test_a_wave_moves(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80], job[96];
+    struct reply reply;
+    int tries = 1;
+    while (!watch_progress(f, path) && tries < 5)
+        tries++;
+    assert_true(tries < 5);
     daemon_get(&f->daemon, path, &reply);
     const int done = (int)reply_number(&reply, "runner.parts.done");
     /* A busy machine may reach a task's time limit. */
