@@ -80,7 +80,7 @@ static const struct {
     [ORL_PATHS_SKY_CURVED] = {"sky-curved",
                               "skies and glows by way of curved mirrors, lenses or thick glass"},
     [ORL_PATHS_MANY_SUN_MIRRORS] = {"many-sun-mirrors",
-                                    "suns by way of flat mirrors that face very many directions"},
+                                    "suns by way of flat mirrors in very many directions"},
     [ORL_PATHS_MANY_LAMP_MIRRORS] = {"many-lamp-mirrors", "lamps by way of very many flat mirrors"},
     [ORL_PATHS_TWO_LAMP_MIRRORS] = {"two-lamp-mirrors", "lamps by way of two flat mirrors"},
     [ORL_PATHS_DIFFUSE] = {"diffuse", "light reflected diffusely"},
@@ -102,7 +102,7 @@ void orl_path_classes_words(uint32_t set, char ret_text[ORL_PATH_CLASSES_TEXT])
     size_t length = 0;
     ret_text[0] = '\0';
     for (int i = 0; i < ORL_PATH_CLASSES; i++)
-        if (set & 1U << i)
+        if (set & 1U << i && length < ORL_PATH_CLASSES_TEXT)
             length += (size_t)snprintf(ret_text + length, ORL_PATH_CLASSES_TEXT - length, "%s%s",
                                        length > 0 ? ", or " : "", classes[i].words);
 }

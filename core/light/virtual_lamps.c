@@ -21,8 +21,9 @@ enum { MOST_TWICE = 256 };
 static const double least_share = 1e-5;
 /* Reflectance of two mirrors together from which they are bright; that of panes is 0.03. */
 static const double bright_pair = 0.05;
-/* Points of a mirror that test whether light of another one reaches it, along each side. */
-enum { POINTS_A_SIDE = 8 };
+/* Points of a mirror that test whether light of another one reaches it, along each side; limit of
+ * all such points, a tenth of a second. Beyond it mirrors count as reached. */
+enum { POINTS_A_SIDE = 8, MOST_POINTS = 1 << 17 };
 
 /* A lamp and a mirror. */
 struct pair {
@@ -324,15 +325,39 @@ static bool reaches_point(const struct orl_lit_scene *lit_scene, const struct mi
            is_visible(lit_scene, orl_madd(at, ahead, 2 * offset), ahead, facet);
 }
 
+/* Returns false if no ray from the image of the lamp meets the bounding spheres of both mirrors, or
+ * all of the second one lies behind the first. */
+static bool may_reach(const struct mirrored_spot *from, const struct mirror *to)
+{
+    const struct orl_virtual_lamp *first = from->image, *second = &to->image;
+    const struct orl_vec3 to_first = orl_sub(first->center, from->spot.middle),
+                          to_second = orl_sub(second->center, from->spot.middle);
+    const double height = orl_dot(to_first, first->normal),
+                 beyond = orl_dot(to_second, first->normal) - height;
+    const double far_first = orl_length(to_first), far_second = orl_length(to_second);
+    if ((height > 0 ? beyond : -beyond) <= -second->radius)
+        return false;
+    if (far_first <= first->radius || far_second <= second->radius)
+        return true;
+    const double cosine = orl_dot(to_first, to_second) / (far_first * far_second);
+    return acos(fmin(fmax(cosine, -1), 1)) <
+           asin(first->radius / far_first) + asin(second->radius / far_second);
+}
+
 /* Returns true if a mirror may reflect the lamp's light to another mirror. Many points of it are
  * tested, since the lamp itself, or a part of the room, may stand in front of some. */
 static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct mirrored_spot *from,
-                           const struct mirror *to)
+                           const struct mirror *to, int *points_left)
 {
+    if (!may_reach(from, to))
+        return false;
     for (int i = 0; i < POINTS_A_SIDE * POINTS_A_SIDE; i++) {
         const int row = i / POINTS_A_SIDE, column = i % POINTS_A_SIDE;
         const double u[2] = {(column + 0.5) / POINTS_A_SIDE, (row + 0.5) / POINTS_A_SIDE};
         struct orl_vec3 point, normal;
+        if (*points_left == 0)
+            return true;
+        --*points_left;
         orl_facet_sample(lit_scene->geometry, to->image.mirror, u, &point, &normal);
         if (reaches_point(lit_scene, from, to->image.mirror, point))
             return true;
@@ -345,13 +370,19 @@ static bool reaches_mirror(const struct orl_lit_scene *lit_scene, const struct m
 static size_t append_mirrors(const struct orl_lit_scene *lit_scene, bool bright,
                              struct mirror *mirrors, size_t n)
 {
-    for (size_t i = 0; i < lit_scene->geometry->n_facets && n < MOST_TWICE; i++) {
+    size_t looked_at = 0;
+    for (size_t i = 0;
+         i < lit_scene->geometry->n_facets && n < MOST_TWICE && looked_at < MOST_MIRRORS_LOOKED_AT;
+         i++) {
         struct orl_facet own;
         const struct orl_facet *f = orl_facet_get_own(lit_scene->geometry, i, &own);
         if (!orl_facet_is_plane(f) || !orl_is_flat_mirror(lit_scene, f))
             continue;
         mirrors[n] = mirror_of(lit_scene, f, (uint32_t)i);
-        n += is_bright(&mirrors[n]) == bright && is_inside(lit_scene, (uint32_t)i);
+        if (is_bright(&mirrors[n]) != bright)
+            continue;
+        looked_at++;
+        n += is_inside(lit_scene, (uint32_t)i);
     }
     return n;
 }
@@ -374,39 +405,54 @@ static const struct spot *find_spot(const struct spot *spots, size_t n, uint32_t
     return NULL;
 }
 
-/* Adds the light of an image by way of each other mirror. */
+/* Mirrors that may be the second of two, and the flux of all lamps. */
+struct second_mirrors {
+    struct mirror mirrors[MOST_TWICE + 1]; /* the last one is scratch */
+    size_t n;
+    double power;
+    int points_left; /* of MOST_POINTS */
+};
+
+/* Adds the light of an image by way of each second mirror. */
 static void add_second_mirrors(struct orl_virtual_lamps *images,
                                const struct orl_lit_scene *lit_scene,
                                const struct mirrored_spot *from, double first_reflectance,
-                               const struct mirror *mirrors, size_t n, double power)
+                               struct second_mirrors *second)
 {
-    for (size_t k = 0; k < n; k++) {
-        const struct mirror *to = &mirrors[k];
-        const double share = strength_of(&from->spot, to) / power;
+    for (size_t k = 0; k < second->n && !orl_virtual_lamps_omit_pairs(images); k++) {
+        const struct mirror *to = &second->mirrors[k];
+        const double share = strength_of(&from->spot, to) / second->power;
         const bool bright = first_reflectance * brightest(to) >= bright_pair;
         if (to->image.mirror == from->image->mirror || !(share > (bright ? 0 : least_share)) ||
-            !reaches_mirror(lit_scene, from, to))
+            !reaches_mirror(lit_scene, from, to, &second->points_left))
             continue;
         images->two_mirror_share += share;
         images->two_bright_mirrors |= bright;
     }
 }
 
-/* Sets images->two_mirror_share and two_bright_mirrors. The second mirror need not face the lamp:
- * in a periscope it does not. */
+/*
+ * Sets images->two_mirror_share and two_bright_mirrors, until orl_virtual_lamps_omit_pairs is
+ * decided. The second mirror need not face the lamp: in a periscope it does not. Returns 0,
+ * ORL_ERR_NOMEM or ORL_ERR_CANCELLED.
+ */
 static int estimate_two_mirrors(struct orl_virtual_lamps *images,
                                 const struct orl_lit_scene *lit_scene, const struct spot *spots,
-                                size_t n_spots)
+                                size_t n_spots, const struct orl_thread_pool *pool)
 {
-    struct mirror *mirrors = malloc((MOST_TWICE + 1) * sizeof *mirrors);
-    double power = 0;
-    if (!mirrors)
+    if (images->n_images == 0)
+        return 0;
+    struct second_mirrors *second = calloc(1, sizeof *second);
+    if (!second)
         return ORL_ERR_NOMEM;
-    size_t n = images->n_images > 0 ? append_mirrors(lit_scene, true, mirrors, 0) : 0;
-    n = images->n_images > 0 ? append_mirrors(lit_scene, false, mirrors, n) : 0;
+    second->points_left = MOST_POINTS;
+    second->n = append_mirrors(lit_scene, true, second->mirrors, 0);
+    second->n = append_mirrors(lit_scene, false, second->mirrors, second->n);
     for (size_t i = 0; i < n_spots; i++)
-        power += spots[i].power;
-    for (size_t i = 0; i < images->n_images && power > 0 && n > 1; i++) {
+        second->power += spots[i].power;
+    for (size_t i = 0; i < images->n_images && second->power > 0 && second->n > 1 &&
+                       !orl_thread_pool_cancelled(pool);
+         i++) {
         const struct orl_virtual_lamp *image = &images->images[i];
         const struct spot *spot = find_spot(spots, n_spots, image->lamp);
         struct orl_facet own;
@@ -415,10 +461,10 @@ static int estimate_two_mirrors(struct orl_virtual_lamps *images,
         if (!spot)
             continue;
         const struct mirrored_spot from = mirror_spot(image, spot, &first);
-        add_second_mirrors(images, lit_scene, &from, brightest(&first), mirrors, n, power);
+        add_second_mirrors(images, lit_scene, &from, brightest(&first), second);
     }
-    free(mirrors);
-    return 0;
+    free(second);
+    return orl_thread_pool_cancelled(pool) ? ORL_ERR_CANCELLED : 0;
 }
 
 int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_lit_scene *lit_scene,
@@ -438,7 +484,7 @@ int orl_virtual_lamps_build(struct orl_virtual_lamps *images, const struct orl_l
     if (code == 0)
         code = keep_images(images, pairs);
     if (code == 0)
-        code = estimate_two_mirrors(images, lit_scene, spots, list_spots(lit_scene, spots));
+        code = estimate_two_mirrors(images, lit_scene, spots, list_spots(lit_scene, spots), pool);
     free(spots);
     free(pairs);
     return code;

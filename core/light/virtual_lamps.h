@@ -36,7 +36,8 @@ struct orl_virtual_lamps {
     double left_out; /* approximate share of the mirrored light whose pairs are not selected */
     /* some of these pairs have bright mirrors, which may send most of the light to a dark place */
     bool bright_left_out;
-    /* approximate flux by way of two mirrors, which have no images, over the flux of all lamps */
+    /* approximate flux by way of two mirrors, which have no images, over the flux of all lamps; a
+     * lower bound once it decides orl_virtual_lamps_omit_pairs */
     double two_mirror_share;
     /* two mirrors in succession reflect a twentieth or more: a place that sees the lamp by them
      * may have hardly any other light, however little of all light takes this way */

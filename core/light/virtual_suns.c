@@ -147,6 +147,7 @@ struct pilot {
     struct orl_frame frames[MOST_CANDIDATES];
     double flux[MOST_CANDIDATES], throughput[MOST_CANDIDATES]; /* throughput: of the best chain */
     double fallen;                                             /* flux of this sun on mirrors */
+    bool overflown; /* there was no room for a candidate by bright mirrors */
 };
 
 static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, double flux,
@@ -155,8 +156,10 @@ static void add_candidate(struct pilot *pilot, const struct orl_frame *frame, do
     size_t i = 0;
     while (i < pilot->n && orl_dot(pilot->frames[i].n, frame->n) <= same_place)
         i++;
-    if (i == MOST_CANDIDATES)
+    if (i == MOST_CANDIDATES) {
+        pilot->overflown |= throughput >= bright_chain;
         return;
+    }
     if (i == pilot->n) {
         pilot->frames[i] = *frame;
         pilot->flux[i] = pilot->throughput[i] = 0;
@@ -258,6 +261,7 @@ static bool is_needed(const struct pilot *pilot, size_t candidate)
 /* Makes the needed candidates nodes that are shown, the brightest first. */
 static void show_brightest(struct orl_virtual_suns *images, struct pilot *pilot)
 {
+    images->n_images_left_out += pilot->overflown;
     for (int taken = 0;; taken++) {
         size_t best = pilot->n;
         for (size_t i = 0; i < pilot->n; i++)
@@ -268,7 +272,7 @@ static void show_brightest(struct orl_virtual_suns *images, struct pilot *pilot)
         const int node = taken < MOST_SHOWN_DEEP
                              ? add_node(images, pilot->frames[best], pilot->sun)
                              : find_node(images, pilot->sun, pilot->frames[best].n);
-        images->n_chains_left_out += node < 0;
+        images->n_images_left_out += node < 0;
         if (node >= 0)
             images->nodes[node].shown = true;
         pilot->flux[best] = 0;
@@ -341,6 +345,7 @@ int orl_virtual_suns_build(struct orl_virtual_suns *images, const struct orl_lit
         for (size_t m = 0; m < images->n_mirrors; m++) {
             const int node = add_node(
                 images, turned_frame(lit_scene->suns[s].frame, images->mirrors[m]), (uint32_t)s);
+            images->n_images_left_out += node < 0;
             if (node >= 0)
                 images->nodes[node].shown = true;
         }

@@ -90,7 +90,7 @@ struct orl_virtual_suns {
     size_t n_mirrors;
     /* facets beyond ORL_MOST_MIRRORS classes: suns in them have no images */
     size_t n_left_out;
-    size_t n_chains_left_out; /* images by several reflections that are needed, but not shown */
+    size_t n_images_left_out; /* images that are needed, but have no node; a lower bound */
     int16_t *class_of;        /* per facet of the scene's own (not instanced); -1: none */
     size_t n_facets;          /* length of class_of */
     struct orl_virtual_sun *nodes;

@@ -42,7 +42,7 @@ static uint32_t mirror_classes(const struct orl_lit_scene *lit_scene,
            set_if(lit->classes[ORL_LIT_CURVED].lit, ORL_PATHS_CURVED) |
            set_if(wide && lit->classes[ORL_LIT_CURVED].facets > 0, ORL_PATHS_SKY_CURVED) |
            set_if(flat && lit_scene->n_suns > 0 &&
-                      lit_scene->images.n_left_out + lit_scene->images.n_chains_left_out > 0,
+                      lit_scene->images.n_left_out + lit_scene->images.n_images_left_out > 0,
                   ORL_PATHS_MANY_SUN_MIRRORS) |
            set_if(lit_scene->virtual_lamps.left_out > tolerable_left_out ||
                       lit_scene->virtual_lamps.bright_left_out,

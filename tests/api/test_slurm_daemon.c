@@ -121,7 +121,7 @@ static bool watch_progress(struct parted_daemon *f, char ret_path[80])
         cluster_rest(0.2);
     }
     print_message("%d percentages, %d with an ETA\n", moves, with_eta);
-    return moves >= 2 && with_eta >= 2;
+    return moves >= 3 && with_eta >= 2;
 }
 
 /* A job's progress advances while its one round runs; and each part has log lines that lead a

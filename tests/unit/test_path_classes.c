@@ -203,6 +203,43 @@ static void test_many_mirrors(void **state)
     }
 }
 
+/* Adds a strip of mirror with that middle and half its sides: a x b faces the light. */
+static int add_strip(char *text, size_t size, int index, struct orl_vec3 middle, struct orl_vec3 a,
+                     struct orl_vec3 b)
+{
+    static const int corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    int at = snprintf(text, size, "m polygon strip%d 0 0 12", index);
+    for (int i = 0; i < 4; i++) {
+        const struct orl_vec3 p = orl_madd(orl_madd(middle, a, corners[i][0]), b, corners[i][1]);
+        at += snprintf(text + at, size - (size_t)at, " %.9g %.9g %.9g", p.x, p.y, p.z);
+    }
+    return at + snprintf(text + at, size - (size_t)at, "\n");
+}
+
+/*
+ * Sixteen mirrors on the ground send the sun up to mirrors that cross them. Sixteen of these show
+ * it in 256 directions, more than there are images by two reflections; one shows it in sixteen.
+ */
+static void test_many_chains_of_few_mirrors(void **state)
+{
+    static const int crossing[] = {16, 1};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        char text[16384];
+        int at = snprintf(text, sizeof text, "%s", SOUTH_SUN WALL "void mirror m 0 0 3 .9 .9 .9\n");
+        for (int k = 0; k < 16 + crossing[i]; k++) {
+            const double turn = ORL_DEG_TO_RAD * (k < 16 ? 22.5 + 0.5 * (k - 8) : 0.7 * (k - 24));
+            const double off = 0.1 * (k % 16) - 0.75, c = cos(turn), s = sin(turn);
+            at += k < 16 ? add_strip(text + at, sizeof text - (size_t)at, k, orl_v3(0, off, 1),
+                                     orl_v3(1, 0, 0), orl_v3(0, .05 * c, .05 * s))
+                         : add_strip(text + at, sizeof text - (size_t)at, k, orl_v3(off, 0, 4),
+                                     orl_v3(0, 2, 0), orl_v3(.05 * c, 0, .05 * s));
+        }
+        const struct orl_plan plan = plan_of(&(struct plan_query){.text = text}, NULL);
+        assert_int_equal((plan.paths & SET(MANY_SUN_MIRRORS)) != 0, i == 0);
+    }
+}
+
 /*
  * A decimetre of mirror among many lamps and two large mirrors gets less than 2 % of the mirrored
  * light, so its pairs are left out; a dark place may have no other light. A pane does not count.
@@ -247,6 +284,7 @@ int main(void)
         cmocka_unit_test(test_classes_of_scenes),
         cmocka_unit_test(test_left_out_on_demand),
         cmocka_unit_test(test_many_mirrors),
+        cmocka_unit_test(test_many_chains_of_few_mirrors),
         cmocka_unit_test(test_a_small_mirror_among_many_lamps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -53,7 +53,7 @@ static bool caustics_need_photons(const struct orl_lit_scene *lit_scene)
         several_planes = several_planes || !lie_in_one_plane(g, &first, f);
     }
     return (any_lobes && several_planes) ||
-           lit_scene->images.n_left_out + lit_scene->images.n_chains_left_out > 0;
+           lit_scene->images.n_left_out + lit_scene->images.n_images_left_out > 0;
 }
 
 bool orl_sensor_flux_may_exist(const struct orl_lit_scene *lit_scene)

@@ -101,16 +101,19 @@ static bool read_pilot(const char *path, const char *key, struct orl_pilot_of_em
     return found && pilot->known && pilot->threads > 0;
 }
 
-static bool write_pilot(const struct orl_map_store *store, const char *path,
-                        struct orl_map_info *info, const struct orl_pilot_of_emission *pilot)
+static bool write_pilot(const struct orl_map_store *store, const char *path, const char *key,
+                        const struct orl_pilot_of_emission *pilot)
 {
+    struct orl_map_info info = {.emitted = 0};
     struct orl_word_file_info file_info = {.rays = pilot->result.emitted[ORL_MAP_GLOBAL] +
                                                    pilot->result.emitted[ORL_MAP_CAUSTIC]};
-    memcpy(file_info.key, info->key, sizeof file_info.key);
+    snprintf(info.kind, sizeof info.kind, "%s", pilot_kind);
+    snprintf(info.key, sizeof info.key, "%s", key);
+    memcpy(file_info.key, info.key, sizeof file_info.key);
     const bool written = orl_word_file_write(path, &file_info, pilot, sizeof *pilot, NULL) == 0;
-    info->emitted = file_info.rays;
-    info->bytes = file_info.bytes;
-    return written && store->commit(store->ctx, info, NULL) == 0;
+    info.emitted = file_info.rays;
+    info.bytes = file_info.bytes;
+    return written && store->commit(store->ctx, &info, NULL) == 0;
 }
 
 /* Sets state->pilot_of_emission. A store that fails costs only the time of another pilot. */
@@ -118,24 +121,22 @@ static int find_pilot(struct orl_run_state *state, struct orl_error *err)
 {
     const struct orl_map_store *store = state->pilot ? NULL : state->env->store;
     struct orl_pilot_of_emission *pilot = &state->pilot_of_emission;
-    struct orl_map_info info = {.kind = ""};
-    char path[4096];
+    struct orl_map_info info;
+    char path[4096], key[ORL_DIGEST_HEX + 1];
     bool hit = false;
-    orl_run_pilot_key(state, photon_use(state), info.key);
-    if (!store || store->acquire(store->ctx, pilot_kind, info.key, state->env->cancel, path, &hit,
-                                 &info, NULL) < 0)
+    orl_run_pilot_key(state, photon_use(state), key);
+    if (!store || store->acquire(store->ctx, pilot_kind, key, state->env->cancel, path, &hit, &info,
+                                 NULL) < 0)
         return run_pilot(state, err);
-    orl_run_pilot_key(state, photon_use(state), info.key);
-    snprintf(info.kind, sizeof info.kind, "%s", pilot_kind);
-    if (hit && read_pilot(path, info.key, pilot)) {
-        store->release(store->ctx, pilot_kind, info.key);
+    if (hit && read_pilot(path, key, pilot)) {
+        store->release(store->ctx, pilot_kind, key);
         return 0;
     }
     const int code = run_pilot(state, err);
-    if (!hit && code == 0 && write_pilot(store, path, &info, pilot))
-        store->release(store->ctx, pilot_kind, info.key);
+    if (!hit && code == 0 && write_pilot(store, path, key, pilot))
+        store->release(store->ctx, pilot_kind, key);
     else
-        store->abandon(store->ctx, pilot_kind, info.key);
+        store->abandon(store->ctx, pilot_kind, key);
     return code;
 }
 

@@ -7,7 +7,7 @@
 #include "run/stages/run_stages.h"
 
 /* Version of photon tracing; raised when photons change for the same scene. */
-static const char recipe[] = "oriel photons 22";
+static const char recipe[] = "oriel photons 23";
 
 /* Version of precomputed irradiance, apart from its global map. */
 static const char records_recipe[] = "oriel records 24";
