@@ -155,7 +155,8 @@ void orl_slurm_bounds_query(const struct orl_runner_spec *spec, struct orl_slurm
 struct orl_part_limits orl_slurm_bounded(const struct orl_slurm_bounds *bounds,
                                          struct orl_part_limits limits);
 
-/* Returns true if sbatch's output means a temporary failure, so that a retry may succeed. */
+/* Returns true if the output of a failed sbatch means a temporary failure, so that a retry may
+ * succeed. Without a word it was ended from outside, as by a kernel without memory. */
 bool orl_slurm_is_temporary_failure(const char *output);
 
 /* Returns why a task of that name ended: from its log, and from squeue while that still lists

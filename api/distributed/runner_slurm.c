@@ -77,6 +77,7 @@ static int begin_round(struct slurm *slurm, const char *round, size_t n, struct 
 /* Cuts the text after its first line and returns it, for messages. */
 static const char *first_line(char *text)
 {
+    text += strspn(text, " \t\r\n");
     char *end = strchr(text, '\n');
     if (end)
         *end = '\0';

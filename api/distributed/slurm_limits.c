@@ -168,6 +168,8 @@ bool orl_slurm_is_temporary_failure(const char *output)
                                                      "temporarily unable",
                                                      "AssocMaxSubmitJobLimit",
                                                      "QOSMaxSubmitJobPerUserLimit"};
+    if (output[strspn(output, " \t\r\n")] == '\0')
+        return true;
     for (size_t i = 0; i < sizeof temporary_failures / sizeof *temporary_failures; i++)
         if (strcasestr(output, temporary_failures[i]))
             return true;

@@ -238,6 +238,36 @@ static void test_slurmctld_is_killed(void **state)
     parted_compare_daemons(f, parted_skies, path);
 }
 
+/* The first sbatch of the job is killed before it says a word: the job waits, and asks again. */
+static void test_sbatch_is_killed(void **state)
+{
+    struct parted_daemon *f = *state;
+    char path[80], folder[128], program[160], search[4096];
+    char *const usual = strdup(getenv("PATH"));
+    snprintf(folder, sizeof folder, "%s/bin", f->desk->folder);
+    snprintf(program, sizeof program, "%s/sbatch", folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    FILE *file = fopen(program, "w");
+    assert_non_null(file);
+    fprintf(file,
+            "#!/bin/sh\nif [ -e %s/killed ]; then PATH=${PATH#*:} exec sbatch \"$@\"; fi\n"
+            ": >%s/killed\nkill -9 $$\n",
+            folder, folder);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(chmod(program, 0700), 0);
+    snprintf(search, sizeof search, "%s:%s", folder, usual);
+    assert_int_equal(daemon_end(&f->daemon, SIGTERM), 0);
+    assert_int_equal(setenv("PATH", search, 1), 0);
+    parted_restart(f);
+    assert_int_equal(setenv("PATH", usual, 1), 0);
+    parted_submit(f, parted_skies, path);
+    parted_wait(f, path);
+    snprintf(program, sizeof program, "%s/killed", folder);
+    assert_int_equal(access(program, F_OK), 0);
+    parted_compare_daemons(f, parted_skies, path);
+    free(usual);
+}
+
 /* Cancels by the daemon: within 10 s none of its tasks, and no file in its folder, is left. */
 static void cancel_after(struct parted_daemon *f, double moment_s)
 {
@@ -296,6 +326,8 @@ int main(void)
         /* The last test: afterwards Slurm treats tasks that it had not recorded as running for a
            while. */
         cmocka_unit_test_setup_teardown(test_slurmctld_is_killed, parted_daemon_set_up,
+                                        parted_daemon_tear_down),
+        cmocka_unit_test_setup_teardown(test_sbatch_is_killed, parted_daemon_set_up,
                                         parted_daemon_tear_down),
     };
     return cmocka_run_group_tests(tests, cluster_start, cluster_stop);
