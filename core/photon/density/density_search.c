@@ -1,5 +1,7 @@
 #include "photon/density/density_estimate.h"
 
+#include <string.h>
+
 #include "base/multiversion.h"
 #include "photon/map/map_layout.h"
 #include "photon/map/quantization.h"
@@ -21,7 +23,8 @@ struct traversal {
     uint32_t enough; /* a footprint with this many photons is not enlarged */
     /* room: candidates stored before the list is reduced to the nearest k, > k */
     uint32_t k, found, room;
-    uint16_t normal;      /* code of the query's normal */
+    float normal_f[3];    /* the query's normal */
+    uint16_t normal;      /* its code */
     uint32_t normal_bins; /* mask of the bins of normals to search */
 };
 
@@ -62,60 +65,83 @@ static void select_nth(struct orl_search_candidate *list, int64_t count, int64_t
     }
 }
 
-/* Photons near the point must be in the surface point's own plane, within rounding, in cells. */
-static bool in_footprint(const struct traversal *traversal, const float chord[3], float distance2)
+/* A leaf's photons relative to the query: offsets in cells, and a bit for each that is within the
+ * radius and may lie on the point's sheet. */
+struct leaf_photons {
+    float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    uint32_t near;
+    uint32_t other_codes; /* those whose normal's code is not the query's: orl_same_sheet decides */
+};
+
+static inline __attribute__((always_inline)) void
+find_offsets(const struct traversal *traversal, uint32_t leaf, struct leaf_photons *ret_photons)
+{
+    const uint32_t *a = traversal->map->places + (size_t)leaf * ORL_LEAF_WORDS,
+                   *b = a + ORL_MAP_LEAF;
+    struct leaf_photons *p = ret_photons;
+    for (int i = 0; i < ORL_MAP_LEAF; i++) {
+        p->x[i] = (float)(int32_t)(a[i] & 0xfffffU) - traversal->at[0];
+        p->y[i] = (float)(int32_t)(b[i] & 0xfffffU) - traversal->at[1];
+        p->z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - traversal->at[2];
+        p->d2[i] = p->x[i] * p->x[i] + p->y[i] * p->y[i] + p->z[i] * p->z[i];
+    }
+}
+
+/* Returns a bit for each photon of a leaf whose coded normal is not the query's: mostly none. */
+static inline __attribute__((always_inline)) uint32_t
+find_other_codes(const struct traversal *traversal, uint32_t leaf)
+{
+    const uint16_t *normals = traversal->map->normals + (size_t)leaf * ORL_MAP_LEAF;
+    const uint64_t own = traversal->normal * UINT64_C(0x0001000100010001);
+    uint64_t four[ORL_MAP_LEAF / 4], differ = 0;
+    uint32_t others = 0;
+    memcpy(four, normals, sizeof four);
+    for (uint32_t i = 0; i < ORL_MAP_LEAF / 4; i++)
+        differ |= four[i] ^ own;
+    for (uint32_t i = 0; differ != 0 && i < ORL_MAP_LEAF; i++)
+        others |= (uint32_t)(normals[i] != traversal->normal) << i;
+    return others;
+}
+
+/*
+ * Sets the bits of a leaf's n photons, by orl_chord_fits with the slope of flat sheets, in float.
+ * Close to the query a photon must be in its own plane, within rounding. The loop is for vectors:
+ * it is not unrolled, and tests all 16 photons of a leaf.
+ */
+static inline __attribute__((always_inline)) void
+find_near(const struct traversal *traversal, uint32_t leaf, uint32_t n, struct leaf_photons *p)
+{
+    const float slope2 = (float)(orl_sheet_flat_slope * orl_sheet_flat_slope), rounding = 4;
+    const float *normal = traversal->normal_f, radius2 = traversal->radius2;
+    const float flat2 = traversal->flat2;
+    uint32_t fits = 0, inside = 0;
+#pragma GCC unroll 1
+    for (uint32_t i = 0; i < ORL_MAP_LEAF; i++) {
+        const float d2 = p->d2[i];
+        const float off =
+            fabsf(p->x[i] * normal[0] + p->y[i] * normal[1] + p->z[i] * normal[2]) - rounding;
+        fits |= (uint32_t)((off <= 0) | (off * off <= slope2 * d2)) << i;
+        inside |= (uint32_t)((d2 < radius2) & ((d2 >= flat2) | (off <= 0))) << i;
+    }
+    p->other_codes = find_other_codes(traversal, leaf);
+    p->near = inside & (fits | p->other_codes) & ((1U << n) - 1);
+}
+
+/* Returns true if a near photon is not the query's own, and is on the point's sheet and in the
+ * footprint. */
+static bool is_taken(const struct traversal *traversal, const struct leaf_photons *p, uint32_t i,
+                     uint32_t photon)
 {
     const double cell = traversal->map->header->cell;
-    if (distance2 < traversal->flat2 &&
-        fabs(orl_dot(orl_v3(chord[0], chord[1], chord[2]), traversal->query->normal)) > 4)
+    const float chord[3] = {p->x[i], p->y[i], p->z[i]};
+    if (traversal->query->at_photon && photon == traversal->query->skip)
+        return false;
+    if ((p->other_codes >> i & 1) && !orl_same_sheet(traversal->query->normal, traversal->normal,
+                                                     traversal->map->normals[photon], chord))
         return false;
     return !traversal->footprint ||
            orl_footprint_contains(traversal->footprint,
                                   orl_v3(chord[0] * cell, chord[1] * cell, chord[2] * cell));
-}
-
-/* Offsets of a leaf's photons from the point, in cells. */
-struct leaf_offsets {
-    float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
-};
-
-static inline void find_offsets(const struct traversal *traversal, uint32_t leaf,
-                                struct leaf_offsets *ret_offsets)
-{
-    const uint32_t *a = traversal->map->places + (size_t)leaf * ORL_LEAF_WORDS,
-                   *b = a + ORL_MAP_LEAF;
-    struct leaf_offsets *o = ret_offsets;
-    for (int i = 0; i < ORL_MAP_LEAF; i++) {
-        o->x[i] = (float)(int32_t)(a[i] & 0xfffffU) - traversal->at[0];
-        o->y[i] = (float)(int32_t)(b[i] & 0xfffffU) - traversal->at[1];
-        o->z[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - traversal->at[2];
-        o->d2[i] = o->x[i] * o->x[i] + o->y[i] * o->y[i] + o->z[i] * o->z[i];
-    }
-}
-
-/*
- * Returns a bit for each photon within the radius that may lie on the point's sheet. Nearly all
- * have the query's own code; for these the vectorised test is exact. For photons with another code,
- * the bit in *ret_others is set.
- */
-static inline uint32_t find_near(const struct traversal *traversal, const struct leaf_offsets *o,
-                                 const uint16_t *normals, uint32_t n, uint32_t *ret_others)
-{
-    const struct orl_vec3 normal = traversal->query->normal;
-    const uint16_t own = traversal->normal;
-    uint32_t fits[ORL_MAP_LEAF], other[ORL_MAP_LEAF], near = 0, others = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        const struct orl_vec3 chord = orl_v3((double)o->x[i], (double)o->y[i], (double)o->z[i]);
-        fits[i] = orl_chord_fits_flat(normal, chord) & (o->d2[i] < traversal->radius2);
-    }
-    for (uint32_t i = 0; i < n; i++)
-        other[i] = (normals[i] != own) & (o->d2[i] < traversal->radius2);
-    for (uint32_t i = 0; i < n; i++) {
-        near |= (fits[i] | other[i]) << i;
-        others |= other[i] << i;
-    }
-    *ret_others = others;
-    return near;
 }
 
 /* Reduces a full list to the nearest k, and the radius to that of the last of them. */
@@ -126,26 +152,22 @@ static void keep_nearest(struct traversal *traversal)
     traversal->radius2 = traversal->candidates[traversal->k - 1].distance2;
 }
 
-static inline void scan_leaf(struct traversal *traversal, uint32_t leaf)
+static inline __attribute__((always_inline)) void scan_leaf(struct traversal *traversal,
+                                                            uint32_t leaf)
 {
     const uint32_t first = leaf * ORL_MAP_LEAF, n = orl_leaf_photons(traversal->map, leaf);
-    const uint16_t *normals = traversal->map->normals + first;
-    struct leaf_offsets o;
-    uint32_t others;
-    find_offsets(traversal, leaf, &o);
-    uint32_t near = n == ORL_MAP_LEAF ? find_near(traversal, &o, normals, ORL_MAP_LEAF, &others)
-                                      : find_near(traversal, &o, normals, n, &others);
-    for (; near != 0; near &= near - 1) {
+    const bool test_all = traversal->footprint || traversal->query->at_photon;
+    struct leaf_photons p;
+    find_offsets(traversal, leaf, &p);
+    find_near(traversal, leaf, n, &p);
+    const uint32_t tested = test_all ? p.near : p.other_codes;
+    for (uint32_t near = p.near; near != 0; near &= near - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(near);
-        const float chord[3] = {o.x[i], o.y[i], o.z[i]};
-        if (!(o.d2[i] < traversal->radius2) ||
-            (traversal->query->at_photon && first + i == traversal->query->skip) ||
-            ((others >> i & 1) &&
-             !orl_same_sheet(traversal->query->normal, traversal->normal, normals[i], chord)) ||
-            !in_footprint(traversal, chord, o.d2[i]))
+        if (!(p.d2[i] < traversal->radius2) ||
+            ((tested >> i & 1) && !is_taken(traversal, &p, i, first + i)))
             continue;
         traversal->candidates[traversal->found++] =
-            (struct orl_search_candidate){o.d2[i], first + i};
+            (struct orl_search_candidate){p.d2[i], first + i};
         if (traversal->found == traversal->room)
             keep_nearest(traversal);
     }
@@ -315,13 +337,14 @@ static struct traversal traversal_of(const struct orl_photon_map *map,
                                      const struct orl_density_query *query,
                                      struct orl_search *search)
 {
-    struct traversal traversal = {.map = map,
-                                  .query = query,
-                                  .candidates = search->candidates,
-                                  .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST,
-                                  .normal = orl_normal_encode(query->normal),
-                                  .normal_bins =
-                                      orl_normal_bins_mask(&map->normal_bins, query->normal)};
+    struct traversal traversal = {
+        .map = map,
+        .query = query,
+        .candidates = search->candidates,
+        .k = query->k < ORL_SEARCH_MOST ? query->k : ORL_SEARCH_MOST,
+        .normal_f = {(float)query->normal.x, (float)query->normal.y, (float)query->normal.z},
+        .normal = orl_normal_encode(query->normal),
+        .normal_bins = orl_normal_bins_mask(&map->normal_bins, query->normal)};
     orl_box_locate(map, query->point, traversal.at);
     if (traversal.k < 2)
         traversal.k = 2;
