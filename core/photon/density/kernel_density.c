@@ -3,9 +3,7 @@
 #include <stdlib.h>
 
 #include "base/multiversion.h"
-#include "photon/map/map_layout.h"
-#include "photon/map/quantization.h"
-#include "photon/surface/footprint.h"
+#include "photon/density/leaf_photons.h"
 
 enum { BESIDE = 2, NEIGHBOURS = 2 * BESIDE + 1 };
 
@@ -206,56 +204,30 @@ double orl_kernel_density_radius(const struct orl_kernel_density *kernel_density
 /* State of one query: sums so far. */
 struct kernel_query {
     const struct orl_kernel_density *kernel_density;
-    const struct orl_density_query *query;
-    const struct orl_footprint *footprint; /* NULL: whole discs */
-    float at[3], flat2;
-    uint16_t normal;
-    uint32_t normal_bins, found;
+    struct orl_photon_filter filter;
+    uint32_t found;
     float widest2;      /* squared cells: largest radius of the discs that count */
     struct orl_rgb sum; /* flux over area */
     struct orl_batches parts;
 };
 
-/* Returns true if a photon counts for the query. Photons nearer than flat2 must lie in the
- * surface point's own plane, within rounding. */
-static bool photon_counts(const struct kernel_query *kernel_query, uint32_t index,
-                          const float chord[3], float distance2)
+ORL_ALWAYS_INLINE void add_leaf(struct kernel_query *kernel_query, uint32_t leaf)
 {
-    const struct orl_photon_map *map = kernel_query->kernel_density->map;
-    const struct orl_vec3 c = orl_v3(chord[0], chord[1], chord[2]);
-    if (kernel_query->query->at_photon && index == kernel_query->query->skip)
-        return false;
-    if (!orl_same_sheet(kernel_query->query->normal, kernel_query->normal, map->normals[index],
-                        chord))
-        return false;
-    if (distance2 < kernel_query->flat2 && fabs(orl_dot(c, kernel_query->query->normal)) > 4)
-        return false;
-    return !kernel_query->footprint ||
-           orl_footprint_contains(kernel_query->footprint, orl_scale(c, map->header->cell));
-}
-
-static inline void add_leaf(struct kernel_query *kernel_query, uint32_t leaf)
-{
-    const struct orl_photon_map *map = kernel_query->kernel_density->map;
-    const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
-    const uint32_t n = orl_leaf_photons(map, leaf);
+    const struct orl_photon_map *map = kernel_query->filter.map;
+    const uint32_t first = leaf * ORL_MAP_LEAF;
+    const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS;
     const float reach2 = kernel_query->kernel_density->reach2[0][leaf];
-    float dx[ORL_MAP_LEAF], dy[ORL_MAP_LEAF], dz[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
+    struct orl_leaf_photons photons;
     struct orl_rgb sum = orl_gray(0);
     struct orl_batches parts = {{0}};
     uint32_t found = 0;
-    for (int i = 0; i < ORL_MAP_LEAF; i++) {
-        dx[i] = (float)(int32_t)(a[i] & 0xfffffU) - kernel_query->at[0];
-        dy[i] = (float)(int32_t)(b[i] & 0xfffffU) - kernel_query->at[1];
-        dz[i] = (float)(int32_t)((a[i] >> 24) << 12 | b[i] >> 20) - kernel_query->at[2];
-        d2[i] = dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i];
-    }
-    for (uint32_t i = 0; i < n; i++) {
-        const float chord[3] = {dx[i], dy[i], dz[i]};
-        if (!(d2[i] < reach2) ||
-            !photon_counts(kernel_query, leaf * ORL_MAP_LEAF + i, chord, d2[i]))
+    orl_leaf_find_near(&kernel_query->filter, leaf, reach2, &photons);
+    for (uint32_t near = photons.near; near != 0; near &= near - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctz(near);
+        if ((photons.to_be_tested >> i & 1) &&
+            !orl_photon_counts(&kernel_query->filter, &photons, i, first + i))
             continue;
-        const struct orl_rgb flux = orl_flux_unpack(map->fluxes[leaf * ORL_MAP_LEAF + i]);
+        const struct orl_rgb flux = orl_flux_unpack(map->fluxes[first + i]);
         sum = orl_rgb_add(sum, flux);
         parts.luma[a[i] >> 20 & (ORL_MAP_BATCHES - 1)] += orl_luma(flux);
         found++;
@@ -263,9 +235,10 @@ static inline void add_leaf(struct kernel_query *kernel_query, uint32_t leaf)
     if (found == 0)
         return;
     const double cell = map->header->cell;
-    const double area = kernel_query->footprint ? orl_footprint_area(kernel_query->footprint,
-                                                                     sqrt((double)reach2) * cell)
-                                                : ORL_PI * (double)reach2 * cell * cell;
+    const double area =
+        kernel_query->filter.footprint
+            ? orl_footprint_area(kernel_query->filter.footprint, sqrt((double)reach2) * cell)
+            : ORL_PI * (double)reach2 * cell * cell;
     const double share = map->header->flux_unit / orl_larger(area, ORL_PI * cell * cell);
     kernel_query->sum = orl_rgb_add(kernel_query->sum, orl_rgb_scale(sum, share));
     orl_batches_add(&kernel_query->parts, &parts, share);
@@ -289,8 +262,8 @@ ORL_FOR_WIDE_VECTORS static void add_leaves(struct kernel_query *kernel_query)
         if (at.level == 0)
             add_leaf(kernel_query, at.node);
         else
-            depth = orl_box_push(map, at, kernel_query->at, kernel_query->normal_bins, reach2,
-                                 stack, depth);
+            depth = orl_box_push(map, at, kernel_query->filter.at, kernel_query->filter.normal_bins,
+                                 reach2, stack, depth);
     }
 }
 
@@ -299,19 +272,12 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
                                                struct orl_search *search)
 {
     const struct orl_map_header *h = kernel_density->map->header;
-    struct kernel_query kernel_query = {
-        .kernel_density = kernel_density,
-        .query = query,
-        .normal = orl_normal_encode(query->normal),
-        .normal_bins = orl_normal_bins_mask(&kernel_density->map->normal_bins, query->normal)};
+    struct kernel_query kernel_query = {.kernel_density = kernel_density,
+                                        .filter =
+                                            orl_photon_filter_make(kernel_density->map, query)};
     struct orl_footprint footprint;
     double clearance = INFINITY;
     bool patch = false;
-    orl_box_locate(kernel_density->map, query->point, kernel_query.at);
-    if (query->surface_point) {
-        const double flat = orl_surface_point_flat_radius(query->surface_point) / h->cell;
-        kernel_query.flat2 = (float)orl_smaller(flat * flat, 1e30);
-    }
     struct orl_density_query all;
     struct kernel_query whole = kernel_query;
     add_leaves(&whole);
@@ -319,7 +285,7 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
     if (query->surface_point && whole.found > 0 &&
         !orl_surface_point_is_clear(query->surface_point, widest)) {
         orl_footprint_make(query->surface_point, widest, &footprint);
-        kernel_query.footprint = &footprint;
+        kernel_query.filter.footprint = &footprint;
         clearance = footprint.clearance;
         whole = kernel_query;
         add_leaves(&whole);
@@ -328,7 +294,7 @@ struct orl_density orl_kernel_density_estimate(const struct orl_kernel_density *
             all = *query;
             all.at_photon = false;
             whole = kernel_query;
-            whole.query = &all;
+            whole.filter.query = &all;
             add_leaves(&whole);
         }
     }
