@@ -113,6 +113,14 @@ static void print_warnings(const char *name, const struct orl_glare *glare, bool
                 "oriel glare: %s shows only %.0f %% of the hemisphere; the rest of the light is "
                 "missing (give the total with --illuminance)\n",
                 name, 100 * glare->field_sr / hemisphere);
+    uint32_t percent;
+    if (orl_glare_is_blurred(glare, 100, &percent))
+        fprintf(stderr,
+                "oriel glare: the pixels of %s are too wide for a bright source of %zu pixels, "
+                "such as the sun, so DGP is too low: %.2f, and at least %.2f by the brightest of "
+                "them; make the picture %u times as wide\n",
+                name, glare->blurred_pixels, glare->values[ORL_GLARE_DGP].value, glare->sharper_dgp,
+                percent / 100);
 }
 
 static int evaluate_picture(const char *name, const struct glare_options *glare_options,

@@ -292,24 +292,93 @@ static int check_task(const struct orl_glare_area *task, const struct orl_view_f
                          task->x, task->y, field->width, field->height);
 }
 
+static int rate_dgp(const struct orl_glare_settings *settings, double eye_lx,
+                    const struct orl_glare_source *sources, size_t n_sources, double *ret_dgp,
+                    struct orl_error *err)
+{
+    const struct orl_dgp_options options = {settings->constants, settings->low_light};
+    /* DGP's correction for age is 1 for 20 years (evalglare 1.08 to 1.16). */
+    const double years = settings->age_years, age = years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
+    const int code = orl_dgp(eye_lx, sources, n_sources, &options, ret_dgp, err);
+    *ret_dgp = fmin(*ret_dgp * age, 1);
+    return code;
+}
+
+/* Sources that pixels may blur are brighter than these (cd/m2): where they show a known disc, and
+ * elsewhere; and they have few pixels: their edge is most of it. */
+static const double least_disc_cd_m2 = 5e4, least_blurred_cd_m2 = 1e6, least_evenness = 0.8;
+enum { MOST_BLURRED_PIXELS = 64 };
+
+/* Returns the solid angle that a source has without the blur of its pixels: that of the disc it
+ * shows, or the one at which it is as bright as its brightest pixel. */
+static double sharp_angle(const struct orl_glare_source *source, const struct orl_glare_disc *discs,
+                          size_t n_discs)
+{
+    const double reach = sqrt(source->solid_angle_sr / ORL_PI), sr = source->solid_angle_sr;
+    if (source->pixels > MOST_BLURRED_PIXELS)
+        return sr;
+    for (size_t i = 0; i < n_discs && source->most_cd_m2 >= least_disc_cd_m2; i++)
+        if (orl_dot(discs[i].direction, source->direction) >= cos(fmin(reach, ORL_PI)))
+            return fmin(discs[i].solid_angle_sr, sr);
+    return source->most_cd_m2 >= least_blurred_cd_m2
+               ? sr * source->luminance_cd_m2 / source->most_cd_m2
+               : sr;
+}
+
+int orl_glare_sharpen(const struct orl_glare_settings *settings, const struct orl_glare_disc *discs,
+                      size_t n_discs, struct orl_glare *glare, struct orl_error *err)
+{
+    const double eye_lx =
+        settings->eye_lx > 0 ? settings->eye_lx : glare->values[ORL_GLARE_ILLUMINANCE].value;
+    struct orl_glare_source *sources = calloc(glare->n_sources + 1, sizeof *sources);
+    if (!sources)
+        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for glare sources");
+    glare->blurred_pixels = 0;
+    for (size_t i = 0; i < glare->n_sources; i++) {
+        struct orl_glare_source *source = &sources[i];
+        *source = glare->sources[i];
+        const double sharp = sharp_angle(source, discs, n_discs);
+        if (!(sharp < least_evenness * source->solid_angle_sr))
+            continue;
+        if (glare->blurred_pixels == 0)
+            glare->blurred_pixels = source->pixels;
+        source->luminance_cd_m2 *= source->solid_angle_sr / sharp;
+        source->solid_angle_sr = sharp;
+    }
+    const int code =
+        rate_dgp(settings, eye_lx, sources, glare->n_sources, &glare->sharper_dgp, err);
+    free(sources);
+    return code;
+}
+
 static int compute_metrics(const struct orl_glare_settings *settings,
                            const struct orl_glare_light *light, struct orl_glare *glare,
                            struct orl_error *err)
 {
-    const struct orl_dgp_options options = {settings->constants, settings->low_light};
     const double eye_lx = settings->eye_lx > 0 ? settings->eye_lx : light->eye_lx;
     double values[ORL_GLARE_METRICS];
     orl_glare_indices(light, glare->sources, glare->n_sources, values);
     values[ORL_GLARE_DGPS] = fmin(6.22e-5 * eye_lx + 0.184, 1);
-    const int code =
-        orl_dgp(eye_lx, glare->sources, glare->n_sources, &options, &values[ORL_GLARE_DGP], err);
-    /* DGP's correction for age is 1 for 20 years (evalglare 1.08 to 1.16). */
-    const double years = settings->age_years, age = years > 0 ? 1 / (1.1 - 0.5 * years / 100) : 1;
-    values[ORL_GLARE_DGP] = fmin(values[ORL_GLARE_DGP] * age, 1);
+    int code =
+        rate_dgp(settings, eye_lx, glare->sources, glare->n_sources, &values[ORL_GLARE_DGP], err);
     for (int i = 0; i < ORL_GLARE_METRICS; i++)
         glare->values[i] = (struct orl_glare_value){values[i], NAN, {NAN, NAN}};
+    if (code == 0)
+        code = orl_glare_sharpen(settings, NULL, 0, glare, err);
     glare->class_of = orl_glare_class_of(&glare->values[ORL_GLARE_DGP]);
     return code;
+}
+
+bool orl_glare_is_blurred(const struct orl_glare *glare, uint32_t width, uint32_t *ret_width)
+{
+    enum { SHARP_PIXELS = 100 };
+    static const double least_difference = 0.01;
+    if (glare->blurred_pixels == 0 ||
+        !(glare->sharper_dgp - glare->values[ORL_GLARE_DGP].value >= least_difference))
+        return false;
+    const double wider = sqrt((double)SHARP_PIXELS / (double)glare->blurred_pixels);
+    *ret_width = (uint32_t)(100 * ceil(fmax(wider, 1.25) * width / 100));
+    return true;
 }
 
 int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,

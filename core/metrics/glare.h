@@ -27,6 +27,21 @@ int orl_glare_evaluate(const struct orl_luminances *picture, const float *mask,
                        const struct orl_glare_settings *settings, struct orl_glare *ret_glare,
                        struct orl_error *err);
 
+/* A disc that the view may show, such as the sun's. */
+struct orl_glare_disc {
+    struct orl_vec3 direction; /* unit, scene axes */
+    double solid_angle_sr;
+};
+
+/*
+ * Sets sharper_dgp and blurred_pixels: DGP if sources of few pixels had their own solid angle. A
+ * source at one of the discs has at most that disc's; others are taken to be as bright as their
+ * brightest pixel if that is 10^6 cd/m2 or more. orl_glare_evaluate does so without discs. Returns
+ * 0 or ORL_ERR_NOMEM.
+ */
+int orl_glare_sharpen(const struct orl_glare_settings *settings, const struct orl_glare_disc *discs,
+                      size_t n_discs, struct orl_glare *glare, struct orl_error *err);
+
 /* Checks everything that needs no pixels: settings, a view with an eye and enough of a field. */
 int orl_glare_view_check(const struct orl_view *view, const struct orl_glare_settings *settings,
                          struct orl_error *err);

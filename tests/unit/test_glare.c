@@ -475,6 +475,50 @@ static void test_settings_out_of_range(void **state)
         assert_int_equal(orl_glare_settings_check(&bad[i], NULL), ORL_ERR_RANGE);
 }
 
+/*
+ * A sun of half a degree in a picture of half a degree a pixel, its light shared by four pixels of
+ * which one is brighter. DGP by the brightest pixel is that of the light on a smaller angle; a
+ * picture whose pixels are alike, and one whose source is wide, are not blurred.
+ */
+static void test_blurred_sun(void **state)
+{
+    static const struct orl_glare_settings settings = {.directions = 0};
+    struct scene scene = scene_of(FISHEYE, 360, 500);
+    const size_t middle = (size_t)120 * 360 + 100;
+    const size_t pixels[4] = {middle, middle + 1, middle + 360, middle + 361};
+    uint32_t width = 0;
+    (void)state;
+    for (int i = 0; i < 4; i++)
+        scene.cd_m2[pixels[i]] = i == 0 ? 4e7F : 1e7F;
+    struct orl_glare glare = rate(&scene, &settings);
+    const struct orl_glare_source *source = &glare.sources[0];
+    const double eye_lx = glare.values[ORL_GLARE_ILLUMINANCE].value;
+    assert_int_equal(glare.blurred_pixels, 4);
+    /* The term of the source grows by the ratio of luminances. */
+    const double term = pow(source->luminance_cd_m2, 2) * source->solid_angle_sr /
+                        pow(source->position_index, 2) / pow(eye_lx, 1.87);
+    const double times = source->most_cd_m2 / source->luminance_cd_m2;
+    near(glare.sharper_dgp - glare.values[ORL_GLARE_DGP].value,
+         9.2e-2 * log10((1 + times * term) / (1 + term)), 1e-6);
+    assert_true(orl_glare_is_blurred(&glare, 360, &width));
+    assert_int_equal(width, 1800); /* a hundred pixels for four: five times as wide */
+    orl_glare_done(&glare);
+    for (int i = 0; i < 4; i++)
+        scene.cd_m2[pixels[i]] = 2e7F;
+    glare = rate(&scene, &settings);
+    assert_int_equal(glare.blurred_pixels, 0);
+    near(glare.sharper_dgp, glare.values[ORL_GLARE_DGP].value, 1e-12);
+    assert_false(orl_glare_is_blurred(&glare, 360, &width));
+    orl_glare_done(&glare);
+    draw_disc(&scene, towards(-20, 10), 8, 2e6);
+    for (int i = 0; i < 4; i++)
+        scene.cd_m2[pixels[i]] = 500;
+    glare = rate(&scene, &settings);
+    assert_int_equal(glare.blurred_pixels, 0);
+    orl_glare_done(&glare);
+    scene_done(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -496,6 +540,7 @@ int main(void)
         cmocka_unit_test(test_indices_by_hand),
         cmocka_unit_test(test_no_formula_no_number),
         cmocka_unit_test(test_classes),
+        cmocka_unit_test(test_blurred_sun),
         cmocka_unit_test(test_settings_out_of_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,7 +17,7 @@
 
 #define ORL_ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* What photons are tested against. */
+/* Data of the tests of photons. */
 struct orl_photon_filter {
     const struct orl_photon_map *map;
     const struct orl_density_query *query;

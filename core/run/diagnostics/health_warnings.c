@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "light/enclosures.h"
+#include "metrics/glare.h"
 #include "render/film/film.h"
 #include "run/diagnostics/diagnostics.h"
 #include "run/run_state.h"
@@ -264,6 +265,50 @@ static void warn_of_sparse(struct orl_run_state *state, const struct orl_health 
                 "photons would reduce it");
 }
 
+/* Lists the discs of suns and of their images in flat mirrors; returns their number. */
+static size_t list_discs(const struct orl_lit_scene *lit_scene, struct orl_glare_disc *ret_discs)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < lit_scene->n_suns; i++)
+        ret_discs[n++] =
+            (struct orl_glare_disc){lit_scene->suns[i].frame.n, lit_scene->suns[i].solid_angle_sr};
+    for (size_t i = 0; i < lit_scene->images.n_nodes; i++) {
+        const struct orl_virtual_sun *image = &lit_scene->images.nodes[i];
+        if (image->shown)
+            ret_discs[n++] =
+                (struct orl_glare_disc){image->frame.n, lit_scene->suns[image->sun].solid_angle_sr};
+    }
+    return n;
+}
+
+/* Warns of views whose pixels blur a glare source, and widens the interval of their DGP. */
+static void warn_of_blur(struct orl_run_state *state)
+{
+    const struct orl_lit_scene *lit_scene = state->lit_scene;
+    struct orl_glare_disc *discs =
+        calloc(lit_scene->n_suns + lit_scene->images.n_nodes + 1, sizeof *discs);
+    const size_t n_discs = discs ? list_discs(lit_scene, discs) : 0;
+    for (size_t i = 0; i < state->result->n_views; i++) {
+        const struct orl_view_request *request = &state->job->views[i];
+        struct orl_glare *glare = state->result->views[i].glare;
+        uint32_t width;
+        if (!glare || !(request->metrics & 1U << ORL_GLARE_DGP) ||
+            orl_glare_sharpen(&request->glare, discs, n_discs, glare, NULL) < 0 ||
+            !orl_glare_is_blurred(glare, request->width, &width))
+            continue;
+        struct orl_glare_value *dgp = &glare->values[ORL_GLARE_DGP];
+        if (dgp->interval_95[1] < glare->sharper_dgp)
+            dgp->interval_95[1] = glare->sharper_dgp;
+        glare->class_of = orl_glare_class_of(dgp);
+        orl_run_warn(state,
+                     "view '%s': its pixels are too wide for a bright source of %zu pixels, such "
+                     "as the sun, so DGP is too low: %.2f, and about %.2f with the source's own "
+                     "size; make the view %u pixels wide",
+                     request->name, glare->blurred_pixels, dgp->value, glare->sharper_dgp, width);
+    }
+    free(discs);
+}
+
 void orl_run_diagnose_health(struct orl_run_state *state)
 {
     struct orl_health *h = &state->result->health;
@@ -289,4 +334,5 @@ void orl_run_diagnose_health(struct orl_run_state *state)
         orl_run_warn(state, "%llu of %llu values of the BSDFs are negative and were read as zero",
                      (unsigned long long)h->bsdf_clamped, (unsigned long long)h->bsdf_values);
     warn_of_sparse(state, h);
+    warn_of_blur(state);
 }

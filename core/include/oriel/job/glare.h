@@ -114,12 +114,25 @@ struct orl_glare {
     double field_sr;        /* solid angle of the view within the hemisphere before the eye */
     double turned_deg; /* line of sight relative to the view's, positive to the left: the worst of
                           several */
+    /*
+     * Wide pixels spread a small bright source, such as the sun's disc, over a larger solid angle
+     * at a lower luminance, and DGP grows with the square of the luminance. sharper_dgp is DGP with
+     * such sources at their own solid angle where it is known, otherwise as bright as their
+     * brightest pixel, a lower bound. It is DGP itself where no source is blurred. blurred_pixels:
+     * size of the most important such source, in pixels; 0: none.
+     */
+    double sharper_dgp;
+    size_t blurred_pixels;
     struct orl_glare_part masked;     /* set if there is a mask */
     struct orl_glare_part band;       /* set if band_rad is above 0 */
     struct orl_glare_source *sources; /* owned; sorted by contribution to DGP, largest first */
     size_t n_sources;
 };
 void orl_glare_done(struct orl_glare *glare); /* NULL is fine */
+
+/* Returns true if DGP is at least 0.01 too low because pixels blur a source. *ret_width: a width
+ * of the view, in pixels, at which they hardly do; width: its width. */
+bool orl_glare_is_blurred(const struct orl_glare *glare, uint32_t width, uint32_t *ret_width);
 
 /*
  * Picture file in memory, for orl_glare_of_picture. That function evaluates a Radiance HDR picture.
