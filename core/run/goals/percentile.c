@@ -1,13 +1,19 @@
 #include "run/goals/percentile.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "base/statistics/numeric.h"
 
-enum { MOST_SELECTED = 4096, MOST_OF_FEW = 16, HALVINGS = 48 };
+enum { MOST_SELECTED = 4096, MOST_OF_FEW = 16, HALVINGS = 48, THINNED = 16, LEAST_THINNED = 64 };
+/* Relative accuracy of bounds, of the first guess of one, and of predicted work. */
+static const double accuracy = 1e-5, accuracy_of_guess = 0.02, accuracy_of_work = 1e-4;
 /* Normal quantile of the probability. */
 static const double probability = 0.975, quantile = 1.9599639845400545;
+
+/* Range of bounds that are searched. */
+static const double least_bound = 1e-9, most_bound = 1e3;
 
 const double orl_floor_of_sensors = 1e-3, orl_floor_of_pixels = 0.1;
 
@@ -29,6 +35,8 @@ static double beyond(double x, double bias, double error, double degrees_of_free
 {
     if (!(error > 0))
         return fabs(bias) > x ? 1 : 0;
+    if (bias == 0)
+        return 2 * above(x / error, degrees_of_freedom);
     return above((x - bias) / error, degrees_of_freedom) +
            above((x + bias) / error, degrees_of_freedom);
 }
@@ -51,9 +59,9 @@ static double beyond_at(const struct selection *selection, size_t k, double x)
                   selection->scale * e->error[i], e->degrees_of_freedom);
 }
 
-/* Tests the bound for a small number by computing the distribution of the number beyond x, adding
- * estimates one by one. */
-static int is_bound_of_few(const struct selection *selection, double x, size_t allowed)
+/* Returns the excess for a small allowed number, from the distribution of the number beyond x, to
+ * which estimates are added one by one. */
+static double excess_of_few(const struct selection *selection, double x, size_t allowed)
 {
     double distribution[MOST_OF_FEW + 1] = {1}, sum = 0;
     for (size_t k = 0; k < selection->count; k++) {
@@ -64,11 +72,11 @@ static int is_bound_of_few(const struct selection *selection, double x, size_t a
     }
     for (size_t n = 0; n <= allowed; n++)
         sum += distribution[n];
-    return sum >= probability;
+    return probability - sum;
 }
 
-/* Tests the bound for a large number by mean, variance and skewness. */
-static int is_bound_of_many(const struct selection *selection, double x, size_t allowed)
+/* Returns the excess for a large allowed number, from mean, variance and skewness. */
+static double excess_of_many(const struct selection *selection, double x, size_t allowed)
 {
     double mean = 0, variance = 0, third = 0;
     for (size_t k = 0; k < selection->count; k++) {
@@ -79,14 +87,20 @@ static int is_bound_of_many(const struct selection *selection, double x, size_t 
     }
     const double skew = variance > 0 ? third / variance : 0; /* skewness times the deviation */
     const double bound = mean + quantile * sqrt(variance) + (quantile * quantile - 1) / 6 * skew;
-    return bound <= (double)allowed + 0.5;
+    return bound - ((double)allowed + 0.5);
 }
 
-/* Returns 1 if the number beyond x is within the allowed one with the required probability. */
-static int is_bound(const struct selection *selection, double x, size_t allowed)
+/* Returns a number that falls as x grows, and is at most 0 if the number of estimates beyond x is
+ * within the allowed one with the required probability. */
+static double excess_beyond(const struct selection *selection, double x, size_t allowed)
 {
-    return allowed <= MOST_OF_FEW ? is_bound_of_few(selection, x, allowed)
-                                  : is_bound_of_many(selection, x, allowed);
+    return allowed <= MOST_OF_FEW ? excess_of_few(selection, x, allowed)
+                                  : excess_of_many(selection, x, allowed);
+}
+
+static bool is_bound(const struct selection *selection, double x, size_t allowed)
+{
+    return excess_beyond(selection, x, allowed) <= 0;
 }
 
 static int has_bias(const struct orl_estimates *e)
@@ -117,13 +131,17 @@ static size_t allowed_of(const struct selection *selection, double at)
     return selection->count - (kept < selection->count ? kept : selection->count);
 }
 
-static double find_bound(const struct selection *selection, double at)
+/* Interval that holds the bound, with the excess at its ends. */
+struct bracket {
+    double low, high, low_excess, high_excess;
+};
+
+/* Bisects the widest range, until the ends differ by little. */
+static double guess_bound(const struct selection *selection, double at)
 {
     const size_t allowed = allowed_of(selection, at);
-    double low = 1e-9, high = 1e3;
-    if (is_bound(selection, low, allowed))
-        return 0;
-    for (int i = 0; i < HALVINGS && high > low * (1 + 1e-6); i++) {
+    double low = least_bound, high = most_bound;
+    while (high > low * (1 + accuracy_of_guess)) {
         const double middle = sqrt(low * high);
         if (is_bound(selection, middle, allowed))
             high = middle;
@@ -131,6 +149,58 @@ static double find_bound(const struct selection *selection, double at)
             low = middle;
     }
     return high;
+}
+
+/* Returns an interval about a guess from one estimate in sixteen, if there are enough. */
+static struct bracket start_bracket(const struct selection *selection, double at, size_t allowed)
+{
+    struct bracket b = {least_bound, most_bound, 1, -1};
+    if (selection->count < (size_t)THINNED * LEAST_THINNED)
+        return b;
+    struct selection thinned = *selection;
+    thinned.step *= THINNED;
+    thinned.count = (selection->count + THINNED - 1) / THINNED;
+    const double guess = guess_bound(&thinned, at);
+    for (double wide = 1.05; wide < most_bound; wide *= wide) {
+        b.low = fmax(guess / wide, least_bound);
+        b.high = fmin(guess * wide, most_bound);
+        b.low_excess = excess_beyond(selection, b.low, allowed);
+        b.high_excess = excess_beyond(selection, b.high, allowed);
+        if (b.low_excess > 0 && b.high_excess <= 0)
+            return b;
+    }
+    return (struct bracket){least_bound, most_bound, 1, -1};
+}
+
+/* Finds the bound by the Illinois method on the logarithm, which falls back to bisection while the
+ * interval is wide (Dowell and Jarratt 1971). */
+static double find_bound(const struct selection *selection, double at)
+{
+    const size_t allowed = allowed_of(selection, at);
+    if (is_bound(selection, least_bound, allowed))
+        return 0;
+    struct bracket b = start_bracket(selection, at, allowed);
+    int last = 0; /* the end that moved last: -1 high, 1 low */
+    for (int i = 0; i < HALVINGS && b.high > b.low * (1 + accuracy); i++) {
+        const bool narrow = b.high < 4 * b.low;
+        const double part = narrow ? b.low_excess / (b.low_excess - b.high_excess) : 0.5;
+        /* Not so close to an end that the other one never moves. */
+        const double inside = fmin(fmax(part, 0.01), 0.99);
+        const double middle = b.low * pow(b.high / b.low, inside);
+        const double excess = excess_beyond(selection, middle, allowed);
+        if (excess <= 0) {
+            b.high = middle;
+            b.high_excess = excess;
+            b.low_excess *= last < 0 ? 0.5 : 1;
+            last = -1;
+        } else {
+            b.low = middle;
+            b.low_excess = excess;
+            b.high_excess *= last > 0 ? 0.5 : 1;
+            last = 1;
+        }
+    }
+    return b.high;
 }
 
 /* Selects the estimates to use. Returns 0 if an error is unknown. */
@@ -176,7 +246,7 @@ double orl_percentile_work(const struct orl_estimates *estimates, double at, dou
     if (!has_bias(estimates))
         return now / target *
                (now / target); /* all errors, and so their bound, scale by one factor */
-    for (int i = 0; i < HALVINGS; i++) {
+    while (high > low * (1 + accuracy_of_work)) {
         const double middle = sqrt(low * high);
         selection.scale = sqrt(middle);
         selection.bias_scale = cbrt(middle);
@@ -187,8 +257,6 @@ double orl_percentile_work(const struct orl_estimates *estimates, double at, dou
     }
     return 1 / low;
 }
-
-enum { ALLOCATION_HALVINGS = 40 };
 
 /* Share of the samples that is allocated equally. */
 static const double even_part = 0.2;
@@ -258,7 +326,7 @@ double orl_allocation_work(const struct orl_estimates *estimates, double at, dou
     double *errors = malloc(estimates->count * sizeof *errors);
     if (!errors)
         return NAN;
-    for (int i = 0; i < ALLOCATION_HALVINGS; i++) {
+    while (high > low * (1 + accuracy_of_work)) {
         const double middle = sqrt(low * high);
         if (reaches_target(&noise, middle, at, target, errors))
             high = middle;
