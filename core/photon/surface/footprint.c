@@ -429,20 +429,48 @@ bool orl_footprint_contains(const struct orl_footprint *footprint, struct orl_ve
            (!(beyond > 0) || beyond * sqrt(length2) <= wedge->border.offset * sqrt(flat2));
 }
 
+static double cross_of(const double a[2], const double b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+/*
+ * Returns the area of a wedge within a radius. Its border cuts off a part of the sector: of the
+ * border, the part within the circle and the sector has a triangle below it, and the rest of the
+ * sector is bounded by arcs.
+ */
 static double wedge_area(const struct orl_wedge *wedge, double radius, int at)
 {
-    const struct orl_line *line = &wedge->border;
     const double width = 2 * ORL_PI / SECTORS, r = orl_smaller(radius, wedge->radius);
-    if ((line->normal[0] == 0 && line->normal[1] == 0) || line->offset >= r)
+    const double *const n = wedge->border.normal, offset = wedge->border.offset;
+    const double *const first = orl_footprint_azimuths[at];
+    const double *const last = orl_footprint_azimuths[(at + 1) % SECTORS];
+    if ((n[0] == 0 && n[1] == 0) || offset >= r)
         return 0.5 * width * r * r;
-    /* Within `half` of its normal the line is nearer than the circle. */
-    const double half = acos(line->offset / r);
-    const double normal = atan2(line->normal[1], line->normal[0]);
-    const double start = remainder(at * width - normal, 2 * ORL_PI);
-    const double from = orl_smaller(orl_larger(start, -half), half),
-                 to = orl_smaller(orl_larger(start + width, -half), half);
-    const double before = line->offset * line->offset * (tan(to) - tan(from));
-    return 0.5 * (before + (width - (to - from)) * r * r);
+    /* The ends of the part of the border in the circle, in the order of angles. */
+    const double half = sqrt(r * r - offset * offset);
+    double from[2] = {offset * n[0] + half * n[1], offset * n[1] - half * n[0]};
+    double to[2] = {offset * n[0] - half * n[1], offset * n[1] + half * n[0]};
+    const double first_slope = n[0] * first[0] + n[1] * first[1];
+    const double last_slope = n[0] * last[0] + n[1] * last[1];
+    const bool first_is_cut = first_slope > 0 && r * first_slope >= offset;
+    const bool last_is_cut = last_slope > 0 && r * last_slope >= offset;
+    double arcs = 0;
+    if (!first_is_cut && !last_is_cut && !(cross_of(first, n) > 0 && cross_of(n, last) > 0))
+        return 0.5 * width * r * r;
+    if (first_is_cut) {
+        from[0] = offset / first_slope * first[0];
+        from[1] = offset / first_slope * first[1];
+    } else {
+        arcs += asin(orl_smaller(orl_larger(cross_of(first, from) / r, 0), 1));
+    }
+    if (last_is_cut) {
+        to[0] = offset / last_slope * last[0];
+        to[1] = offset / last_slope * last[1];
+    } else {
+        arcs += asin(orl_smaller(orl_larger(cross_of(to, last) / r, 0), 1));
+    }
+    return 0.5 * (cross_of(from, to) + arcs * r * r);
 }
 
 double orl_footprint_area(const struct orl_footprint *footprint, double radius)
