@@ -1,6 +1,7 @@
 """What every operation answers, by the contract alone: a new route is asked all of this as soon as
 api/openapi.yaml has it."""
 
+import http.client
 import re
 import signal
 import socket
@@ -111,6 +112,12 @@ class EndedTooSoon(Exception):
     """The daemon had done its work before it could be halted."""
 
 
+def ended_too_soon(daemon, work):
+    work()
+    daemon.ended()
+    raise EndedTooSoon
+
+
 def stopping(daemon, busy):
     """503 of everything, on connections from before: busy(daemon) keeps the daemon from ending. Raises EndedTooSoon
     where a loaded machine let the daemon end first."""
@@ -126,9 +133,12 @@ def stopping(daemon, busy):
         one.sendall(b"POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\n<x")
     daemon.process.send_signal(signal.SIGTERM)
     until = time.monotonic() + daemon.patience_s
-    while daemon.ask("GET", "/healthz", connection=spare).status != 503:
-        assert time.monotonic() < until, "the daemon does not stop"
-        time.sleep(0.005)
+    try:
+        while daemon.ask("GET", "/healthz", connection=spare).status != 503:
+            assert time.monotonic() < until, "the daemon does not stop"
+            time.sleep(0.005)
+    except (http.client.RemoteDisconnected, ConnectionResetError):
+        ended_too_soon(daemon, work)
     # The daemon ends soon after its upload has: it is halted until all requests are sent.
     daemon.process.send_signal(signal.SIGSTOP)
     for one in begun:
@@ -139,9 +149,7 @@ def stopping(daemon, busy):
     for one in begun:
         answer = one.recv(12, socket.MSG_WAITALL)
         if answer == b"":
-            work()
-            daemon.ended()
-            raise EndedTooSoon
+            ended_too_soon(daemon, work)
         assert answer == b"HTTP/1.1 503", answer
         one.close()
     for (method, template), connection in asks:

@@ -1,5 +1,6 @@
 #include "annual/sun_map/sun_beams.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 #include "base/memory/memory.h"
@@ -82,19 +83,16 @@ static size_t port_at(const struct orl_lit_scene *lit_scene,
     return low;
 }
 
-/* Traces one photon from the sun's disc to a port and through it. */
+/* Traces one photon from the sun's disc to a port and through it. u: its Sobol point. */
 static void emit_photon(struct orl_sun_photon_task *s,
                         const struct port_distribution *port_distribution, uint32_t index,
-                        uint32_t batch)
+                        uint32_t batch, const double u[ORL_SOBOL_DIMENSIONS])
 {
     const struct orl_lit_scene *lit_scene = s->beams->lit_scene;
     const struct orl_frame *sun = &s->nodes[s->beams->at[s->beam].node];
     const uint64_t name = (uint64_t)s->beam * ORL_SUN_PHOTON_BATCHES + batch;
     struct orl_random random =
         orl_random_stream(s->seed, ORL_PURPOSE_SUN_MAP, (name << 32) + index);
-    double u[ORL_SOBOL_DIMENSIONS];
-    orl_sobol_point(s->sobol, index, (uint32_t)orl_mix64(s->seed + orl_mix64(name + 1)),
-                    ORL_SOBOL_DIMENSIONS, u);
     const struct orl_port *port =
         &lit_scene->ports[port_at(lit_scene, port_distribution, u[2] * port_distribution->flux)];
     const double disc = 0.5 * ORL_SUN_DIAMETER_DEG * ORL_DEG_TO_RAD;
@@ -124,6 +122,22 @@ static void emit_photon(struct orl_sun_photon_task *s,
     trace_photon(s, path, batch, &random);
 }
 
+/* Traces the photons of one index, from batch `first` to before batch `end`. */
+static void emit_batches(struct orl_sun_photon_task *s,
+                         const struct port_distribution *port_distribution,
+                         const uint32_t seeds[ORL_SOBOL_BLOCK], uint32_t index, uint32_t first,
+                         uint32_t end)
+{
+    struct orl_sobol_block block;
+    orl_sobol_block(s->sobol, index, seeds, &block);
+    for (uint32_t batch = first; batch < end && s->code == 0; batch++) {
+        double u[ORL_SOBOL_DIMENSIONS];
+        for (int d = 0; d < ORL_SOBOL_DIMENSIONS; d++)
+            u[d] = block.at[d][batch];
+        emit_photon(s, port_distribution, index, batch, u);
+    }
+}
+
 /* Photons are distributed by the flux of unobstructed ports; obstacles attenuate each photon. */
 void orl_sun_photon_task_trace(struct orl_sun_photon_task *s)
 {
@@ -142,8 +156,18 @@ void orl_sun_photon_task_trace(struct orl_sun_photon_task *s)
                 lit_scene->ports[i].area * fmax(orl_dot(sun, lit_scene->ports[i].outward), 0);
         port_distribution.shares[i] = port_distribution.flux;
     }
-    for (uint32_t i = s->first; port_distribution.flux > 0 && i < s->end && s->code == 0; i++)
-        emit_photon(s, &port_distribution, i / ORL_SUN_PHOTON_BATCHES, i % ORL_SUN_PHOTON_BATCHES);
+    uint32_t seeds[ORL_SOBOL_BLOCK] = {0};
+    static_assert((int)ORL_SUN_PHOTON_BATCHES <= (int)ORL_SOBOL_BLOCK, "one block for all batches");
+    for (uint32_t batch = 0; batch < ORL_SUN_PHOTON_BATCHES; batch++)
+        seeds[batch] = (uint32_t)orl_mix64(
+            s->seed + orl_mix64((uint64_t)s->beam * ORL_SUN_PHOTON_BATCHES + batch + 1));
+    for (uint32_t i = s->first, next; port_distribution.flux > 0 && i < s->end; i = next) {
+        const uint32_t index = i / ORL_SUN_PHOTON_BATCHES;
+        next = (index + 1) * ORL_SUN_PHOTON_BATCHES;
+        next = next < s->end ? next : s->end;
+        emit_batches(s, &port_distribution, seeds, index, i % ORL_SUN_PHOTON_BATCHES,
+                     next - index * ORL_SUN_PHOTON_BATCHES);
+    }
     free(port_distribution.shares);
 }
 
