@@ -14,4 +14,8 @@
 #define ORL_FOR_WIDE_VECTORS
 #endif
 
+/* For functions that such a function calls in its inner loop: a call that is not inlined runs code
+ * for the base architecture. */
+#define ORL_ALWAYS_INLINE static inline __attribute__((always_inline))
+
 #endif

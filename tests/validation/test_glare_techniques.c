@@ -121,6 +121,10 @@ static double dgp_of_view(const char *scene, uint32_t side, bool *ret_warned, do
     return dgp;
 }
 
+#define SUNNY                                                                                      \
+    "void light sun 0 0 3 3e5 3e5 3e5\nsun source s 0 0 4 .1 -1 .4 .533\n" BRIGHT_SKY ROOM_GREY    \
+        ROOM_CLEAR ROOM_SHELL ROOM_PANE
+
 /*
  * The sun in a window, off the line of sight. A fisheye whose pixels are wider than the sun's disc
  * has too low a DGP, and a warning with that of narrow pixels. In 800 pixels the disc has some six,
@@ -130,15 +134,13 @@ static double dgp_of_view(const char *scene, uint32_t side, bool *ret_warned, do
 static void test_sun_in_wide_pixels(void **state)
 {
     static const uint32_t sides[] = {40, 100, 200};
-    const char *sunny = "void light sun 0 0 3 3e5 3e5 3e5\nsun source s 0 0 4 .1 -1 .4 .533\n" //
-        BRIGHT_SKY ROOM_GREY ROOM_CLEAR ROOM_SHELL ROOM_PANE;
     bool warned;
     double sharper, sharpest;
-    const double fine = dgp_of_view(sunny, 800, &warned, &sharpest);
+    const double fine = dgp_of_view(SUNNY, 800, &warned, &sharpest);
     (void)state;
     assert_true(fabs(fine - sharpest) < 0.03);
     for (size_t i = 0; i < sizeof sides / sizeof *sides; i++) {
-        const double dgp = dgp_of_view(sunny, sides[i], &warned, &sharper);
+        const double dgp = dgp_of_view(SUNNY, sides[i], &warned, &sharper);
         printf("%u pixels: DGP %.4f, sharper %.4f; 800 pixels: %.4f, sharper %.4f\n", sides[i], dgp,
                sharper, fine, sharpest);
         assert_true(warned);
@@ -149,12 +151,30 @@ static void test_sun_in_wide_pixels(void **state)
     assert_false(warned);
 }
 
+/* An error of DGP that pixels make is not met by any number of samples, and the result says so. */
+static void test_goal_in_wide_pixels(void **state)
+{
+    const struct scene_run run = {.scene = SUNNY,
+                                  .view = "-vta -vp 2 2.5 1.2 -vd 1 -.2 0 -vh 180 -vv 180",
+                                  .width = SIDE,
+                                  .height = SIDE,
+                                  .metrics = 1U << ORL_GLARE_DGP,
+                                  .goal = {.dgp_error = 0.02, .at = 0.95}};
+    struct orl_result result = scene_run(&run);
+    (void)state;
+    assert_true(result.outcome.asked);
+    assert_false(result.outcome.met);
+    assert_non_null(strstr(result.outcome.why, "too wide"));
+    orl_result_done(&result);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bulbs),
         cmocka_unit_test(test_window),
         cmocka_unit_test(test_sun_in_wide_pixels),
+        cmocka_unit_test(test_goal_in_wide_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -64,7 +64,7 @@ static void keep_nearest(struct traversal *traversal)
 ORL_ALWAYS_INLINE void scan_leaf(struct traversal *traversal, uint32_t leaf)
 {
     const uint32_t first = leaf * ORL_MAP_LEAF;
-    struct orl_leaf_photons photons;
+    struct orl_leaf_matches photons;
     orl_leaf_find_near(&traversal->filter, leaf, traversal->radius2, &photons);
     for (uint32_t near = photons.near; near != 0; near &= near - 1) {
         const uint32_t i = (uint32_t)__builtin_ctz(near);

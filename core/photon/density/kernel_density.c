@@ -217,7 +217,7 @@ ORL_ALWAYS_INLINE void add_leaf(struct kernel_query *kernel_query, uint32_t leaf
     const uint32_t first = leaf * ORL_MAP_LEAF;
     const uint32_t *a = map->places + (size_t)leaf * ORL_LEAF_WORDS;
     const float reach2 = kernel_query->kernel_density->reach2[0][leaf];
-    struct orl_leaf_photons photons;
+    struct orl_leaf_matches photons;
     struct orl_rgb sum = orl_gray(0);
     struct orl_batches parts = {{0}};
     uint32_t found = 0;

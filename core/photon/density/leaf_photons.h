@@ -11,13 +11,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/multiversion.h"
 #include "photon/density/density_estimate.h"
 #include "photon/map/map_layout.h"
 #include "photon/surface/footprint.h"
 
-#define ORL_ALWAYS_INLINE static inline __attribute__((always_inline))
-
-/* Data of the tests of photons. */
+/* Filter of the photons that a density query counts. */
 struct orl_photon_filter {
     const struct orl_photon_map *map;
     const struct orl_density_query *query;
@@ -29,8 +28,8 @@ struct orl_photon_filter {
     uint32_t normal_bins; /* mask of the bins of normals to search */
 };
 
-/* Offsets of a leaf's photons from the query, in cells, and bits by photon. */
-struct orl_leaf_photons {
+/* Offsets of a leaf's photons from the query, in cells, and one bit per photon that may count. */
+struct orl_leaf_matches {
     float x[ORL_MAP_LEAF], y[ORL_MAP_LEAF], z[ORL_MAP_LEAF], d2[ORL_MAP_LEAF];
     uint32_t near;         /* within the radius, and perhaps on the point's sheet */
     uint32_t to_be_tested; /* of these, the ones that orl_photon_counts decides */
@@ -54,10 +53,10 @@ static inline struct orl_photon_filter orl_photon_filter_make(const struct orl_p
 }
 
 ORL_ALWAYS_INLINE void orl_leaf_find_offsets(const struct orl_photon_filter *filter, uint32_t leaf,
-                                             struct orl_leaf_photons *ret_photons)
+                                             struct orl_leaf_matches *ret_photons)
 {
     const uint32_t *a = filter->map->places + (size_t)leaf * ORL_LEAF_WORDS, *b = a + ORL_MAP_LEAF;
-    struct orl_leaf_photons *p = ret_photons;
+    struct orl_leaf_matches *p = ret_photons;
     for (int i = 0; i < ORL_MAP_LEAF; i++) {
         p->x[i] = (float)(int32_t)(a[i] & 0xfffffU) - filter->at[0];
         p->y[i] = (float)(int32_t)(b[i] & 0xfffffU) - filter->at[1];
@@ -89,11 +88,11 @@ ORL_ALWAYS_INLINE uint32_t orl_leaf_find_other_normals(const struct orl_photon_f
  * photons.
  */
 ORL_ALWAYS_INLINE void orl_leaf_find_near(const struct orl_photon_filter *filter, uint32_t leaf,
-                                          float radius2, struct orl_leaf_photons *ret_photons)
+                                          float radius2, struct orl_leaf_matches *ret_photons)
 {
     const float slope2 = (float)(orl_sheet_flat_slope * orl_sheet_flat_slope), rounding = 4;
     const float *normal = filter->normal, flat2 = filter->flat2;
-    struct orl_leaf_photons *p = ret_photons;
+    struct orl_leaf_matches *p = ret_photons;
     uint32_t fits = 0, inside = 0;
     orl_leaf_find_offsets(filter, leaf, p);
 #pragma GCC unroll 1
@@ -112,7 +111,7 @@ ORL_ALWAYS_INLINE void orl_leaf_find_near(const struct orl_photon_filter *filter
 /* Returns true if a near photon is not the query's own, and is on the point's sheet and in the
  * footprint. */
 static inline bool orl_photon_counts(const struct orl_photon_filter *filter,
-                                     const struct orl_leaf_photons *photons, uint32_t i,
+                                     const struct orl_leaf_matches *photons, uint32_t i,
                                      uint32_t photon)
 {
     const double cell = filter->map->header->cell;

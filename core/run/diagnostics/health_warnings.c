@@ -281,6 +281,20 @@ static size_t list_discs(const struct orl_lit_scene *lit_scene, struct orl_glare
     return n;
 }
 
+/* Reports that the error of DGP is not met if the job asked for a narrower interval. */
+static void withdraw_accuracy(struct orl_run_state *state, const char *view,
+                              const struct orl_glare_value *dgp)
+{
+    struct orl_outcome *outcome = &state->result->outcome;
+    const double half = (dgp->interval_95[1] - dgp->interval_95[0]) / 2;
+    const double asked = state->job->goal.dgp_error;
+    if (!outcome->asked || !outcome->met || !(asked > 0) || !(half > asked))
+        return;
+    outcome->met = false;
+    snprintf(outcome->why, sizeof outcome->why,
+             "the pixels of view '%.100s' are too wide for its DGP: see warnings", view);
+}
+
 /* Warns of views whose pixels blur a glare source, and widens the interval of their DGP. */
 static void warn_of_blur(struct orl_run_state *state)
 {
@@ -300,6 +314,7 @@ static void warn_of_blur(struct orl_run_state *state)
         if (dgp->interval_95[1] < glare->sharper_dgp)
             dgp->interval_95[1] = glare->sharper_dgp;
         glare->class_of = orl_glare_class_of(dgp);
+        withdraw_accuracy(state, request->name, dgp);
         orl_run_warn(state,
                      "view '%s': its pixels are too wide for a bright source of %zu pixels, such "
                      "as the sun, so DGP is too low: %.2f, and about %.2f with the source's own "
