@@ -3,6 +3,7 @@ api/openapi.yaml has it."""
 
 import http.client
 import re
+import select
 import signal
 import socket
 import time
@@ -118,6 +119,22 @@ def ended_too_soon(daemon, work):
     raise EndedTooSoon
 
 
+def run_until_stopping(daemon, connection):
+    """Lets the daemon run for a few milliseconds at a time until it answers that it stops, and leaves it halted: it ends
+    soon after its upload has, but must first get all requests."""
+    until = time.monotonic() + daemon.patience_s
+    status = None
+    daemon.process.send_signal(signal.SIGSTOP)
+    while status != 503:
+        assert time.monotonic() < until, "the daemon does not stop"
+        daemon.send("GET", "/healthz", connection=connection)
+        while not select.select([connection.sock], [], [], 0)[0] and time.monotonic() < until:
+            daemon.process.send_signal(signal.SIGCONT)
+            time.sleep(0.002)
+            daemon.process.send_signal(signal.SIGSTOP)
+        status = daemon.receive("GET", "/healthz", connection=connection).status
+
+
 def stopping(daemon, busy):
     """503 of everything, on connections from before: busy(daemon) keeps the daemon from ending. Raises EndedTooSoon
     where a loaded machine let the daemon end first."""
@@ -131,16 +148,14 @@ def stopping(daemon, busy):
     begun = [socket.create_connection(("127.0.0.1", daemon.port), timeout=60) for _ in range(2)]
     for one in begun:
         one.sendall(b"POST /v1/bsdfs HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\n<x")
+    later = daemon.connect()
+    for _ in range(2):  # connections are accepted in order: those begun have been read when this one is answered
+        daemon.ask("GET", "/healthz", connection=later)
     daemon.process.send_signal(signal.SIGTERM)
-    until = time.monotonic() + daemon.patience_s
     try:
-        while daemon.ask("GET", "/healthz", connection=spare).status != 503:
-            assert time.monotonic() < until, "the daemon does not stop"
-            time.sleep(0.005)
+        run_until_stopping(daemon, spare)
     except (http.client.RemoteDisconnected, ConnectionResetError):
         ended_too_soon(daemon, work)
-    # The daemon ends soon after its upload has: it is halted until all requests are sent.
-    daemon.process.send_signal(signal.SIGSTOP)
     for one in begun:
         one.sendall(b"/>")
     for (method, template), connection in asks:

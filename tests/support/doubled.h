@@ -40,7 +40,7 @@ struct doubled {
     size_t n; /* base size, large enough for the growing part of the cost to dominate */
     /* Writes the file; it may name part.rad, args.txt (n copies) and panel.xml. */
     void (*write)(FILE *file, size_t n);
-    double most; /* allowed ratio of instructions if it may exceed 2.5; 0: 2.5 applies */
+    double most; /* allowed ratio of instructions if it may exceed 2.3; 0: 2.3 applies */
 };
 
 extern const struct doubled doubled_scenes[], doubled_files[], doubled_models[],
