@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "support/extent.h"
 #include "support/room.h"
 
 #define BRIGHT_SKY "void glow g 0 0 4 40 40 40 0\ng source sky 0 0 4 0 0 1 180\n"
@@ -129,14 +130,17 @@ static double dgp_of_view(const char *scene, uint32_t side, bool *ret_warned, do
  * The sun in a window, off the line of sight. A fisheye whose pixels are wider than the sun's disc
  * has too low a DGP, and a warning with that of narrow pixels. In 800 pixels the disc has some six,
  * which blur it by a third still: DGP differs by .025. In 40 pixels the sun is half a pixel off its
- * place, which is .007. Without the sun there is no warning.
+ * place, which is .007. Without the sun there is no warning. The long suite renders the 800 pixels;
+ * the short form takes the values that it printed.
  */
 static void test_sun_in_wide_pixels(void **state)
 {
     static const uint32_t sides[] = {40, 100, 200};
     bool warned;
-    double sharper, sharpest;
-    const double fine = dgp_of_view(SUNNY, 800, &warned, &sharpest);
+    double sharper, sharpest = 0.532;
+    double fine = 0.507;
+    if (extent_is_long())
+        fine = dgp_of_view(SUNNY, 800, &warned, &sharpest);
     (void)state;
     assert_true(fabs(fine - sharpest) < 0.03);
     for (size_t i = 0; i < sizeof sides / sizeof *sides; i++) {
