@@ -328,10 +328,10 @@ static void anisotropic(void **state)
     (void)state;
     side = (int)extent(32, 64);
     const int rings = (int)extent(3, 4);
-    measure_rows(&bench, SCATTERER_ANISOTROPIC, 0, 0, 40000);
+    measure_rows(&bench, SCATTERER_ANISOTROPIC, 0, 0, (unsigned)extent(20000, 40000));
     for (int i = 0; i < 3 * rings; i++)
         measure_rows(&bench, SCATTERER_ANISOTROPIC, 20 + 60 * (double)(i / 3) / (rings - 1),
-                     45.0 * (i % 3), 40000);
+                     45.0 * (i % 3), (unsigned)extent(20000, 40000));
     struct orl_bsdf_fit_result fitted = fit(&bench, ORL_BSDF_TENSOR_TREE_4, (uint32_t)side, 2);
     struct orl_bsdf *bsdf = load(&fitted);
     const double rms = rms_of(SCATTERER_ANISOTROPIC, bsdf);
