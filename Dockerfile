@@ -4,6 +4,7 @@ RUN apt-get update && apt-get install -y --no-install-recommends \
         gcc libc6-dev make pkg-config libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
         libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev \
         libopenexr-dev libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js \
+        python3 python3-yaml \
     && rm -rf /var/lib/apt/lists/*
 WORKDIR /src
 COPY . .

@@ -10,8 +10,8 @@ WERROR  ?= -Werror
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
-	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js
-PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3 python3-yaml valgrind slurm-wlm munge
+	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js python3 python3-yaml
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl valgrind slurm-wlm munge
 # Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
 PACKAGES_BROWSER := chromium $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
@@ -55,20 +55,20 @@ SUPPORT_SRC := $(sort $(wildcard tests/support/*.c) $(FUZZ_TARGETS:%=tests/fuzz/
 TEST_SUITES := unit stats validation stability api migrations
 TEST_SRC   := $(sort $(foreach s,$(TEST_SUITES),$(wildcard tests/$(s)/test_*.c)))
 
-# Boundaries by include path: only the core sees its own internals.
-INC_core    := -Icore/include -iquote core
-INC_api     := -Icore/include -iquote api
-INC_server  := -Icore/include -iquote api -iquote server -iquote $(BUILD)/generated
-INC_client  := -Icore/include -iquote api -iquote client
-INC_tests   := -Icore/include -iquote core -iquote api -iquote server -iquote tests \
-	-iquote $(BUILD)/generated
-
 # Where objects outside the core are: the build with counters has none of its own.
 OTHERS     ?= $(BUILD)
+# Boundaries by include path: only the core sees its own internals.
+INC_core    := -Icore/include -iquote core
+INC_api     := -Icore/include -iquote api -iquote $(OTHERS)/generated
+INC_server  := -Icore/include -iquote api -iquote server -iquote $(OTHERS)/generated
+INC_client  := -Icore/include -iquote api -iquote client -iquote $(OTHERS)/generated
+INC_tests   := -Icore/include -iquote core -iquote api -iquote server -iquote tests \
+	-iquote $(OTHERS)/generated
+
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 other = $(patsubst %.c,$(OTHERS)/obj/%.o,$(1))
 CORE_OBJ   := $(call obj,$(CORE_SRC))
-API_OBJ    := $(call other,$(API_SRC))
+API_OBJ    := $(call other,$(API_SRC)) $(OTHERS)/obj/generated/schemas.o
 SERVER_OBJ := $(call other,$(SERVER_SRC))
 CLIENT_OBJ := $(call other,$(CLIENT_SRC))
 SUPPORT_OBJ := $(call other,$(SUPPORT_SRC))
@@ -87,6 +87,9 @@ help:
 ## make check      install what is needed, build what changed, run every test; ends with
 ##                 "N passed, N failed"
 ## make long       the same tests with all their seeds and cases (ORIEL_LONG=1); about an hour of a processor
+## make reference  the guide's pages about job documents and results, from api/schema
+## make openapi-lint  the OpenAPI document by a public validator, from npm
+## make generated-clients  two clients that public generators make of it, compiled and tried on a daemon
 ## make coverage   the share of core's lines that tests run, counted anew when something changed
 ## make lint       formatting, boundaries, clang-tidy, and a build with clang
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
@@ -178,14 +181,32 @@ $(eval $(call compile_rule,client,$(INC_client)))
 OPT_tests := $(if $(filter release,$(MODE)),-O1)
 $(eval $(call compile_rule,tests,$(INC_tests) $$(if $$(filter tests/bench/%,$$<),,$$(OPT_tests))))
 
+# The description of documents and of the interface: as C, and as one OpenAPI document. They have
+# numbers that headers define.
+DESCRIBE := PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 api/schema/describe.py
+DESCRIBED := $(wildcard api/schema/*.yaml api/schema/*.py api/openapi/*.yaml) \
+	$(wildcard core/include/oriel/*/*.h api/*/*.h server/http/*.h server/http/*/*.h) server/process/limits.h
+$(BUILD)/generated/schemas.stamp: $(DESCRIBED)
+	@mkdir -p $(@D)
+	@$(DESCRIBE) tables $(@D) && touch $@
+$(BUILD)/generated/schemas.h $(BUILD)/generated/schemas.c: $(BUILD)/generated/schemas.stamp ;
+$(BUILD)/generated/openapi.yaml: $(DESCRIBED)
+	@mkdir -p $(@D)
+	@$(DESCRIBE) openapi >$@.part && mv $@.part $@
+$(BUILD)/obj/generated/schemas.o: $(BUILD)/generated/schemas.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(CC) $(ALL_CFLAGS) $(INC_api) -MMD -MP -c $< -o $@
+$(call other,$(API_SRC) $(SERVER_SRC) $(CLIENT_SRC) $(TEST_SRC)) $(SUPPORT_OBJ): | $(OTHERS)/generated/schemas.h
+
 # Files that the daemon carries inside: migrations and the API contract.
-EMBEDDED := $(sort $(wildcard migrations/*.sql)) $(wildcard api/openapi.yaml)
+EMBEDDED := $(sort $(wildcard migrations/*.sql)) $(BUILD)/generated/openapi.yaml
 $(BUILD)/generated/embedded.h: $(EMBEDDED) Makefile
 	@mkdir -p $(@D)
-	@{ echo '/* Generated from migrations and api/openapi.yaml by the Makefile. */'; \
+	@{ echo '/* Generated from migrations, api/openapi and api/schema by the Makefile. */'; \
 	echo 'static const struct { const char *name; const char *text; } orl_embedded[] = {'; \
 	for f in $(EMBEDDED); do \
-		printf '{"%s",\n' "$$f"; \
+		printf '{"%s",\n' "$${f#$(BUILD)/generated/}"; \
 		sed -e 's/\\/\\\\/g' -e 's/"/\\"/g' -e 's/^/"/' -e 's/$$/\\n"/' "$$f"; \
 		echo '},'; \
 	done; echo '};'; } > $@
@@ -356,6 +377,32 @@ $(FUZZ_TARGETS:%=$(BUILD)/%): $(BUILD)/%: $(BUILD)/obj/tests/fuzz/driver_%.o \
 		$(BUILD)/liboriel.a
 	$(call say,LD,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -fsanitize=fuzzer -o $@ $^ -larchive -lmicrohttpd -lsqlite3 $(CORE_LIBS)
+# A public validator of the OpenAPI document, and clients that public generators make of it. Not part
+# of the checks: they take 200 MB of npm's packages.
+CLIENTS_LOCK := tests/clients/package.json tests/clients/package-lock.json
+$(BUILD)/clients/ready: $(CLIENTS_LOCK)
+	@mkdir -p $(@D); cp $(CLIENTS_LOCK) $(@D)
+	$(call say,NPM,$(@D))
+	$(Q)cd $(@D) && npm ci --ignore-scripts --no-audit --no-fund --silent && touch $(@F)
+CLIENTS_BIN := $(BUILD)/clients/node_modules/.bin
+.PHONY: openapi-lint generated-clients
+openapi-lint: deps-browser $(BUILD)/generated/openapi.yaml $(BUILD)/clients/ready
+	@REDOCLY_TELEMETRY=off REDOCLY_SUPPRESS_UPDATE_NOTICE=true $(CLIENTS_BIN)/redocly lint \
+		$(BUILD)/generated/openapi.yaml --config tests/clients/redocly.yaml
+generated-clients: deps-check deps-browser $(BUILD)/generated/openapi.yaml $(BUILD)/clients/ready
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@cp tests/clients/*.ts tests/clients/tsconfig.json $(BUILD)/clients
+	@$(CLIENTS_BIN)/openapi-typescript $(BUILD)/generated/openapi.yaml --default-non-nullable=false \
+		-o $(BUILD)/clients/generated/types.ts
+	@$(CLIENTS_BIN)/openapi-ts -i $(BUILD)/generated/openapi.yaml -o $(BUILD)/clients/generated/sdk \
+		-c @hey-api/client-fetch
+	@$(CLIENTS_BIN)/tsc -p $(BUILD)/clients
+	@node tests/clients/run.mjs $(BUILD)
+
+# Pages of the guide, from the description of documents; they are committed.
+.PHONY: reference
+reference: deps-build
+	@$(DESCRIBE) reference client/guide/reference
 .PHONY: run-tests run-threaded
 run-tests:
 	@tests/run $(BUILD) $(TEST_BIN)
@@ -364,7 +411,7 @@ run-threaded:
 
 LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
-lint: deps-lint $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
+lint: deps-lint $(BUILD)/generated/schemas.h $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
 	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
 	tests/check_names

@@ -8,6 +8,7 @@
 #include <oriel/base/limits.h>
 
 #include "job/job_members_json.h"
+#include "schemas.h"
 #include "json/decode.h"
 
 enum { NAME_MAX_BYTES = ORL_TARGET_GRID - 1 };
@@ -30,12 +31,11 @@ static int decode_grid(const json_t *value, const char *path, void *into, struct
 {
     struct grid_draft *draft = into;
     const struct orl_json_member members[] = {
-        {"name", .text = &draft->name, .longest = NAME_MAX_BYTES},
-        {"area", .real = &draft->area, .most = INFINITY, .above = true,
-         .bounds = "a number above zero is expected"},
+        {"name", .text = &draft->name},
+        {"area", .real = &draft->area},
         {"sensors", .decode = note_value, .into = &draft->sensors},
         {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const int rc = orl_json_members(value, path, &orl_schema_annual_grid, members, err);
     if (rc == 0 && !draft->sensors)
         return orl_json_fail(err, ORL_ERR_INVALID, path, "the grid has no \"sensors\"");
     return rc;
@@ -247,13 +247,9 @@ static int decode_grids(const struct grids_decoder *m, const json_t *list, struc
 {
     struct grid_draft *drafts = NULL;
     size_t n = 0;
-    const struct orl_json_list grids = {.items = &drafts,
-                                        .count = &n,
-                                        .size = sizeof *drafts,
-                                        .most = ORL_LIMIT_GRIDS,
-                                        .each = decode_grid,
-                                        .empty = "the list is empty"};
-    int rc = orl_json_list(list, "grids", &grids, err);
+    const struct orl_json_list grids = {
+        .items = &drafts, .count = &n, .size = sizeof *drafts, .each = decode_grid};
+    int rc = orl_json_list(list, "grids", &orl_schema_annual_grids, &grids, err);
     if (rc == 0)
         rc = make_room(m->job, n, err);
     if (rc == 0)

@@ -4,14 +4,11 @@
 #include <string.h>
 
 #include "annual_job/annual_members_json.h"
+#include "schemas.h"
 #include "json/decode.h"
 
-enum {
-    TITLE_MAX = 90,
-    FILE_MAX_BYTES = 1024,
-    LIST_MAX = 256,
-    FIRST_ROUND = 256 /* paths per sensor in the first round of a job with "accuracy" */
-};
+/* Paths per sensor in the first round of a job with "accuracy". */
+enum { FIRST_ROUND = 256 };
 
 void orl_annual_job_done(struct orl_annual_job *job)
 {
@@ -29,13 +26,11 @@ void orl_annual_job_done(struct orl_annual_job *job)
 
 /* ---- Occupancy ------------------------------------------------------------------------------- */
 
-static const char *const day_names[] = {"mon", "tue", "wed", "thu", "fri", "sat", "sun", NULL};
-
 static int decode_day(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     unsigned day = 0;
-    const struct orl_json_member word = {.word = &day, .words = day_names};
-    const int rc = orl_json_value(value, path, &word, err);
+    const struct orl_json_member word = {.word = &day};
+    const int rc = orl_json_value(value, path, &orl_schema_weekday, &word, err);
     if (rc == 0)
         *(unsigned *)into |= 1U << day;
     return rc;
@@ -44,9 +39,7 @@ static int decode_day(const json_t *value, const char *path, void *into, struct 
 static int decode_days(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     unsigned days = 0;
-    const int rc = orl_json_each(value, path, 7, decode_day, &days, err);
-    if (rc == 0 && days == 0)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "no day of the week is named");
+    const int rc = orl_json_each(value, path, &orl_schema_occupancy_days, decode_day, &days, err);
     if (rc == 0)
         *(unsigned *)into = days;
     return rc;
@@ -57,14 +50,13 @@ static int decode_occupancy(const json_t *value, const char *path, void *into,
 {
     struct orl_report_request *report_request = into;
     struct orl_occupancy *use = &report_request->occupancy;
-    const struct orl_json_member members[] = {
-        {"file", .text = &report_request->occupancy_file, .longest = FILE_MAX_BYTES},
-        {"from", .real = &use->from_h, .least = 0, .most = 24},
-        {"to", .real = &use->to_h, .least = 0, .most = 24},
-        {"days", .decode = decode_days, .into = &use->days},
-        {"first_day", .word = &use->first_day, .words = day_names},
-        {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const struct orl_json_member members[] = {{"file", .text = &report_request->occupancy_file},
+                                              {"from", .real = &use->from_h},
+                                              {"to", .real = &use->to_h},
+                                              {"days", .decode = decode_days, .into = &use->days},
+                                              {"first_day", .word = &use->first_day},
+                                              {0}};
+    const int rc = orl_json_members(value, path, &orl_schema_occupancy, members, err);
     if (rc == 0 && report_request->occupancy_file && json_object_size(value) > 1)
         return orl_json_fail(err, ORL_ERR_INVALID, path,
                              "\"file\" gives the whole occupancy: leave the other members out");
@@ -74,13 +66,13 @@ static int decode_occupancy(const json_t *value, const char *path, void *into,
 /* ---- Metrics, targets, rules ----------------------------------------------------------------- */
 
 /* Decodes a string and parses it with parse. */
-static int decode_words(const json_t *value, const char *path,
+static int decode_words(const json_t *value, const char *path, const struct orl_json_schema *schema,
                         int (*parse)(const char *text, void *into, struct orl_error *err),
                         void *into, struct orl_error *err)
 {
     struct orl_error found = {0};
     char *text = NULL;
-    int rc = orl_json_string(value, path, LIST_MAX, &text, err);
+    int rc = orl_json_text_of(value, path, schema, &text, err);
     if (rc)
         return rc;
     rc = parse(text, into, &found);
@@ -104,12 +96,12 @@ static int parse_target(const char *text, void *into, struct orl_error *err)
 
 static int decode_metric(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return decode_words(value, path, parse_metric, into, err);
+    return decode_words(value, path, &orl_schema_short_text, parse_metric, into, err);
 }
 
 static int decode_target(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return decode_words(value, path, parse_target, into, err);
+    return decode_words(value, path, &orl_schema_target_text, parse_target, into, err);
 }
 
 /* Adds all rules whose name begins with text. */
@@ -134,12 +126,12 @@ static int add_rules(const char *text, void *into, struct orl_error *err)
 
 static int decode_rule(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return decode_words(value, path, add_rules, into, err);
+    return decode_words(value, path, &orl_schema_short_text, add_rules, into, err);
 }
 
 static int decode_rules(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_each(value, path, LIST_MAX / 8, decode_rule, into, err);
+    return orl_json_each(value, path, &orl_schema_annual_request_rules, decode_rule, into, err);
 }
 
 /* Fails if two metrics have one name, because a metric is reported once and its files are named by
@@ -166,13 +158,11 @@ static int decode_metrics(const json_t *value, const char *path, void *into, str
     const struct orl_json_list list = {.items = &report_request->metrics,
                                        .count = &report_request->n_metrics,
                                        .size = sizeof *report_request->metrics,
-                                       .most = LIST_MAX / 8,
-                                       .each = decode_metric,
-                                       .empty = "the list is empty"};
+                                       .each = decode_metric};
     free(report_request->metrics);
     report_request->metrics = NULL;
     report_request->n_metrics = 0;
-    const int rc = orl_json_list(value, path, &list, err);
+    const int rc = orl_json_list(value, path, &orl_schema_annual_request_metrics, &list, err);
     return rc ? rc : check_metrics(report_request, path, err);
 }
 
@@ -186,16 +176,14 @@ static int decode_until(const json_t *value, const char *path, void *into, struc
                                  : orl_error_no_memory(err);
 }
 
-static const char *const format_names[] = {"honeybee", "ill", "coefficients", "phases", NULL};
-
 static int decode_format(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_annual_formats *formats = into;
     bool *const flags[] = {&formats->honeybee, &formats->matrices, &formats->coefficients,
                            &formats->phases};
     unsigned which = 0;
-    const struct orl_json_member word = {.word = &which, .words = format_names};
-    const int rc = orl_json_value(value, path, &word, err);
+    const struct orl_json_member word = {.word = &which};
+    const int rc = orl_json_value(value, path, orl_schema_annual_request_formats.items, &word, err);
     if (rc == 0)
         *flags[which] = true;
     return rc;
@@ -203,11 +191,8 @@ static int decode_format(const json_t *value, const char *path, void *into, stru
 
 static int decode_formats(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_each(value, path, 4, decode_format, into, err);
+    return orl_json_each(value, path, &orl_schema_annual_request_formats, decode_format, into, err);
 }
-
-static const char *const sun_methods[] = {"accurate", "radiance", NULL};
-static const char *const techniques[] = {"paths", "precomputed", NULL};
 
 /* Refuses settings that only path tracing supports. */
 static int check_precomputed(const struct orl_annual_job *job, struct orl_error *err)
@@ -232,35 +217,32 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
     const struct orl_json_list targets = {.items = &report_request->targets,
                                           .count = &report_request->n_targets,
                                           .size = sizeof *report_request->targets,
-                                          .most = LIST_MAX,
                                           .each = decode_target};
     const struct orl_json_member accuracy[] = {
-        {"verdict", .decode = decode_until, .into = report_request, .required = true}, {0}};
+        {"verdict", .decode = decode_until, .into = report_request}, {0}};
     const struct orl_json_member members[] = {
         {.name = "kind"},
-        {"title", .text = &job->title, .longest = TITLE_MAX},
+        {"title", .text = &job->title},
         {.name = "scene"}, /* scene, grids and sensors are decoded after the rest */
         {.name = "grids"},
         {.name = "sensors"},
-        {"weather", .text = &request->weather_file, .longest = FILE_MAX_BYTES, .required = true},
-        {"year", .whole_int = &request->weather_year, .from = 1, .to = 9999},
-        {"north", .real = &request->north_deg, .least = -360, .most = 360},
-        {"ground_reflectance", .real = &request->ground_reflectance, .least = 0, .most = 1},
-        {"sun", .word = &sun_method, .words = sun_methods},
+        {"weather", .text = &request->weather_file},
+        {"year", .whole_int = &request->weather_year},
+        {"north", .real = &request->north_deg},
+        {"ground_reflectance", .real = &request->ground_reflectance},
+        {"sun", .word = &sun_method},
         {"matrices", .decode = orl_annual_matrices_from_json, .into = request},
         {"shades", .decode = orl_annual_shades_from_json, .into = request},
         {"occupancy", .decode = decode_occupancy, .into = report_request},
         {"metrics", .decode = decode_metrics, .into = report_request},
         {"targets", .list = &targets},
         {"rules", .decode = decode_rules, .into = report_request},
-        {"samples", .whole_32 = &request->samples, .from = 1, .to = ORL_ANNUAL_MOST_SAMPLES},
-        {"sun_halvings", .whole_32 = &request->sun_halvings, .from = 0,
-         .to = ORL_ANNUAL_MOST_HALVINGS},
-        {"technique", .word = &technique, .words = techniques},
-        {"photons", .whole_32 = &request->photons, .from = 1, .to = ORL_ANNUAL_MOST_PHOTONS},
-        {"seed", .whole = &request->seed, .from = 0, .to = INT64_MAX},
-        {"median_diffuse", .real = &report_request->median_diffuse_lx, .most = INFINITY,
-         .above = true, .bounds = "a number of lux above zero is expected"},
+        {"samples", .whole_32 = &request->samples},
+        {"sun_halvings", .whole_32 = &request->sun_halvings},
+        {"technique", .word = &technique},
+        {"photons", .whole_32 = &request->photons},
+        {"seed", .whole = &request->seed},
+        {"median_diffuse", .real = &report_request->median_diffuse_lx},
         {"exposure", .decode = orl_annual_exposure_from_json, .into = &report_request->exposure},
         {"glare", .decode = orl_annual_glare_from_json, .into = &report_request->glare},
         {"view_out", .decode = orl_annual_view_out_from_json, .into = &report_request->view_out},
@@ -270,7 +252,7 @@ static int decode_members(const json_t *doc, struct orl_annual_job *job, struct 
         {.name = "name"},
         {.name = "tags"},
         {0}};
-    int rc = orl_json_members(doc, "", members, err);
+    int rc = orl_json_members(doc, "", &orl_schema_annual_request, members, err);
     request->technique = (enum orl_annual_technique)technique;
     request->sun_method = (enum orl_sun_method)sun_method;
     request->coefficients = job->formats.coefficients;

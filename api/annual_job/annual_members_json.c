@@ -3,24 +3,19 @@
 
 #include "annual_job/annual_members_json.h"
 #include "job/job_members_json.h"
+#include "schemas.h"
 #include "json/decode.h"
 #include "json/encode.h"
-
-enum { GRID_NAME_MAX_BYTES = 63, FILE_MAX_BYTES = 1024 };
 
 static int decode_term(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_matrix_term *term = into;
     const struct orl_json_member members[] = {
-        {"grid", .text = &term->grid, .longest = GRID_NAME_MAX_BYTES},
-        {"coefficients", .text = &term->coefficients, .longest = FILE_MAX_BYTES},
-        {"view", .text = &term->view, .longest = FILE_MAX_BYTES},
-        {"transmission", .text = &term->transmission, .longest = FILE_MAX_BYTES},
-        {"daylight", .text = &term->daylight, .longest = FILE_MAX_BYTES},
-        {"sky", .text = &term->sky, .longest = FILE_MAX_BYTES, .required = true},
-        {"subtract", .flag = &term->subtract},
-        {0}};
-    return orl_json_members(value, path, members, err);
+        {"grid", .text = &term->grid},         {"coefficients", .text = &term->coefficients},
+        {"view", .text = &term->view},         {"transmission", .text = &term->transmission},
+        {"daylight", .text = &term->daylight}, {"sky", .text = &term->sky},
+        {"subtract", .flag = &term->subtract}, {0}};
+    return orl_json_members(value, path, &orl_schema_matrix_term, members, err);
 }
 
 int orl_annual_matrices_from_json(const json_t *value, const char *path, void *into,
@@ -30,10 +25,8 @@ int orl_annual_matrices_from_json(const json_t *value, const char *path, void *i
     const struct orl_json_list list = {.items = &request->terms,
                                        .count = &request->n_terms,
                                        .size = sizeof *request->terms,
-                                       .most = ORL_MATRICES_MOST_TERMS,
-                                       .each = decode_term,
-                                       .empty = "the list is empty"};
-    return orl_json_list(value, path, &list, err);
+                                       .each = decode_term};
+    return orl_json_list(value, path, &orl_schema_annual_request_matrices, &list, err);
 }
 
 /* ---- Request --------------------------------------------------------------------------------- */
@@ -45,14 +38,12 @@ int orl_annual_exposure_from_json(const json_t *value, const char *path, void *i
     const struct orl_json_list points = {.items = &exposure_request->points,
                                          .count = &exposure_request->n_points,
                                          .size = sizeof *exposure_request->points,
-                                         .most = ORL_EXPOSURE_MOST_POINTS,
-                                         .each = orl_named_point_from_json,
-                                         .empty = "no point is given"};
+                                         .each = orl_named_point_from_json};
     const struct orl_json_member members[] = {
-        {"points", .list = &points, .required = true},
-        {"least_altitude", .real = &exposure_request->least_altitude_deg, .least = 0, .most = 90},
+        {"points", .list = &points},
+        {"least_altitude", .real = &exposure_request->least_altitude_deg},
         {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const int rc = orl_json_members(value, path, &orl_schema_sun_exposure, members, err);
     return rc ? rc : orl_places_name(exposure_request->points, exposure_request->n_points, err);
 }
 
@@ -81,14 +72,11 @@ json_t *orl_annual_exposure_to_json(const struct orl_exposure_request *exposure_
                      array);
 }
 
-enum { WORD_MAX_BYTES = 1024 };
-static const double highest_eye = 10; /* highest eye above a sensor, in metres */
-
 /* ---- Request --------------------------------------------------------------------------------- */
 
 static int decode_name(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_string(value, path, WORD_MAX_BYTES, into, err);
+    return orl_json_text_of(value, path, &orl_schema_file_name, into, err);
 }
 
 int orl_annual_view_out_from_json(const json_t *value, const char *path, void *into,
@@ -98,29 +86,22 @@ int orl_annual_view_out_from_json(const json_t *value, const char *path, void *i
     const struct orl_json_list points = {.items = &view_out_request->points,
                                          .count = &view_out_request->n_points,
                                          .size = sizeof *view_out_request->points,
-                                         .most = ORL_VIEW_OUT_MOST_POINTS,
-                                         .each = orl_named_point_from_json,
-                                         .empty = "no point is given"};
+                                         .each = orl_named_point_from_json};
     const struct orl_json_list openings = {.items = &view_out_request->openings,
                                            .count = &view_out_request->n_openings,
                                            .size = sizeof *view_out_request->openings,
-                                           .most = ORL_VIEW_OUT_MOST_NAMES,
-                                           .each = decode_name,
-                                           .empty = "no opening is named"};
+                                           .each = decode_name};
     const struct orl_json_list ground = {.items = &view_out_request->ground,
                                          .count = &view_out_request->n_ground,
                                          .size = sizeof *view_out_request->ground,
-                                         .most = ORL_VIEW_OUT_MOST_NAMES,
-                                         .each = decode_name,
-                                         .empty = "no ground is named"};
-    const struct orl_json_member members[] = {{"points", .list = &points},
-                                              {"above_sensors",
-                                               .real = &view_out_request->above_sensors,
-                                               .least = -highest_eye, .most = highest_eye},
-                                              {"openings", .list = &openings},
-                                              {"ground", .list = &ground},
-                                              {0}};
-    const int rc = orl_json_members(value, path, members, err);
+                                         .each = decode_name};
+    const struct orl_json_member members[] = {
+        {"points", .list = &points},
+        {"above_sensors", .real = &view_out_request->above_sensors},
+        {"openings", .list = &openings},
+        {"ground", .list = &ground},
+        {0}};
+    const int rc = orl_json_members(value, path, &orl_schema_view_out, members, err);
     if (rc == 0 && !orl_view_out_is_requested(view_out_request))
         return orl_json_fail(err, ORL_ERR_INVALID, path,
                              "give \"points\", \"above_sensors\", or both");
@@ -179,8 +160,6 @@ json_t *orl_annual_view_out_to_json(const struct orl_view_out_request *view_out_
                      grids_to_json(report));
 }
 
-enum { VIEWPOINT_NAME_MAX_BYTES = 63 };
-
 /* ---- Request --------------------------------------------------------------------------------- */
 
 static int decode_viewpoint(const json_t *value, const char *path, void *into,
@@ -188,12 +167,11 @@ static int decode_viewpoint(const json_t *value, const char *path, void *into,
 {
     struct orl_viewpoint *viewpoint = into;
     const struct orl_json_member members[] = {
-        {"name", .text = &viewpoint->name, .longest = VIEWPOINT_NAME_MAX_BYTES},
-        {"at", .decode = orl_point_from_json, .into = &viewpoint->at, .required = true},
-        {"towards", .decode = orl_direction_from_json, .into = &viewpoint->towards,
-         .required = true},
+        {"name", .text = &viewpoint->name},
+        {"at", .decode = orl_point_from_json, .into = &viewpoint->at},
+        {"towards", .decode = orl_direction_from_json, .into = &viewpoint->towards},
         {0}};
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_seat, members, err);
 }
 
 static int name_viewpoints(struct orl_viewpoint_request *viewpoint_request, struct orl_error *err)
@@ -214,10 +192,8 @@ int orl_viewpoints_from_json(const json_t *value, const char *path, void *into,
     const struct orl_json_list viewpoints = {.items = &viewpoint_request->viewpoints,
                                              .count = &viewpoint_request->n_viewpoints,
                                              .size = sizeof *viewpoint_request->viewpoints,
-                                             .most = ORL_GLARE_MOST_VIEWPOINTS,
-                                             .each = decode_viewpoint,
-                                             .empty = "no seat is given"};
-    const int rc = orl_json_list(value, path, &viewpoints, err);
+                                             .each = decode_viewpoint};
+    const int rc = orl_json_list(value, path, &orl_schema_seats, &viewpoints, err);
     return rc ? rc : name_viewpoints(viewpoint_request, err);
 }
 
@@ -225,8 +201,8 @@ int orl_annual_glare_from_json(const json_t *value, const char *path, void *into
                                struct orl_error *err)
 {
     const struct orl_json_member members[] = {
-        {"seats", .decode = orl_viewpoints_from_json, .into = into, .required = true}, {0}};
-    return orl_json_members(value, path, members, err);
+        {"seats", .decode = orl_viewpoints_from_json, .into = into}, {0}};
+    return orl_json_members(value, path, &orl_schema_annual_glare, members, err);
 }
 
 /* ---- Result ---------------------------------------------------------------------------------- */

@@ -8,17 +8,15 @@
 #include <oriel/annual/annual_shades.h>
 #include <oriel/base/limits.h>
 
+#include "schemas.h"
 #include "json/decode.h"
 #include "json/encode.h"
-
-/* Honeybee's identifiers have up to 100 characters; names of group states may be longer. */
-enum { NAME_MAX_BYTES = 127, FILE_MAX_BYTES = 1024, ROWS_MAX = ORL_LIMIT_YEAR_ROWS };
 
 /* ---- States ---------------------------------------------------------------------------------- */
 
 static int decode_name(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_string(value, path, FILE_MAX_BYTES, into, err);
+    return orl_json_text_of(value, path, &orl_schema_file_name, into, err);
 }
 
 static int decode_state(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -27,15 +25,13 @@ static int decode_state(const json_t *value, const char *path, void *into, struc
     const struct orl_json_list files = {.items = &state->files,
                                         .count = &state->n_files,
                                         .size = sizeof *state->files,
-                                        .most = ORL_SHADES_MOST_NAMES,
                                         .each = decode_name};
-    const struct orl_json_member members[] = {
-        {"name", .text = &state->name, .longest = NAME_MAX_BYTES, .required = true},
-        {"files", .list = &files},
-        {"material", .text = &state->material, .longest = FILE_MAX_BYTES},
-        {"dark", .flag = &state->dark},
-        {0}};
-    return orl_json_members(value, path, members, err);
+    const struct orl_json_member members[] = {{"name", .text = &state->name},
+                                              {"files", .list = &files},
+                                              {"material", .text = &state->material},
+                                              {"dark", .flag = &state->dark},
+                                              {0}};
+    return orl_json_members(value, path, &orl_schema_shade_state, members, err);
 }
 
 static int find_state(const struct orl_window_group *group, const char *name, const char *path,
@@ -57,12 +53,10 @@ static int decode_schedule(const json_t *value, const char *path, void *into, st
     struct orl_window_group *group = into;
     uint64_t state = 0;
     if (json_is_object(value)) {
-        const struct orl_json_member members[] = {
-            {"file", .text = &group->schedule_file, .longest = FILE_MAX_BYTES, .required = true},
-            {0}};
-        return orl_json_members(value, path, members, err);
+        const struct orl_json_member members[] = {{"file", .text = &group->schedule_file}, {0}};
+        return orl_json_members(value, path, &orl_schema_schedule_file, members, err);
     }
-    int rc = orl_json_array(value, path, ROWS_MAX, err);
+    int rc = orl_json_array_of(value, path, &orl_schema_shade_series, err);
     if (rc)
         return rc;
     group->series = calloc(json_array_size(value) + 1, 1);
@@ -80,16 +74,17 @@ static int decode_schedule(const json_t *value, const char *path, void *into, st
 static int decode_months(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_shade_span *span = into;
-    uint64_t from, to;
+    uint32_t from, to;
     if (!json_is_array(value) || json_array_size(value) != 2)
         return orl_json_fail(err, ORL_ERR_INVALID, path, "two months are expected: [5, 9]");
-    int rc = orl_json_whole(json_array_get(value, 0), path, 1, 12, &from, err);
+    const struct orl_json_member first = {.whole_32 = &from}, last = {.whole_32 = &to};
+    int rc = orl_json_value(json_array_get(value, 0), path, &orl_schema_month, &first, err);
     if (rc == 0)
-        rc = orl_json_whole(json_array_get(value, 1), path, 1, 12, &to, err);
+        rc = orl_json_value(json_array_get(value, 1), path, &orl_schema_month, &last, err);
     if (rc)
         return rc;
-    span->from_month = (uint32_t)from;
-    span->to_month = (uint32_t)to;
+    span->from_month = from;
+    span->to_month = to;
     return 0;
 }
 
@@ -105,11 +100,11 @@ static int decode_rule(const json_t *value, const char *path, void *into, struct
     draft->span = (struct orl_shade_span){.from_month = 1, .to_month = 12, .from_h = 0, .to_h = 24};
     const struct orl_json_member members[] = {
         {"months", .decode = decode_months, .into = &draft->span},
-        {"from", .real = &draft->span.from_h, .least = 0, .most = 24},
-        {"to", .real = &draft->span.to_h, .least = 0, .most = 24},
-        {"state", .text = &draft->state, .longest = NAME_MAX_BYTES, .required = true},
+        {"from", .real = &draft->span.from_h},
+        {"to", .real = &draft->span.to_h},
+        {"state", .text = &draft->state},
         {0}};
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_shade_rule, members, err);
 }
 
 static int decode_rules(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -117,12 +112,9 @@ static int decode_rules(const json_t *value, const char *path, void *into, struc
     struct orl_window_group *group = into;
     struct draft *drafts = NULL;
     size_t n = 0;
-    const struct orl_json_list list = {.items = &drafts,
-                                       .count = &n,
-                                       .size = sizeof *drafts,
-                                       .most = ORL_SHADES_MOST_NAMES,
-                                       .each = decode_rule};
-    int rc = orl_json_list(value, path, &list, err);
+    const struct orl_json_list list = {
+        .items = &drafts, .count = &n, .size = sizeof *drafts, .each = decode_rule};
+    int rc = orl_json_list(value, path, &orl_schema_window_group_rules, &list, err);
     if (rc == 0) {
         group->spans = calloc(n + 1, sizeof *group->spans);
         rc = group->spans ? 0 : orl_error_no_memory(err);
@@ -137,7 +129,6 @@ static int decode_rules(const json_t *value, const char *path, void *into, struc
     return rc;
 }
 
-static const char *const control_names[] = {"LM-83", "sun", "illuminance", "dgp", NULL};
 static const double lm83_lx = 1000, lm83_share = 2, usual_dgp = 0.4;
 
 static int check_control(const struct orl_window_group *group, bool lm83, const char *path,
@@ -172,15 +163,14 @@ static int decode_control(const json_t *value, const char *path, void *into, str
     control->share_percent = lm83_share;
     control->state = 1;
     const struct orl_json_member members[] = {
-        {"by", .word = &by, .words = control_names, .required = true},
-        {"grid", .text = &control->grid, .longest = NAME_MAX_BYTES},
-        {"above", .real = &above, .most = INFINITY, .above = true,
-         .bounds = "a number of lux, or a DGP, above zero is expected"},
+        {"by", .word = &by},
+        {"grid", .text = &control->grid},
+        {"above", .real = &above},
         {"seats", .decode = orl_viewpoints_from_json, .into = &control->viewpoints},
-        {"share", .real = &control->share_percent, .least = 0, .most = 100},
-        {"state", .text = &state, .longest = NAME_MAX_BYTES},
+        {"share", .real = &control->share_percent},
+        {"state", .text = &state},
         {0}};
-    int rc = orl_json_members(value, path, members, err);
+    int rc = orl_json_members(value, path, &orl_schema_shade_control, members, err);
     control->kind = by == 3   ? ORL_SHADES_BY_GLARE
                     : by == 2 ? ORL_SHADES_BY_LIGHT
                               : ORL_SHADES_BY_SUN;
@@ -202,23 +192,20 @@ static int decode_group(const json_t *value, const char *path, void *into, struc
     const struct orl_json_list windows = {.items = &group->windows,
                                           .count = &group->n_windows,
                                           .size = sizeof *group->windows,
-                                          .most = ORL_SHADES_MOST_NAMES,
                                           .each = decode_name},
                                states = {.items = &group->states,
                                          .count = &group->n_states,
                                          .size = sizeof *group->states,
-                                         .most = ORL_SHADES_MOST_STATES,
-                                         .each = decode_state,
-                                         .empty = "the list is empty"};
+                                         .each = decode_state};
     const struct orl_json_member members[] = {
-        {"name", .text = &group->name, .longest = NAME_MAX_BYTES, .required = true},
+        {"name", .text = &group->name},
         {"windows", .list = &windows},
-        {"states", .list = &states, .required = true},
+        {"states", .list = &states},
         {"schedule", .decode = decode_schedule, .into = group},
         {"rules", .decode = decode_rules, .into = group},
         {"control", .decode = decode_control, .into = group},
         {0}};
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_window_group, members, err);
 }
 
 int orl_annual_shades_from_json(const json_t *value, const char *path, void *into,
@@ -228,10 +215,8 @@ int orl_annual_shades_from_json(const json_t *value, const char *path, void *int
     const struct orl_json_list groups = {.items = &request->groups,
                                          .count = &request->n_groups,
                                          .size = sizeof *request->groups,
-                                         .most = ORL_SHADES_MOST_GROUPS,
-                                         .each = decode_group,
-                                         .empty = "the list is empty"};
-    return orl_json_list(value, path, &groups, err);
+                                         .each = decode_group};
+    return orl_json_list(value, path, &orl_schema_annual_request_shades, &groups, err);
 }
 
 /* ---- The result ------------------------------------------------------------------------------ */

@@ -3,10 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "schemas.h"
 #include "json/decode.h"
 #include "json/encode.h"
-
-enum { NAME_MAX_BYTES = 120 };
 
 /* ---- Request --------------------------------------------------------------------------------- */
 
@@ -26,28 +25,22 @@ static int decode_files(const json_t *files, const char *path, void *into, struc
 
 static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
-    const char *bases[ORL_BSDF_BASES + 1] = {NULL};
-    const char *symmetries[ORL_BSDF_FIT_SYMMETRIES + 1] = {NULL};
     struct orl_bsdf_fit_request *r = &draft->request;
-    for (int i = 0; i < ORL_BSDF_BASES; i++)
-        bases[i] = orl_bsdf_basis_name((enum orl_bsdf_basis)i);
-    for (int i = 0; i < ORL_BSDF_FIT_SYMMETRIES; i++)
-        symmetries[i] = orl_bsdf_fit_symmetry_name((enum orl_bsdf_fit_symmetry)i);
     const struct orl_json_member members[] = {
         {.name = "kind"},
-        {"measurements", .decode = decode_files, .into = draft, .required = true},
-        {"name", .text = &r->name, .longest = NAME_MAX_BYTES},
-        {"basis", .word = &r->basis, .words = bases},
-        {"symmetry", .word = &r->symmetry, .words = symmetries},
-        {"resolution", .whole_32 = &r->resolution, .from = 4, .to = 128},
-        {"cull", .real = &r->cull, .least = 0, .most = 1},
+        {"measurements", .decode = decode_files, .into = draft},
+        {"name", .text = &r->name},
+        {"basis", .word = &r->basis},
+        {"symmetry", .word = &r->symmetry},
+        {"resolution", .whole_32 = &r->resolution},
+        {"cull", .real = &r->cull},
         {"reversed", .flag = &r->reversed},
         {"keep_outliers", .flag = &r->keep_outliers},
-        {"grazing", .real = &r->grazing_deg, .least = 0, .most = 45},
+        {"grazing", .real = &r->grazing_deg},
         {.name = "priority"},
         {.name = "tags"},
         {0}};
-    return orl_json_members(doc, "", members, err);
+    return orl_json_members(doc, "", &orl_schema_bsdf_fit_request, members, err);
 }
 
 static int decode_document(const json_t *doc, struct draft *draft, struct orl_error *err)

@@ -31,7 +31,7 @@ json_t *orl_bsdf_info_to_json(const struct orl_bsdf_info *info);
  * Contents and check of a BSDF: all of the above, and "check": {"verdict", "verdicts": [{"level",
  * "text"}], "hemispherical": {"front", "back": [{"theta_deg", "phi_deg", "reflected",
  * "transmitted"}]}, "extremes", "irreciprocal", "straight_through", "redirection"};
- * oriel/bsdf/bsdf.h defines each term, api/openapi.yaml its form.
+ * oriel/bsdf/bsdf.h defines each term, api/schema its form.
  */
 json_t *orl_bsdf_check_to_json(const struct orl_bsdf_check *check);
 

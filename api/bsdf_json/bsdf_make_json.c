@@ -3,10 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "schemas.h"
 #include "json/decode.h"
 #include "json/encode.h"
-
-enum { NAME_MAX_BYTES = 120 };
 
 /* ---- Request --------------------------------------------------------------------------------- */
 
@@ -31,8 +30,9 @@ static int decode_range(const json_t *value, const char *path, void *into, struc
     if (!json_is_array(value) || json_array_size(value) != 2)
         return orl_json_fail(err, ORL_ERR_INVALID, path, wanted);
     for (size_t i = 0; i < 2; i++) {
-        const struct orl_json_member end = {.real = &ends[i], .least = -1e12, .most = 1e12};
-        const int rc = orl_json_value(json_array_get(value, i), path, &end, err);
+        const struct orl_json_member end = {.real = &ends[i]};
+        const int rc = orl_json_value(json_array_get(value, i), path,
+                                      orl_schema_bsdf_make_range.items, &end, err);
         if (rc)
             return rc;
     }
@@ -42,42 +42,33 @@ static int decode_range(const json_t *value, const char *path, void *into, struc
 static int decode_cell(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_bsdf_make_request *r = into;
-    const struct orl_json_member members[] = {
-        {"x", .decode = decode_range, .into = r->cell, .required = true},
-        {"y", .decode = decode_range, .into = r->cell + 2, .required = true},
-        {0}};
+    const struct orl_json_member members[] = {{"x", .decode = decode_range, .into = r->cell},
+                                              {"y", .decode = decode_range, .into = r->cell + 2},
+                                              {0}};
     r->has_cell = true;
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_bsdf_cell, members, err);
 }
 
 static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
-    static const char *const symmetries[] = {"none", "left_right", "up_down", "both", "auto", NULL};
-    const char *bases[ORL_BSDF_BASES + 1] = {NULL};
     struct orl_bsdf_make_request *r = &draft->request;
-    for (int i = 0; i < ORL_BSDF_BASES; i++)
-        bases[i] = orl_bsdf_basis_name((enum orl_bsdf_basis)i);
-    const struct orl_json_member members[] = {
-        {.name = "kind"},
-        {"scene", .decode = decode_scene, .into = draft, .required = true},
-        {"name", .text = &r->name, .longest = NAME_MAX_BYTES},
-        {"basis", .word = &r->basis, .words = bases},
-        {"color", .flag = &r->color},
-        {"cell", .decode = decode_cell, .into = r},
-        {"symmetry", .word = &r->symmetry, .words = symmetries},
-        {"resolution", .whole_32 = &r->resolution, .from = 4, .to = 128},
-        {"cull", .real = &r->cull, .least = 0, .most = 1},
-        {"paths", .whole_32 = &r->paths, .from = ORL_BSDF_MAKE_PATHS_LEAST,
-         .to = ORL_BSDF_MAKE_PATHS_MOST},
-        {"accuracy", .real = &r->accuracy, .least = 0, .most = 1, .above = true, .below = true,
-         .bounds = "the relative error of a value must be above 0 and below 1: 0.02 is 2 %"},
-        {"paths_most", .whole_32 = &r->paths_most, .from = ORL_BSDF_MAKE_PATHS_LEAST,
-         .to = ORL_BSDF_MAKE_PATHS_MOST},
-        {"seed", .whole = &r->seed, .from = 0, .to = INT64_MAX},
-        {.name = "priority"},
-        {.name = "tags"},
-        {0}};
-    return orl_json_members(doc, "", members, err);
+    const struct orl_json_member members[] = {{.name = "kind"},
+                                              {"scene", .decode = decode_scene, .into = draft},
+                                              {"name", .text = &r->name},
+                                              {"basis", .word = &r->basis},
+                                              {"color", .flag = &r->color},
+                                              {"cell", .decode = decode_cell, .into = r},
+                                              {"symmetry", .word = &r->symmetry},
+                                              {"resolution", .whole_32 = &r->resolution},
+                                              {"cull", .real = &r->cull},
+                                              {"paths", .whole_32 = &r->paths},
+                                              {"accuracy", .real = &r->accuracy},
+                                              {"paths_most", .whole_32 = &r->paths_most},
+                                              {"seed", .whole = &r->seed},
+                                              {.name = "priority"},
+                                              {.name = "tags"},
+                                              {0}};
+    return orl_json_members(doc, "", &orl_schema_bsdf_make_request, members, err);
 }
 
 int orl_bsdf_check_tree_members(const json_t *doc, enum orl_bsdf_basis basis, struct orl_error *err)

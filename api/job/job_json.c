@@ -8,11 +8,10 @@
 #include <oriel/base/limits.h>
 
 #include "job/job_members_json.h"
+#include "schemas.h"
 #include "view/view_json.h"
 #include "json/decode.h"
 #include "json/encode.h"
-
-enum { FILE_NAME_MAX_BYTES = 1024 };
 
 /* A job while it is decoded. */
 struct draft {
@@ -24,7 +23,7 @@ struct draft {
 static int decode_file_name(const json_t *value, const char *path, void *name,
                             struct orl_error *err)
 {
-    return orl_json_string(value, path, FILE_NAME_MAX_BYTES, name, err);
+    return orl_json_text_of(value, path, &orl_schema_file_name, name, err);
 }
 
 static int decode_local_scene(const json_t *scene, const char *path, struct orl_job *job,
@@ -33,16 +32,14 @@ static int decode_local_scene(const json_t *scene, const char *path, struct orl_
     const struct orl_json_list files = {.items = &job->scene_files,
                                         .count = &job->n_scene_files,
                                         .size = sizeof *job->scene_files,
-                                        .most = ORL_LIMIT_SCENE_FILES,
-                                        .each = decode_file_name,
-                                        .empty = "no file is named"};
-    const struct orl_json_member members[] = {{"files", .list = &files, .required = true}, {0}};
+                                        .each = decode_file_name};
+    const struct orl_json_member members[] = {{"files", .list = &files}, {0}};
     if (json_is_string(scene)) {
         orl_json_fail(err, ORL_ERR_INVALID, path, "a scene id needs a daemon");
         orl_error_hint(err, "Name the files: \"scene\": {\"files\": [\"room.rad\"]}");
         return ORL_ERR_INVALID;
     }
-    return orl_json_members(scene, path, members, err);
+    return orl_json_members(scene, path, &orl_schema_local_scene, members, err);
 }
 
 static int decode_remote_scene(const json_t *scene, const char *path, char **ret_id,
@@ -105,27 +102,20 @@ static int decode_sensors(const json_t *sensors, const char *path, void *into,
 static int decode_technique(const json_t *value, const char *path, void *technique,
                             struct orl_error *err)
 {
-    return orl_technique_from_json(value, path, ORL_TECHNIQUE_AUTO, technique, err);
+    return orl_technique_from_json(value, path, &orl_schema_job_request_technique,
+                                   ORL_TECHNIQUE_AUTO, technique, err);
 }
 
 /* Decodes an error or a deadline, either with an optional "at". */
 static int decode_goal(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_goal *goal = into;
-    char deadline[64];
-    snprintf(deadline, sizeof deadline, "it must be above 0 and at most %lu seconds",
-             ORL_LIMIT_DEADLINE_S);
-    const struct orl_json_member members[] = {
-        {"relative_error", .real = &goal->relative_error, .least = 0, .most = 10, .above = true,
-         .bounds = "it must be a fraction above 0 and at most 10: 0.05 is 5 %"},
-        {"dgp_error", .real = &goal->dgp_error, .least = 1e-5, .most = 1,
-         .bounds = "half the width of the DGP interval must be from 0.00001 to 1"},
-        {"deadline_s", .real = &goal->deadline_s, .least = 0, .most = (double)ORL_LIMIT_DEADLINE_S,
-         .above = true, .bounds = deadline},
-        {"at", .real = &goal->at, .least = 0, .most = 1, .above = true,
-         .bounds = "the share of sensors or pixels must be above 0 and at most 1"},
-        {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const struct orl_json_member members[] = {{"relative_error", .real = &goal->relative_error},
+                                              {"dgp_error", .real = &goal->dgp_error},
+                                              {"deadline_s", .real = &goal->deadline_s},
+                                              {"at", .real = &goal->at},
+                                              {0}};
+    const int rc = orl_json_members(value, path, &orl_schema_goal, members, err);
     if (rc || (goal->relative_error > 0) + (goal->dgp_error > 0) + (goal->deadline_s > 0) == 1)
         return rc;
     orl_json_fail(err, ORL_ERR_INVALID, path,
@@ -150,28 +140,25 @@ static int refuse_settings(const json_t *doc, struct orl_error *err)
 
 static int decode_members(const json_t *doc, struct draft *draft, struct orl_error *err)
 {
-    static const char *const on_dark[] = {"error", "expected", NULL};
     struct orl_job *job = &draft->job;
     unsigned dark = 0;
-    const struct orl_json_member photons[] = {
-        {"global", .whole = &job->photons_global, .from = 1, .to = ORL_LIMIT_PHOTONS},
-        {"caustic", .whole = &job->photons_caustic, .from = 0, .to = ORL_LIMIT_PHOTONS},
-        {"exact", .flag = &job->photons_exact},
-        {0}};
+    const struct orl_json_member photons[] = {{"global", .whole = &job->photons_global},
+                                              {"caustic", .whole = &job->photons_caustic},
+                                              {"exact", .flag = &job->photons_exact},
+                                              {0}};
     const struct orl_json_list views = {.items = &job->views,
                                         .count = &job->n_views,
                                         .size = sizeof *job->views,
-                                        .most = ORL_LIMIT_VIEWS,
                                         .each = orl_view_from_json};
     const struct orl_json_member members[] = {
         {.name = "kind"}, /* read before */
-        {"scene", .decode = decode_scene, .into = draft, .required = true},
+        {"scene", .decode = decode_scene, .into = draft},
         {"technique", .decode = decode_technique, .into = &job->technique},
         {"effects", .decode = orl_effect_overrides_from_json, .into = job->overrides},
-        {"seed", .whole = &job->seed, .from = 0, .to = INT64_MAX},
+        {"seed", .whole = &job->seed},
         {"photons", .members = photons},
-        {"gather_samples", .whole_32 = &job->gather_samples, .from = 0, .to = 1U << 24},
-        {"pixel_samples", .whole_32 = &job->pixel_samples, .from = 0, .to = 1U << 20},
+        {"gather_samples", .whole_32 = &job->gather_samples},
+        {"pixel_samples", .whole_32 = &job->pixel_samples},
         {"sky", .decode = orl_sky_from_json, .into = &job->sky},
         {"skies", .decode = orl_skies_from_json, .into = job},
         {"sensors", .decode = decode_sensors, .into = job},
@@ -181,11 +168,11 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {.name = "priority"}, /* for the daemon: job_request_json.h */
         {.name = "name"},
         {.name = "tags"},
-        {"dark", .word = &dark, .words = on_dark},
+        {"dark", .word = &dark},
         {"heat_map", .decode = orl_heat_map_from_json, .into = &job->heat_map},
         {"sequence", .decode = orl_sequence_from_json, .into = &job->sequence},
         {0}};
-    const int rc = orl_json_members(doc, "", members, err);
+    const int rc = orl_json_members(doc, "", &orl_schema_job_request, members, err);
     job->dark_expected = dark == 1;
     return rc;
 }
@@ -301,7 +288,7 @@ static int check_tag(const json_t *tags, size_t at, struct orl_error *err)
 
 static int read_tags(const json_t *value, char **ret_tags, struct orl_error *err)
 {
-    int rc = value ? orl_json_array(value, "tags", ORL_LABEL_TAGS, err) : 0;
+    int rc = value ? orl_json_array_of(value, "tags", &orl_schema_tags, err) : 0;
     for (size_t i = 0; i < json_array_size(value) && rc == 0; i++)
         rc = check_tag(value, i, err);
     if (rc || json_array_size(value) == 0)

@@ -26,7 +26,7 @@
  * Optional members beside it are "normalise": "flux" (the default) or "gendaylit", and "sun":
  * "accurate" (the default) or "radiance". Longitude is in degrees EAST of Greenwich, the time zone
  * in hours EAST. Instead of time and site, perez and cie take sun_altitude and sun_azimuth
- * (degrees from south towards west). openapi.yaml lists the other inputs for a sky's brightness.
+ * (degrees from south towards west). api/schema/sky.yaml lists the other inputs for a sky's brightness.
  * oriel/job/sky.h and orl_job_validate have their meaning and bounds.
  */
 
@@ -73,8 +73,9 @@ orl_json_decoder orl_skies_from_json;
  * value null. Functions return new references, owned by the caller, or NULL when out of memory.
  */
 
-/* Decodes the name of a technique; techniques before first in the enum are refused. */
-int orl_technique_from_json(const json_t *value, const char *path, enum orl_technique first,
+/* Decodes the name of a technique; the schema's words are those of the enum from first on. */
+int orl_technique_from_json(const json_t *value, const char *path,
+                            const struct orl_json_schema *schema, enum orl_technique first,
                             enum orl_technique *ret_technique, struct orl_error *err);
 
 /* Decoder of "effects" into an array of enum orl_effect_override, one per effect, which holds

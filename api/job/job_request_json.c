@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "job/study_json.h"
+#include "schemas.h"
 #include "json/decode.h"
 
 /* ---- Kinds ----------------------------------------------------------------------------------- */
@@ -106,8 +107,9 @@ static int read_priority(const json_t *doc, int *ret_priority, struct orl_error 
 {
     const json_t *value = json_object_get(doc, "priority");
     uint64_t priority = ORL_PRIORITY_DEFAULT;
-    const int rc =
-        value ? orl_json_whole(value, "priority", 0, ORL_PRIORITY_MAX, &priority, err) : 0;
+    const int rc = value ? orl_json_whole(value, "priority", orl_schema_priority.from,
+                                          orl_schema_priority.to, &priority, err)
+                         : 0;
     if (rc == 0)
         *ret_priority = (int)priority;
     return rc;

@@ -4,6 +4,7 @@
 
 #include <oriel/job/paths.h>
 
+#include "schemas.h"
 #include "json/encode.h"
 
 static bool in_group(int effect)
@@ -12,14 +13,12 @@ static bool in_group(int effect)
            effect == ORL_EFFECT_CAUSTICS_GLASS;
 }
 
-int orl_technique_from_json(const json_t *value, const char *path, enum orl_technique first,
+int orl_technique_from_json(const json_t *value, const char *path,
+                            const struct orl_json_schema *schema, enum orl_technique first,
                             enum orl_technique *ret_technique, struct orl_error *err)
 {
-    const char *words[ORL_TECHNIQUE_COUNT + 1] = {NULL};
     enum orl_technique place;
-    for (int i = (int)first; i < ORL_TECHNIQUE_COUNT; i++)
-        words[i - (int)first] = orl_technique_name((enum orl_technique)i);
-    const int rc = orl_json_word(value, path, words, &place, err);
+    const int rc = orl_json_word(value, path, schema->words, &place, err);
     if (rc == 0)
         *ret_technique = first + place;
     return rc;
@@ -30,17 +29,13 @@ int orl_effect_overrides_from_json(const json_t *effects, const char *path, void
                                    struct orl_error *err)
 {
     enum orl_effect_override *overrides = into, group = ORL_OVERRIDE_COUNT, own[ORL_EFFECT_COUNT];
-    const char *words[ORL_OVERRIDE_COUNT + 1] = {NULL};
-    struct orl_json_member members[ORL_EFFECT_COUNT + 2] = {
-        {"caustics", .word = &group, .words = words}};
-    for (int i = 0; i < ORL_OVERRIDE_COUNT; i++)
-        words[i] = orl_effect_override_name((enum orl_effect_override)i);
+    struct orl_json_member members[ORL_EFFECT_COUNT + 2] = {{"caustics", .word = &group}};
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
         own[i] = ORL_OVERRIDE_COUNT;
-        members[i + 1] = (struct orl_json_member){orl_effect_name((enum orl_effect)i),
-                                                  .word = &own[i], .words = words};
+        members[i + 1] =
+            (struct orl_json_member){orl_effect_name((enum orl_effect)i), .word = &own[i]};
     }
-    const int rc = orl_json_members(effects, path, members, err);
+    const int rc = orl_json_members(effects, path, &orl_schema_wishes, members, err);
     for (int i = 0; i < ORL_EFFECT_COUNT; i++) {
         const enum orl_effect_override override =
             own[i] == ORL_OVERRIDE_COUNT && in_group(i) ? group : own[i];

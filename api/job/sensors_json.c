@@ -7,10 +7,9 @@
 #include <oriel/base/input_checks.h>
 #include <oriel/base/limits.h>
 
+#include "schemas.h"
 #include "view/view_json.h"
 #include "json/decode.h"
-
-enum { FILE_NAME_MAX_BYTES = 1024 };
 
 static int decode_sensor(const json_t *row, const char *path, void *into, struct orl_error *err)
 {
@@ -42,19 +41,15 @@ static int decode_sensor(const json_t *row, const char *path, void *into, struct
 int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct orl_job *job,
                               struct orl_error *err)
 {
-    const struct orl_json_member members[] = {
-        {"file", .text = &job->sensors_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
-        {0}};
+    const struct orl_json_member members[] = {{"file", .text = &job->sensors_file}, {0}};
     const struct orl_json_list list = {.items = &job->sensors,
                                        .count = &job->n_sensors,
                                        .size = sizeof *job->sensors,
-                                       .most = ORL_LIMIT_SENSORS,
                                        .each = decode_sensor};
-    return json_is_object(sensors) ? orl_json_members(sensors, path, members, err)
-                                   : orl_json_list(sensors, path, &list, err);
+    return json_is_object(sensors)
+               ? orl_json_members(sensors, path, &orl_schema_sensor_file, members, err)
+               : orl_json_list(sensors, path, &orl_schema_sensor_list, &list, err);
 }
-
-enum { GRID_NAME_MAX_BYTES = 200 };
 
 /* A grid while it is decoded. */
 struct draft {
@@ -75,10 +70,8 @@ static int decode_grid(const json_t *value, const char *path, void *into, struct
 {
     struct draft *draft = into;
     const struct orl_json_member members[] = {
-        {"name", .text = &draft->name, .longest = GRID_NAME_MAX_BYTES, .required = true},
-        {"sensors", .decode = decode_sensors, .into = draft, .required = true},
-        {0}};
-    return orl_json_members(value, path, members, err);
+        {"name", .text = &draft->name}, {"sensors", .decode = decode_sensors, .into = draft}, {0}};
+    return orl_json_members(value, path, &orl_schema_grid, members, err);
 }
 
 /* Moves names and files into job, and appends copies of the sensors to the job's. */
@@ -113,13 +106,9 @@ int orl_grids_from_json(const json_t *value, const char *path, void *into, struc
     struct orl_job *job = into;
     struct draft *drafts = NULL;
     size_t n = 0;
-    const struct orl_json_list list = {.items = &drafts,
-                                       .count = &n,
-                                       .size = sizeof *drafts,
-                                       .most = ORL_LIMIT_GRIDS,
-                                       .each = decode_grid,
-                                       .empty = "the list is empty"};
-    int rc = orl_json_list(value, path, &list, err);
+    const struct orl_json_list list = {
+        .items = &drafts, .count = &n, .size = sizeof *drafts, .each = decode_grid};
+    int rc = orl_json_list(value, path, &orl_schema_grids, &list, err);
     if (rc == 0 && (job->n_sensors > 0 || job->sensors_file))
         rc = orl_json_fail(err, ORL_ERR_INVALID, path,
                            "a job can have \"sensors\" or \"grids\", not both");
@@ -155,9 +144,8 @@ static int decode_threshold(const json_t *value, const char *path, void *into,
                             struct orl_error *err)
 {
     struct orl_heat_map_request *request = into;
-    const struct orl_json_member number = {
-        .real = &request->thresholds_lx[request->n_thresholds], .least = 1e-6, .most = 1e9};
-    const int rc = orl_json_value(value, path, &number, err);
+    const struct orl_json_member number = {.real = &request->thresholds_lx[request->n_thresholds]};
+    const int rc = orl_json_value(value, path, orl_schema_heat_map_thresholds.items, &number, err);
     request->n_thresholds += rc == 0;
     return rc;
 }
@@ -165,7 +153,8 @@ static int decode_threshold(const json_t *value, const char *path, void *into,
 static int decode_thresholds(const json_t *value, const char *path, void *request,
                              struct orl_error *err)
 {
-    return orl_json_each(value, path, ORL_HEAT_MAP_THRESHOLDS, decode_threshold, request, err);
+    return orl_json_each(value, path, &orl_schema_heat_map_thresholds, decode_threshold, request,
+                         err);
 }
 
 /* Decodes the scene's unit of length. */
@@ -188,14 +177,14 @@ int orl_heat_map_from_json(const json_t *value, const char *path, void *into, st
     struct orl_false_color *colors = &request->colors;
     const struct orl_json_member members[] = {
         {"scale", .decode = orl_scale_from_json, .into = &colors->scale},
-        {"decades", .real = &colors->decades, .least = 0, .most = 12},
-        {"divisions", .whole_32 = &colors->divisions, .from = 2, .to = ORL_LIMIT_DIVISIONS},
+        {"decades", .real = &colors->decades},
+        {"divisions", .whole_32 = &colors->divisions},
         {"palette", .decode = orl_palette_from_json, .into = &colors->palette},
         {"thresholds", .decode = decode_thresholds, .into = request},
         {"length_unit", .decode = decode_unit, .into = request->length_unit},
         {0}};
     request->asked = true;
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_heat_map, members, err);
 }
 
 /* ---- Result ---------------------------------------------------------------------------------- */
@@ -217,8 +206,6 @@ json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files)
         }
     return json_pack("{s:s, s:s, s:o}", "csv", files->csv, "res", files->res, "maps", maps);
 }
-
-enum { POINT_NAME_MAX_BYTES = 63 };
 
 static int read_vector(const json_t *value, const char *path, struct orl_vec3 *ret,
                        struct orl_error *err)
@@ -271,10 +258,10 @@ int orl_named_point_from_json(const json_t *value, const char *path, void *into,
 {
     struct orl_named_point *place = into;
     const struct orl_json_member members[] = {
-        {"name", .text = &place->name, .longest = POINT_NAME_MAX_BYTES},
-        {"at", .decode = orl_point_from_json, .into = &place->at, .required = true},
+        {"name", .text = &place->name},
+        {"at", .decode = orl_point_from_json, .into = &place->at},
         {0}};
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_named_point, members, err);
 }
 
 int orl_places_name(struct orl_named_point *places, size_t n, struct orl_error *err)

@@ -7,7 +7,8 @@
 
 #include <oriel/base/limits.h>
 
-enum { FILE_NAME_MAX_BYTES = 1024, NAME_MAX_BYTES = 64 };
+#include "schemas.h"
+#include "json/decode.h"
 
 static bool has_any(const json_t *value, const char *const *names)
 {
@@ -19,8 +20,8 @@ static bool has_any(const json_t *value, const char *const *names)
 
 /* Rows for a sky's date and hour. All are required if `is_required` is true. */
 #define DATE(request, is_required)                                                                 \
-    {"month", .whole_int = &(request)->month, .from = 1, .to = 12, .required = (is_required)},     \
-        {"day", .whole_int = &(request)->day, .from = 1, .to = 31, .required = (is_required)},     \
+    {"month", .whole_int = &(request)->month, .required = (is_required)},                          \
+        {"day", .whole_int = &(request)->day, .required = (is_required)},                          \
     {                                                                                              \
         "hour", .real = &(request)->hour, .required = (is_required)                                \
     }
@@ -56,14 +57,14 @@ struct sky_input_pair {
 
 /*
  * Decodes the brightness. Exactly one pair must be complete, and members of other pairs are errors.
- * The pair is identified by its first member.
+ * The pair is identified by its first member. schema: of the sky.
  */
 static int decode_input_pair(const json_t *value, const char *path,
+                             const struct orl_json_schema *schema,
                              const struct sky_input_pair *pairs, size_t count,
                              struct orl_sky_request *request, struct orl_error *err)
 {
     const struct sky_input_pair *chosen = NULL;
-    char at[ORL_JSON_PATH_MAX];
     for (size_t i = 0; i < count; i++) {
         if (!json_object_get(value, pairs[i].first))
             continue;
@@ -86,12 +87,11 @@ static int decode_input_pair(const json_t *value, const char *path,
                                  chosen->first, second);
     }
     request->input = chosen->input;
-    int rc = orl_json_real(json_object_get(value, chosen->first),
-                           orl_json_path(path, chosen->first, at), &request->first, err);
-    if (rc == 0 && chosen->second)
-        rc = orl_json_real(json_object_get(value, chosen->second),
-                           orl_json_path(path, chosen->second, at), &request->second, err);
-    return rc;
+    const struct orl_json_member first = {chosen->first, .required = true, .real = &request->first},
+                                 second = {chosen->second, .required = true,
+                                           .real = &request->second};
+    const int rc = orl_json_member(value, path, schema, &first, err);
+    return rc || !chosen->second ? rc : orl_json_member(value, path, schema, &second, err);
 }
 
 static int decode_perez(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -115,16 +115,16 @@ static int decode_perez(const json_t *value, const char *path, void *into, struc
                                               {.name = "clearness"},
                                               {.name = "brightness"},
                                               {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const int rc = orl_json_members(value, path, &orl_schema_perez_sky, members, err);
     return rc ? rc
-              : decode_input_pair(value, path, pairs, sizeof pairs / sizeof *pairs, request, err);
+              : decode_input_pair(value, path, &orl_schema_perez_sky, pairs,
+                                  sizeof pairs / sizeof *pairs, request, err);
 }
 
 static int decode_type(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const types[] = {"clear", "overcast", "uniform", "intermediate", NULL};
     enum orl_sky_cie type = 0;
-    const int rc = orl_json_word(value, path, types, &type, err);
+    const int rc = orl_json_word(value, path, orl_schema_cie_sky_type.words, &type, err);
     if (rc == 0)
         *(enum orl_sky_cie *)into = ORL_SKY_CLEAR + type;
     return rc;
@@ -142,52 +142,55 @@ static int decode_cie(const json_t *value, const char *path, void *into, struct 
     const bool timed = find_time(value, request);
     const struct orl_json_member members[] = {
         WHEN(request, timed),
-        {"type", .decode = decode_type, .into = &request->cie_type, .required = true},
+        {"type", .decode = decode_type, .into = &request->cie_type},
         {.name = "zenith_cd_m2"},
         {.name = "diffuse_horizontal_lx"},
-        {"direct_normal_lx", .real = &request->direct_normal_lx, .least = 0, .most = INFINITY,
-         .bounds = "it must not be negative"},
+        {"direct_normal_lx", .real = &request->direct_normal_lx},
         {"turbidity", .real = &request->turbidity},
         {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const int rc = orl_json_members(value, path, &orl_schema_cie_sky, members, err);
     if (rc || !has_any(value, bright))
         return rc;
-    return decode_input_pair(value, path, pairs, sizeof pairs / sizeof *pairs, request, err);
+    return decode_input_pair(value, path, &orl_schema_cie_sky, pairs, sizeof pairs / sizeof *pairs,
+                             request, err);
 }
 
 static int decode_weather(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_sky_request *request = into;
+    const bool in_sequence = request->time_given;
+    const struct orl_json_schema *schema =
+        in_sequence ? &orl_schema_sequence_weather : &orl_schema_weather_sky;
     request->model = ORL_SKY_BY_WEATHER;
-    const bool timed = !request->time_given;
     request->time_given = true;
     const struct orl_json_member members[] = {
-        {"file", .text = &request->weather_file, .longest = FILE_NAME_MAX_BYTES, .required = true},
-        {"year", .whole_int = &request->weather_year, .from = 1, .to = 9999},
-        DATE(request, timed),
+        {"file", .text = &request->weather_file},
+        {"year", .whole_int = &request->weather_year},
         {"ground_reflectance", .real = &request->ground_reflectance},
+        {in_sequence ? NULL : "month", .whole_int = &request->month},
+        {"day", .whole_int = &request->day},
+        {"hour", .real = &request->hour},
         {0}};
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, schema, members, err);
 }
 
 /* ret_name: gets the sky's name; NULL where skies have none. */
 static int decode_sky(const json_t *value, const char *path, struct orl_sky_request *request,
                       char **ret_name, struct orl_error *err)
 {
-    static const char *const normalisations[] = {"flux", "gendaylit", NULL};
-    static const char *const sun_methods[] = {"accurate", "radiance", NULL};
+    const struct orl_json_schema *schema = ret_name ? &orl_schema_named_sky : &orl_schema_sky;
     const struct orl_json_member members[] = {
         {"perez", .decode = decode_perez, .into = request},
         {"cie", .decode = decode_cie, .into = request},
         {"weather", .decode = decode_weather, .into = request},
-        {"normalise", .word = &request->normalise, .words = normalisations},
-        {"sun", .word = &request->sun_method, .words = sun_methods},
-        {ret_name ? "name" : NULL, .text = ret_name, .longest = NAME_MAX_BYTES},
+        {"normalise", .word = &request->normalise},
+        {"sun", .word = &request->sun_method},
+        {ret_name ? "name" : NULL, .text = ret_name},
         {0}};
     int given = 0;
     for (int i = 0; i < 3; i++)
         given += json_object_get(value, members[i].name) != NULL;
-    const int rc = given > 1 ? 0 : orl_json_members(value, path, members, err);
+    const int rc = given > 1 ? 0 : orl_json_members(value, path, schema, members, err);
     if (rc == 0 && given != 1)
         return orl_json_fail(err, ORL_ERR_INVALID, path,
                              "a sky has exactly one of perez, cie, weather");
@@ -234,10 +237,8 @@ static int decode_list(const json_t *skies, const char *path, struct orl_job *jo
     const struct orl_json_list list = {.items = &job->skies,
                                        .count = &job->n_skies,
                                        .size = sizeof *job->skies,
-                                       .most = ORL_LIMIT_SKIES,
-                                       .each = decode_named_sky,
-                                       .empty = "the list is empty"};
-    int rc = orl_json_list(skies, path, &list, err);
+                                       .each = decode_named_sky};
+    int rc = orl_json_list(skies, path, &orl_schema_named_skies, &list, err);
     for (size_t i = 0; i < job->n_skies && rc == 0; i++)
         if (!job->skies[i].name)
             rc = name_sky(&job->skies[i], i, err);
@@ -253,12 +254,11 @@ static int decode_moment(const json_t *value, const char *path, void *ret_h, str
     uint64_t month = 1, day = 1;
     double hour = 0;
     const struct orl_json_member members[] = {
-        {"month", .whole = &month, .from = 1, .to = 12, .required = true},
+        {"month", .whole = &month},
         {.name = "day"}, /* decoded below: its bounds depend on the month */
-        {"hour", .real = &hour, .least = 0, .most = day_h, .below = true, .required = true,
-         .bounds = "it must be at least 0 and below 24"},
+        {"hour", .real = &hour},
         {0}};
-    int rc = orl_json_members(value, path, members, err);
+    int rc = orl_json_members(value, path, &orl_schema_moment, members, err);
     const int before = days_before[month - 1], days = days_before[month] - before;
     if (rc == 0)
         rc = orl_json_whole(json_object_get(value, "day"), orl_json_path(path, "day", at), 1,
@@ -310,12 +310,11 @@ static int decode_sequence(const json_t *doc, const char *path, struct sequence 
         {.name = "weather"},
         {.name = "normalise"},
         {.name = "sun"},
-        {"from", .decode = decode_moment, .into = &seq->from_h, .required = true},
-        {"to", .decode = decode_moment, .into = &seq->to_h, .required = true},
-        {"step_h", .real = &seq->step_h, .least = 1.0 / 60, .most = 365 * day_h,
-         .bounds = "it is in hours and must be from a minute to a year"},
+        {"from", .decode = decode_moment, .into = &seq->from_h},
+        {"to", .decode = decode_moment, .into = &seq->to_h},
+        {"step_h", .real = &seq->step_h},
         {0}};
-    const int rc = orl_json_members(doc, path, members, err);
+    const int rc = orl_json_members(doc, path, &orl_schema_sky_sequence, members, err);
     if (rc)
         return rc;
     if (seq->to_h < seq->from_h)

@@ -6,6 +6,7 @@
 #include <oriel/base/limits.h>
 
 #include "job/job_members_json.h"
+#include "schemas.h"
 #include "json/decode.h"
 #include "json/encode.h"
 
@@ -46,47 +47,43 @@ static int decode_job(const json_t *doc, enum orl_job_origin origin, struct orl_
 static int decode_technique(const json_t *value, const char *path, void *technique,
                             struct orl_error *err)
 {
-    return orl_technique_from_json(value, path, ORL_TECHNIQUE_AUTO + 1, technique, err);
+    return orl_technique_from_json(value, path, &orl_schema_study_technique, ORL_TECHNIQUE_AUTO + 1,
+                                   technique, err);
 }
 
 static int decode_photons(const json_t *value, const char *path, void *photons,
                           struct orl_error *err)
 {
-    return orl_json_whole(value, path, 1, ORL_LIMIT_PHOTONS, photons, err);
+    const struct orl_json_member number = {.whole = photons};
+    return orl_json_value(value, path, orl_schema_study_request_photons.items, &number, err);
 }
 
 static int decode_rays(const json_t *value, const char *path, void *rays, struct orl_error *err)
 {
-    const struct orl_json_member number = {.whole_32 = rays, .from = 1, .to = SENSOR_RAYS_MAX};
-    return orl_json_value(value, path, &number, err);
+    const struct orl_json_member number = {.whole_32 = rays};
+    return orl_json_value(value, path, orl_schema_study_request_gather_samples.items, &number, err);
 }
 
 static int decode_paths(const json_t *value, const char *path, void *paths, struct orl_error *err)
 {
-    const struct orl_json_member number = {.whole_32 = paths, .from = 1, .to = PIXEL_PATHS_MAX};
-    return orl_json_value(value, path, &number, err);
+    const struct orl_json_member number = {.whole_32 = paths};
+    return orl_json_value(value, path, orl_schema_study_request_pixel_samples.items, &number, err);
 }
 
 static int decode_given(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char above_zero[] = "a number above zero is expected";
     struct orl_study_external *external = into;
-    const struct orl_json_member members[] = {
-        {"name", .text = &external->name, .longest = NAME_MAX_BYTES, .required = true},
-        {"seconds", .real = &external->seconds, .most = INFINITY, .above = true,
-         .bounds = above_zero, .required = true},
-        {"rms", .real = &external->rms, .most = INFINITY, .above = true, .bounds = above_zero,
-         .required = true},
-        {"rays_per_s", .real = &external->rays_per_s, .most = INFINITY, .above = true,
-         .bounds = above_zero},
-        {0}};
-    return orl_json_members(value, path, members, err);
+    const struct orl_json_member members[] = {{"name", .text = &external->name},
+                                              {"seconds", .real = &external->seconds},
+                                              {"rms", .real = &external->rms},
+                                              {"rays_per_s", .real = &external->rays_per_s},
+                                              {0}};
+    return orl_json_members(value, path, &orl_schema_study_given, members, err);
 }
 
 #define LIST(array, n, decoder)                                                                    \
     {                                                                                              \
-        .items = &(array), .count = &(n), .size = sizeof *(array), .most = ORL_LIMIT_STUDY_LIST,   \
-        .each = (decoder), .empty = "the list is empty"                                            \
+        .items = &(array), .count = &(n), .size = sizeof *(array), .each = (decoder)               \
     }
 
 /* views: true if views are measured, not sensors. */
@@ -98,33 +95,31 @@ static int decode_members(const json_t *doc, bool views, struct orl_study_reques
     const struct orl_json_list samples =
         LIST(r->samples, r->n_samples, views ? decode_paths : decode_rays);
     const struct orl_json_list points = LIST(r->external, r->n_external, decode_given);
-    const struct orl_json_member reference[] = {
-        {"samples", .whole_32 = &r->reference_samples, .from = 1,
-         .to = views ? PIXEL_PATHS_MAX : SENSOR_RAYS_MAX, .required = true},
-        {"runs", .whole_32 = &r->reference_runs, .from = 1, .to = REPEATS_MAX},
-        {0}};
+    const struct orl_json_member reference[] = {{"samples", .whole_32 = &r->reference_samples},
+                                                {"runs", .whole_32 = &r->reference_runs},
+                                                {0}};
     const struct orl_json_member members[] = {
         {.name = "kind"},
-        {"title", .text = &r->title, .longest = TITLE_MAX},
-        {"note", .text = &r->note, .longest = NOTE_MAX},
+        {"title", .text = &r->title},
+        {"note", .text = &r->note},
         {.name = "scene"}, /* this and the next five: decoded as the job's */
         {.name = "sky"},
         {.name = "effects"},
         {.name = "seed"},
         {.name = "sensors"},
         {.name = "views"},
-        {"techniques", .list = &techniques, .required = true},
+        {"techniques", .list = &techniques},
         {"photons", .list = &photons},
         {"gather_samples", .list = views ? NULL : &samples},
         {"pixel_samples", .list = views ? &samples : NULL},
-        {"repeats", .whole_32 = &r->repeats, .from = 1, .to = REPEATS_MAX},
-        {"reference", .members = reference, .required = true},
+        {"repeats", .whole_32 = &r->repeats},
+        {"reference", .members = reference},
         {"points", .list = &points},
         {.name = "priority"},
         {.name = "name"},
         {.name = "tags"},
         {0}};
-    return orl_json_members(doc, "", members, err);
+    return orl_json_members(doc, "", &orl_schema_study_request, members, err);
 }
 
 /* Refuses samples for what is not measured: they would have no effect. */

@@ -216,30 +216,49 @@ static int unknown_member(const char *path, const char *name, const struct orl_j
     return ORL_ERR_INVALID;
 }
 
-static int decode_real(const json_t *value, const char *path, const struct orl_json_member *m,
-                       struct orl_error *err)
+/* Fails with the bounds of a number, and its meaning as the hint. */
+static int out_of_bounds(const char *path, const struct orl_json_schema *schema,
+                         struct orl_error *err)
+{
+    char low[40] = "", high[40] = "";
+    const bool has_low = isfinite(schema->least), has_high = isfinite(schema->most);
+    if (has_low && has_high && !schema->above && !schema->below) {
+        orl_json_fail(err, ORL_ERR_RANGE, path, "it must be from %g to %g", schema->least,
+                      schema->most);
+    } else {
+        if (has_low)
+            snprintf(low, sizeof low, "%s %g", schema->above ? "above" : "at least", schema->least);
+        if (has_high)
+            snprintf(high, sizeof high, "%s %g", schema->below ? "below" : "at most", schema->most);
+        orl_json_fail(err, ORL_ERR_RANGE, path, "it must be %s%s%s", low,
+                      has_low && has_high ? " and " : "", high);
+    }
+    if (schema->meaning)
+        orl_error_hint(err, "%s", schema->meaning);
+    return ORL_ERR_RANGE;
+}
+
+static int decode_real(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                       double *ret_value, struct orl_error *err)
 {
     double real = 0;
     const int rc = orl_json_real(value, path, &real, err);
     if (rc)
         return rc;
-    const bool bounded = m->least < m->most;
-    if (bounded && (real < m->least || real > m->most || (m->above && real <= m->least) ||
-                    (m->below && real >= m->most))) {
-        if (m->bounds)
-            return orl_json_fail(err, ORL_ERR_RANGE, path, "%s", m->bounds);
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "it must be from %g to %g", m->least,
-                             m->most);
-    }
-    *m->real = real;
+    if (real < schema->least || real > schema->most || (schema->above && real <= schema->least) ||
+        (schema->below && real >= schema->most))
+        return out_of_bounds(path, schema, err);
+    *ret_value = real;
     return 0;
 }
 
-static int decode_whole(const json_t *value, const char *path, const struct orl_json_member *m,
-                        struct orl_error *err)
+static int decode_whole(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                        const struct orl_json_member *m, struct orl_error *err)
 {
     uint64_t whole = 0;
-    const int rc = orl_json_whole(value, path, m->from, m->to, &whole, err);
+    const int rc = orl_json_whole(value, path, schema->from, schema->to, &whole, err);
+    if (rc == ORL_ERR_RANGE && schema->meaning)
+        orl_error_hint(err, "%s", schema->meaning);
     if (rc)
         return rc;
     if (m->whole)
@@ -251,28 +270,57 @@ static int decode_whole(const json_t *value, const char *path, const struct orl_
     return 0;
 }
 
-int orl_json_value(const json_t *value, const char *path, const struct orl_json_member *m,
-                   struct orl_error *err)
+int orl_json_text_of(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                     char **ret_text, struct orl_error *err)
+{
+    return orl_json_string(value, path, schema->longest, ret_text, err);
+}
+
+int orl_json_value(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                   const struct orl_json_member *m, struct orl_error *err)
 {
     if (m->real)
-        return decode_real(value, path, m, err);
+        return decode_real(value, path, schema, m->real, err);
     if (m->whole || m->whole_32 || m->whole_int)
-        return decode_whole(value, path, m, err);
+        return decode_whole(value, path, schema, m, err);
     if (m->flag)
         return decode_bool(value, path, m->flag, err);
     if (m->text)
-        return orl_json_string(value, path, m->longest, m->text, err);
+        return orl_json_text_of(value, path, schema, m->text, err);
     if (m->word)
-        return orl_json_word(value, path, m->words, m->word, err);
+        return orl_json_word(value, path, schema->words, m->word, err);
     if (m->members)
-        return orl_json_members(value, path, m->members, err);
+        return orl_json_members(value, path, schema, m->members, err);
     if (m->list)
-        return orl_json_list(value, path, m->list, err);
+        return orl_json_list(value, path, schema, m->list, err);
     return m->decode ? m->decode(value, path, m->into, err) : 0;
 }
 
-int orl_json_members(const json_t *value, const char *path, const struct orl_json_member *members,
-                     struct orl_error *err)
+static const struct orl_json_described *find_described(const struct orl_json_schema *schema,
+                                                       const char *name)
+{
+    const struct orl_json_described *described = schema->members;
+    while (described && described->name && strcmp(described->name, name) != 0)
+        described++;
+    return described && described->name ? described : NULL;
+}
+
+int orl_json_member(const json_t *object, const char *path, const struct orl_json_schema *schema,
+                    const struct orl_json_member *row, struct orl_error *err)
+{
+    char at[ORL_JSON_PATH_MAX];
+    const json_t *member = json_object_get(object, row->name);
+    const struct orl_json_described *described = find_described(schema, row->name);
+    orl_json_path(path, row->name, at);
+    if (!described)
+        return orl_json_fail(err, ORL_ERR_INTERNAL, at, "the member has no description");
+    return member || row->required || described->required
+               ? orl_json_value(member, at, described->schema, row, err)
+               : 0;
+}
+
+int orl_json_members(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                     const struct orl_json_member *members, struct orl_error *err)
 {
     if (!json_is_object(value))
         return orl_json_wrong_type(value, *path ? path : "document", "an object", err);
@@ -285,12 +333,8 @@ int orl_json_members(const json_t *value, const char *path, const struct orl_jso
             return unknown_member(path, name, members, err);
     }
     int rc = 0;
-    for (; members->name && rc == 0; members++) {
-        char at[ORL_JSON_PATH_MAX];
-        member = json_object_get(value, members->name);
-        if (member || members->required)
-            rc = orl_json_value(member, orl_json_path(path, members->name, at), members, err);
-    }
+    for (; members->name && rc == 0; members++)
+        rc = orl_json_member(value, path, schema, members, err);
     return rc;
 }
 
@@ -307,24 +351,39 @@ static int decode_element(const json_t *value, const char *path, size_t index,
     return decode(json_array_get(value, index), at, into, err);
 }
 
-int orl_json_each(const json_t *value, const char *path, size_t most, orl_json_decoder *each,
-                  void *into, struct orl_error *err)
+int orl_json_array_of(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                      struct orl_error *err)
 {
-    int rc = orl_json_array(value, path, most, err);
+    const size_t count = json_array_size(value);
+    const int rc = orl_json_array(value, path, schema->most_items, err);
+    if (rc || count >= schema->fewest_items)
+        return rc;
+    if (count == 0)
+        orl_json_fail(err, ORL_ERR_INVALID, path, "the list is empty");
+    else
+        orl_json_fail(err, ORL_ERR_INVALID, path, "%zu elements; at least %zu are expected", count,
+                      schema->fewest_items);
+    if (schema->meaning)
+        orl_error_hint(err, "%s", schema->meaning);
+    return ORL_ERR_INVALID;
+}
+
+int orl_json_each(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                  orl_json_decoder *each, void *into, struct orl_error *err)
+{
+    int rc = orl_json_array_of(value, path, schema, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(value); i++)
         rc = decode_element(value, path, i, each, into, err);
     return rc;
 }
 
-int orl_json_list(const json_t *value, const char *path, const struct orl_json_list *list,
-                  struct orl_error *err)
+int orl_json_list(const json_t *value, const char *path, const struct orl_json_schema *schema,
+                  const struct orl_json_list *list, struct orl_error *err)
 {
     const size_t count = json_array_size(value);
-    int rc = orl_json_array(value, path, list->most, err);
+    int rc = orl_json_array_of(value, path, schema, err);
     if (rc)
         return rc;
-    if (count == 0 && list->empty)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "%s", list->empty);
     char *items = calloc(count ? count : 1, list->size);
     if (!items)
         return orl_error_set(err, ORL_ERR_NOMEM, "out of memory for %zu elements", count);

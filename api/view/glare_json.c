@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "schemas.h"
 #include "json/encode.h"
 
 /* ---- Request --------------------------------------------------------------------------------- */
@@ -30,7 +31,7 @@ static int decode_metric(const json_t *value, const char *path, void *into, stru
 int orl_glare_metrics_from_json(const json_t *value, const char *path, void *ret_metrics,
                                 struct orl_error *err)
 {
-    return orl_json_each(value, path, ORL_GLARE_METRICS + 1, decode_metric, ret_metrics, err);
+    return orl_json_each(value, path, &orl_schema_view_metrics, decode_metric, ret_metrics, err);
 }
 
 static int decode_task(const json_t *value, const char *path, void *into, struct orl_error *err)
@@ -40,16 +41,14 @@ static int decode_task(const json_t *value, const char *path, void *into, struct
                                               {"y", .real = &task->y},
                                               {"angle_rad", .real = &task->angle_rad},
                                               {0}};
-    const int rc = orl_json_members(value, path, members, err);
-    if (rc == 0 && !(task->angle_rad > 0))
-        return orl_json_fail(err, ORL_ERR_RANGE, path, "a task needs an \"angle_rad\" above 0");
+    const int rc = orl_json_members(value, path, &orl_schema_glare_task, members, err);
     return rc;
 }
 
 static int decode_mask(const json_t *value, const char *path, void *ret_name, struct orl_error *err)
 {
     char *name = NULL;
-    const int rc = orl_json_string(value, path, ORL_GLARE_MASK_MAX - 1, &name, err);
+    const int rc = orl_json_text_of(value, path, &orl_schema_glare_settings_mask, &name, err);
     if (rc == 0)
         memcpy(ret_name, name, strlen(name) + 1);
     free(name);
@@ -59,33 +58,28 @@ static int decode_mask(const json_t *value, const char *path, void *ret_name, st
 int orl_glare_settings_from_json(const json_t *value, const char *path, void *ret_settings,
                                  struct orl_error *err)
 {
-    static const char *const formulas[] = {"evalglare", "published", NULL};
-    static const char *const positions[] = {"exact", "whole_pixels", NULL};
     struct orl_glare_settings *s = ret_settings;
     unsigned at_whole_pixels = s->at_whole_pixels;
     bool peaks = !s->no_peaks;
     const struct orl_json_member directions[] = {
-        {"count", .whole_32 = &s->directions, .from = 2, .to = 360, .required = true},
-        {"span_deg", .real = &s->directions_deg},
-        {0}};
-    const struct orl_json_member members[] = {
-        {"threshold", .real = &s->threshold},
-        {"task", .decode = decode_task, .into = &s->task},
-        {"radius_rad", .real = &s->radius_rad},
-        {"smooth", .flag = &s->smooth},
-        {"peak_cd_m2", .real = &s->peak_cd_m2},
-        {"peaks", .flag = &peaks},
-        {"formula", .word = &s->constants, .words = formulas},
-        {"low_light_correction", .flag = &s->low_light},
-        {"age_years", .real = &s->age_years},
-        {"vertical_illuminance_lx", .real = &s->eye_lx},
-        {"position", .word = &at_whole_pixels, .words = positions},
-        {"directions", .members = directions},
-        {"mask", .decode = decode_mask, .into = s->mask},
-        {"band_rad", .real = &s->band_rad},
-        {0}};
+        {"count", .whole_32 = &s->directions}, {"span_deg", .real = &s->directions_deg}, {0}};
+    const struct orl_json_member members[] = {{"threshold", .real = &s->threshold},
+                                              {"task", .decode = decode_task, .into = &s->task},
+                                              {"radius_rad", .real = &s->radius_rad},
+                                              {"smooth", .flag = &s->smooth},
+                                              {"peak_cd_m2", .real = &s->peak_cd_m2},
+                                              {"peaks", .flag = &peaks},
+                                              {"formula", .word = &s->constants},
+                                              {"low_light_correction", .flag = &s->low_light},
+                                              {"age_years", .real = &s->age_years},
+                                              {"vertical_illuminance_lx", .real = &s->eye_lx},
+                                              {"position", .word = &at_whole_pixels},
+                                              {"directions", .members = directions},
+                                              {"mask", .decode = decode_mask, .into = s->mask},
+                                              {"band_rad", .real = &s->band_rad},
+                                              {0}};
     struct orl_error why;
-    const int rc = orl_json_members(value, path, members, err);
+    const int rc = orl_json_members(value, path, &orl_schema_glare_settings, members, err);
     s->at_whole_pixels = at_whole_pixels == 1;
     s->no_peaks = !peaks;
     if (rc == 0 && orl_glare_settings_check(s, &why) < 0)

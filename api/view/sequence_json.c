@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "chart/charts.h"
+#include "schemas.h"
 #include "json/encode.h"
 
 /* ---- Request --------------------------------------------------------------------------------- */
@@ -13,13 +14,12 @@
 int orl_sequence_from_json(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_sequence_request *request = into;
-    const struct orl_json_member members[] = {
-        {"frame_s", .real = &request->frame_s, .least = 0.02, .most = 60},
-        {"columns", .whole_32 = &request->columns, .from = 1, .to = 64},
-        {"picture_width", .whole_32 = &request->width_px, .from = 16, .to = 2048},
-        {0}};
+    const struct orl_json_member members[] = {{"frame_s", .real = &request->frame_s},
+                                              {"columns", .whole_32 = &request->columns},
+                                              {"picture_width", .whole_32 = &request->width_px},
+                                              {0}};
     request->asked = true;
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_sequence, members, err);
 }
 
 /* ---- Results of a view under each sky -------------------------------------------------------- */

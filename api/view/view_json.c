@@ -7,6 +7,7 @@
 
 #include <oriel/base/limits.h>
 
+#include "schemas.h"
 #include "json/encode.h"
 
 /* Decodes formats; sets bits of a uint32_t. */
@@ -16,7 +17,7 @@ static int decode_formats(const json_t *value, const char *path, void *ret_forma
     uint32_t formats = 0;
     const json_t *name;
     size_t i;
-    const int rc = orl_json_array(value, path, ORL_PICTURES, err);
+    const int rc = orl_json_array_of(value, path, &orl_schema_view_formats, err);
     if (rc)
         return rc;
     json_array_foreach(value, i, name)
@@ -30,8 +31,6 @@ static int decode_formats(const json_t *value, const char *path, void *ret_forma
         }
         formats |= ORL_PICTURE_BIT(picture);
     }
-    if (formats == 0)
-        return orl_json_fail(err, ORL_ERR_INVALID, path, "the list of formats is empty");
     *(uint32_t *)ret_formats = formats;
     return 0;
 }
@@ -55,18 +54,16 @@ static int check_human(const char *path, const struct orl_display *display, stru
 /* Decodes into a struct orl_display of zeros. */
 static int decode_display(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const tones[] = {"human", "linear", NULL};
     struct orl_display *display = into;
     double stops = 0;
-    const struct orl_json_member members[] = {
-        {"tone", .word = &display->tone, .words = tones},
-        {"exposure", .real = &display->exposure, .least = 1e-9, .most = 1e9},
-        {"ev", .real = &stops, .least = -20, .most = 30},
-        {"veil", .flag = &display->veil},
-        {"acuity", .flag = &display->acuity},
-        {"color_loss", .flag = &display->color_loss},
-        {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const struct orl_json_member members[] = {{"tone", .word = &display->tone},
+                                              {"exposure", .real = &display->exposure},
+                                              {"ev", .real = &stops},
+                                              {"veil", .flag = &display->veil},
+                                              {"acuity", .flag = &display->acuity},
+                                              {"color_loss", .flag = &display->color_loss},
+                                              {0}};
+    const int rc = orl_json_members(value, path, &orl_schema_display, members, err);
     if (rc)
         return rc;
     const bool exposure = json_object_get(value, "exposure"), ev = json_object_get(value, "ev");
@@ -86,7 +83,7 @@ int orl_label_from_json(const json_t *value, const char *path, void *ret_label,
                         struct orl_error *err)
 {
     char *text = NULL;
-    int rc = orl_json_string(value, path, ORL_PICTURE_LABEL_MAX - 1, &text, err);
+    int rc = orl_json_text_of(value, path, &orl_schema_picture_label, &text, err);
     for (const char *c = text; rc == 0 && *c; c++)
         if (*c < ' ' || *c > '~')
             rc = orl_json_fail(err, ORL_ERR_INVALID, path,
@@ -100,31 +97,34 @@ int orl_label_from_json(const json_t *value, const char *path, void *ret_label,
 int orl_scale_from_json(const json_t *value, const char *path, void *ret_scale,
                         struct orl_error *err)
 {
-    const struct orl_json_member number = {.real = ret_scale, .least = 1e-9, .most = 1e12};
+    const struct orl_json_member number = {.real = ret_scale};
     if (json_is_string(value) && strcmp(json_string_value(value), "auto") == 0)
         return 0;
-    return orl_json_value(value, path, &number, err);
+    return orl_json_value(value, path, &orl_schema_scale, &number, err);
 }
 
 int orl_palette_from_json(const json_t *value, const char *path, void *ret_palette,
                           struct orl_error *err)
 {
-    const char *palettes[ORL_PALETTES + 1] = {NULL};
-    for (int i = 0; i < ORL_PALETTES; i++)
-        palettes[i] = orl_palette_name((enum orl_palette)i);
-    return orl_json_word(value, path, palettes, ret_palette, err);
+    return orl_json_word(value, path, orl_schema_palette.words, ret_palette, err);
 }
 
 static int decode_point(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_view_request *view = into;
     struct orl_picture_point *point = &view->false_color.points[view->false_color.n_points];
+    char at[ORL_JSON_PATH_MAX];
     const struct orl_json_member members[] = {
-        {"name", .decode = orl_label_from_json, .into = point->name, .required = true},
-        {"x", .real = &point->x, .least = 0, .most = view->width, .required = true},
-        {"y", .real = &point->y, .least = 0, .most = view->height, .required = true},
+        {"name", .decode = orl_label_from_json, .into = point->name},
+        {"x", .real = &point->x},
+        {"y", .real = &point->y},
         {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    int rc = orl_json_members(value, path, &orl_schema_picture_point, members, err);
+    const char *outside = point->x > view->width ? "x" : point->y > view->height ? "y" : NULL;
+    if (rc == 0 && outside)
+        rc = orl_json_fail(err, ORL_ERR_RANGE, orl_json_path(path, outside, at),
+                           "the point lies outside the picture of %u by %u pixels", view->width,
+                           view->height);
     view->false_color.n_points += rc == 0;
     return rc;
 }
@@ -133,23 +133,23 @@ static int decode_point(const json_t *value, const char *path, void *into, struc
 static int decode_points(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     struct orl_view_request *view = into;
-    const int rc = orl_json_array(value, path, ORL_LIMIT_PICTURE_POINTS, err);
+    const int rc = orl_json_array_of(value, path, &orl_schema_false_color_points, err);
     if (rc)
         return rc;
     view->false_color.points = calloc(json_array_size(value) + 1, sizeof(struct orl_picture_point));
     if (!view->false_color.points)
         return orl_error_no_memory(err);
-    return orl_json_each(value, path, ORL_LIMIT_PICTURE_POINTS, decode_point, view, err);
+    return orl_json_each(value, path, &orl_schema_false_color_points, decode_point, view, err);
 }
 
 static int decode_drawn(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    static const char *const drawn[] = {"fill", "lines", "bands", NULL};
     uint32_t *pictures = into;
-    int rc = orl_json_array(value, path, 3, err);
+    int rc = orl_json_array_of(value, path, &orl_schema_false_color_draw, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(value); i++) {
         unsigned which = 0;
-        rc = orl_json_word(json_array_get(value, i), path, drawn, &which, err);
+        rc = orl_json_word(json_array_get(value, i), path, orl_schema_false_color_draw.items->words,
+                           &which, err);
         *pictures |= ORL_PICTURE_BIT(ORL_PICTURE_FALSE + which);
     }
     return rc;
@@ -164,18 +164,18 @@ static int decode_false_color(const json_t *value, const char *path, void *into,
     struct orl_false_color *colors = &view->false_color;
     const struct orl_json_member members[] = {
         {"scale", .decode = orl_scale_from_json, .into = &colors->scale},
-        {"decades", .real = &colors->decades, .least = 0, .most = 12},
-        {"divisions", .whole_32 = &colors->divisions, .from = 2, .to = ORL_LIMIT_DIVISIONS},
+        {"decades", .real = &colors->decades},
+        {"divisions", .whole_32 = &colors->divisions},
         {"palette", .decode = orl_palette_from_json, .into = &colors->palette},
         {"label", .decode = orl_label_from_json, .into = colors->label},
         {"isolines", .flag = &colors->isolines},
         {"extrema", .flag = &colors->extrema},
         {"draw", .decode = decode_drawn, .into = &colors->pictures},
-        {"multiplier", .real = &colors->multiplier, .least = 1e-9, .most = 1e9},
+        {"multiplier", .real = &colors->multiplier},
         {"points", .decode = decode_points, .into = view},
         {0}};
     colors->asked = true;
-    return orl_json_members(value, path, members, err);
+    return orl_json_members(value, path, &orl_schema_false_color, members, err);
 }
 
 /* ---- Results --------------------------------------------------------------------------------- */
@@ -237,16 +237,15 @@ bool orl_pictures_read_back(const json_t *json, struct orl_view_result *view)
     return !points || read_points(points, view);
 }
 
-enum { VIEW_TEXT_MAX = 4096, VIEW_NAME_MAX = 128, VIEW_FILE_MAX = 1024, ENTRY_MAX = 63 };
-
 /* Decodes a number from 1, or a name; the result is text either way. */
 static int decode_entry(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
     char **entry = into, text[24];
     uint64_t number = 0;
     if (json_is_string(value))
-        return orl_json_string(value, path, ENTRY_MAX, entry, err);
-    const int rc = orl_json_whole(value, path, 1, 1000000, &number, err);
+        return orl_json_text_of(value, path, &orl_schema_view_entry, entry, err);
+    const int rc = orl_json_whole(value, path, orl_schema_view_entry.from, orl_schema_view_entry.to,
+                                  &number, err);
     if (rc)
         return rc;
     snprintf(text, sizeof text, "%u", (unsigned)number);
@@ -270,7 +269,7 @@ static int check_source(const char *path, const struct orl_view_request *view,
 static void find_size(const json_t *options, struct orl_view_request *view)
 {
     struct orl_error unsound;
-    if (json_string_length(options) <= VIEW_TEXT_MAX && json_is_string(options))
+    if (json_string_length(options) <= orl_schema_view_view.longest && json_is_string(options))
         orl_view_text_size(json_string_value(options), &view->width, &view->height, &unsound);
 }
 
@@ -280,15 +279,13 @@ int orl_view_from_json(const json_t *value, const char *path, void *into, struct
     find_size(json_object_get(value, "view"), view);
     const bool elsewhere = json_object_get(value, "file") || json_object_get(value, "entry");
     const struct orl_json_member members[] = {
-        {"name", .text = &view->name, .longest = VIEW_NAME_MAX, .required = true},
-        {"view", .text = &view->view, .longest = VIEW_TEXT_MAX, .required = !elsewhere},
-        {"file", .text = &view->file, .longest = VIEW_FILE_MAX},
+        {"name", .text = &view->name},
+        {"view", .text = &view->view, .required = !elsewhere},
+        {"file", .text = &view->file},
         {"entry", .decode = decode_entry, .into = &view->entry},
-        {"width", .whole_32 = &view->width, .from = 1, .to = ORL_LIMIT_IMAGE_SIDE,
-         .required = view->width == 0},
-        {"height", .whole_32 = &view->height, .from = 1, .to = ORL_LIMIT_IMAGE_SIDE,
-         .required = view->height == 0},
-        {"pixel_aspect", .real = &view->pixel_aspect, .least = 0.001, .most = 1000},
+        {"width", .whole_32 = &view->width, .required = view->width == 0},
+        {"height", .whole_32 = &view->height, .required = view->height == 0},
+        {"pixel_aspect", .real = &view->pixel_aspect},
         {"formats", .decode = decode_formats, .into = &view->formats},
         {"display", .decode = decode_display, .into = &view->display},
         {"irradiance", .flag = &view->irradiance},
@@ -296,6 +293,6 @@ int orl_view_from_json(const json_t *value, const char *path, void *into, struct
         {"metrics", .decode = orl_glare_metrics_from_json, .into = &view->metrics},
         {"glare", .decode = orl_glare_settings_from_json, .into = &view->glare},
         {0}};
-    const int rc = orl_json_members(value, path, members, err);
+    const int rc = orl_json_members(value, path, &orl_schema_view, members, err);
     return rc ? rc : check_source(path, view, err);
 }

@@ -33,7 +33,7 @@ struct orl_slurm_config {
 int orl_slurm_config_open(const struct orl_runner_options *options,
                           struct orl_slurm_config *ret_slurm, struct orl_error *err);
 
-/* JSON for where a job runs (Runner of api/openapi.yaml). */
+/* JSON for where a job runs (Runner of api/schema/status.yaml). */
 
 /* Both return new references; NULL: out of memory. */
 json_t *orl_parts_to_json(const struct orl_parts_count *count);

@@ -1,5 +1,5 @@
 /*
- * The daemon implements api/openapi.yaml: every operation, every documented status, nothing else.
+ * The daemon implements api/openapi: every operation, every documented status, nothing else.
  * tests/contract/run.py tests this with the table of routes from this program.
  */
 #include <setjmp.h>

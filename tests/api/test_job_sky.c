@@ -77,7 +77,7 @@ static void test_mistakes_are_told_at_once(void **state)
         {"{\"cie\":{\"type\":\"clear\"}}", "sky"},
         {"{\"perez\":{\"sun_altitude\":40,\"sun_azimuth\":0,\"direct_normal_w_m2\":5000,"
          "\"diffuse_horizontal_w_m2\":100}}",
-         "sky"},
+         "sky.perez.direct_normal_w_m2"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct reply reply;

@@ -94,6 +94,7 @@ def jobs(lit, dark, sheet, measured):
            "rules": ["LEED"], "accuracy": {"verdict": "sDA >= 1 %"}, "formats": ["ill"], "median_diffuse": 14200,
            "exposure": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "least_altitude": 10},
            "view_out": {"points": [{"name": "w", "at": [1, 2, 1.2]}], "above_sensors": 0.4, "openings": ["pane"], "ground": ["pane"]}}
+    yield {**year, "sensors": SENSORS, "technique": "precomputed", "photons": 1000}
     yield {**year, "sensors": {"file": "s.txt"}, "occupancy": {"file": "u.csv"},
            "glare": {"seats": [{"name": "w", "at": [1, 2, 1.2], "towards": [0, -1, 0]}]}}
     panel = {"kind": "bsdf_make", "priority": 5, "name": "n", "tags": ["a"], "scene": sheet, "seed": 3, "paths": 16,
@@ -157,7 +158,7 @@ def breaks(daemon):
     """All of them; and no member of a request that no job here has."""
     lit = daemon.upload(ROOM + SKY)
     weather = bsdf("weather.epw").decode("latin-1")
-    dark = daemon.upload(ROOM, resources={"w.epw": weather, "s.txt": "1 1 1 0 0 1\n",
+    dark = daemon.upload(ROOM, resources={"w.epw": weather, "place.epw": weather, "s.txt": "1 1 1 0 0 1\n",
                                           "u.csv": "1\n" * 8760,
                                           "m.mtx": "#?RADIANCE\nNROWS=1\nNCOLS=1\nNCOMP=3\n"
                                                    "FORMAT=ascii\n\n1 1 1\n",
@@ -169,6 +170,8 @@ def breaks(daemon):
     measured = daemon.upload(MEASURED)
     taken, refused, done = list(jobs(lit, dark, sheet, measured)), 0, set()
     check_members(daemon.contract, taken)
+    try_examples(daemon, {"JobRequest": dark, "StudyRequest": lit, "AnnualRequest": dark,
+                          "BsdfMakeRequest": sheet, "BsdfFitRequest": measured})
     for document in taken:
         daemon.ask("POST", daemon.submit(document) + "/cancel")
     for document in taken:
@@ -182,6 +185,20 @@ def breaks(daemon):
                                        daemon.contract.judge_request(variant))
             refused += 1
     print("# %d jobs taken, %d refused that break the schema in one place" % (len(taken), refused))
+
+
+def try_examples(daemon, scenes):
+    """Examples of requests are taken, with ids of scenes that there are. scenes: by component."""
+    schemas = daemon.contract.document["components"]["schemas"]
+    for component, scene in scenes.items():
+        for example in schemas[component]["examples"]:
+            own = "measurements" if "measurements" in example else "scene"
+            job = daemon.submit({**example, own: scene})
+            for links in schemas["LinkRequest"]["examples"]:
+                daemon.ask("POST", job + "/links", links, want=201)
+            daemon.ask("POST", job + "/cancel")
+    for example in schemas["SceneFiles"]["examples"]:
+        assert daemon.ask("POST", "/v1/scenes", example).status in (200, 201)
 
 
 def check_members(contract, documents):

@@ -1,5 +1,5 @@
 """What every operation answers, by the contract alone: a new route is asked all of this as soon as
-api/openapi.yaml has it."""
+api/openapi has it."""
 
 import http.client
 import re

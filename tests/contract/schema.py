@@ -1,4 +1,4 @@
-"""JSON Schema as api/openapi.yaml uses it: a value against a schema, strictly.
+"""JSON Schema as api/schema uses it: a value against a schema, strictly.
 
 More than a schema says by itself is asked of objects: a member that nothing describes is a fault
 (unevaluatedProperties: false everywhere), unless additionalProperties speaks of it. Keywords that
@@ -7,7 +7,8 @@ are not known here are faults of the document.
 
 import re
 
-IGNORED = {"description", "default", "examples", "contentEncoding", "title"}
+IGNORED = {"description", "default", "examples", "contentEncoding", "title", "x-unit",
+           "x-local"}
 APPLIED = {"$ref", "type", "enum", "const", "properties", "required", "additionalProperties",
            "items", "oneOf", "allOf", "pattern", "minLength", "maxLength", "minimum", "maximum",
            "exclusiveMinimum", "exclusiveMaximum", "minItems", "maxItems", "uniqueItems", "format",

@@ -81,41 +81,67 @@ static int add_real(const json_t *value, const char *path, void *into, struct or
     return rc;
 }
 
+static const struct orl_json_schema any_number = {.least = -INFINITY, .most = INFINITY};
+
 static int decode_sum(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_each(value, path, 2, add_real, into, err);
+    static const struct orl_json_schema sum = {.most_items = 2, .items = &any_number};
+    return orl_json_each(value, path, &sum, add_real, into, err);
 }
+
+static const char *const colors[] = {"red", "green", "blue", NULL};
+static const struct orl_json_schema real = {.least = -1, .most = 1, .meaning = "It is real."},
+                                    above_zero = {.most = 5, .above = true, .below = true},
+                                    positive = {.least = 0, .most = INFINITY, .above = true},
+                                    whole = {.from = 1, .to = UINT64_MAX}, up_to_7 = {.to = 7},
+                                    month = {.from = 1, .to = 12}, flag = {0},
+                                    text_of_5 = {.longest = 5}, color = {.words = colors},
+                                    one_to_3 = {
+                                        .fewest_items = 1, .most_items = 3, .items = &any_number};
+static const struct orl_json_schema inner_schema = {
+    .members = (const struct orl_json_described[]){{"x", true, &any_number}, {0}}};
+static const struct orl_json_schema thing_schema = {
+    .members = (const struct orl_json_described[]){{"real", false, &real},
+                                                   {"above", false, &above_zero},
+                                                   {"positive", false, &positive},
+                                                   {"whole", false, &whole},
+                                                   {"whole_32", false, &up_to_7},
+                                                   {"whole_int", false, &month},
+                                                   {"flag", false, &flag},
+                                                   {"text", true, &text_of_5},
+                                                   {"color", false, &color},
+                                                   {"inner", false, &inner_schema},
+                                                   {"reals", false, &one_to_3},
+                                                   {"sum", false, &flag},
+                                                   {"elsewhere", false, &flag},
+                                                   {0}}};
 
 static int decode(const char *text, struct thing *thing, struct orl_error *err)
 {
-    static const char *const colors[] = {"red", "green", "blue", NULL};
     const struct orl_json_list reals = {.items = &thing->reals,
                                         .count = &thing->n_reals,
                                         .size = sizeof *thing->reals,
-                                        .most = 3,
-                                        .each = decode_real,
-                                        .empty = "there is none"};
-    const struct orl_json_member inner[] = {{"x", .real = &thing->inner, .required = true}, {0}};
-    const struct orl_json_member members[] = {
-        {"real", .real = &thing->real, .least = -1, .most = 1},
-        {"above", .real = &thing->above_zero, .most = 5, .above = true, .below = true,
-         .bounds = "above 0, below 5 (100 %)"},
-        {"whole", .whole = &thing->whole, .from = 1, .to = UINT64_MAX},
-        {"whole_32", .whole_32 = &thing->whole_32, .to = 7},
-        {"whole_int", .whole_int = &thing->whole_int, .from = 1, .to = 12},
-        {"flag", .flag = &thing->flag},
-        {"text", .text = &thing->text, .longest = 5, .required = true},
-        {"color", .word = &thing->color, .words = colors},
-        {"inner", .members = inner},
-        {"reals", .list = &reals},
-        {"sum", .decode = decode_sum, .into = &thing->sum},
-        {.name = "elsewhere"},
-        {0}};
+                                        .each = decode_real};
+    const struct orl_json_member inner[] = {{"x", .real = &thing->inner}, {0}};
+    const struct orl_json_member members[] = {{"real", .real = &thing->real},
+                                              {"above", .real = &thing->above_zero},
+                                              {"positive", .real = &thing->above_zero},
+                                              {"whole", .whole = &thing->whole},
+                                              {"whole_32", .whole_32 = &thing->whole_32},
+                                              {"whole_int", .whole_int = &thing->whole_int},
+                                              {"flag", .flag = &thing->flag},
+                                              {"text", .text = &thing->text},
+                                              {"color", .word = &thing->color},
+                                              {"inner", .members = inner},
+                                              {"reals", .list = &reals},
+                                              {"sum", .decode = decode_sum, .into = &thing->sum},
+                                              {.name = "elsewhere"},
+                                              {0}};
     json_t *doc = NULL;
     *thing = (struct thing){.color = BLUE, .whole_32 = 99};
     int rc = orl_json_parse(NULL, text, strlen(text), &doc, err);
     if (rc == 0)
-        rc = orl_json_members(doc, "it", members, err);
+        rc = orl_json_members(doc, "it", &thing_schema, members, err);
     json_decref(doc);
     return rc;
 }
@@ -164,13 +190,15 @@ static void test_mistakes(void **state)
         {"[]", "it: an object is expected here, not an array", "", ORL_ERR_INVALID},
         {"{}", "it.text: a string is expected here, not nothing", "", ORL_ERR_INVALID},
         {"{\"txt\": \"a\"}", "it.txt: there is no such member",
-         "Known here: real, above, whole, whole_32, whole_int, flag, text, color, inner, reals, "
+         "Known here: real, above, positive, whole, whole_32, whole_int, flag, text, color, inner, "
+         "reals, "
          "sum, elsewhere",
          ORL_ERR_INVALID},
         {"{\"real\": null}", "it.real: a number is expected here, not null", "", ORL_ERR_INVALID},
-        {"{\"real\": 1.01}", "it.real: it must be from -1 to 1", "", ORL_ERR_RANGE},
-        {"{\"above\": 0}", "it.above: above 0, below 5 (100 %)", "", ORL_ERR_RANGE},
-        {"{\"above\": 5}", "it.above: above 0, below 5 (100 %)", "", ORL_ERR_RANGE},
+        {"{\"real\": 1.01}", "it.real: it must be from -1 to 1", "It is real.", ORL_ERR_RANGE},
+        {"{\"above\": 0}", "it.above: it must be above 0 and below 5", "", ORL_ERR_RANGE},
+        {"{\"above\": 5}", "it.above: it must be above 0 and below 5", "", ORL_ERR_RANGE},
+        {"{\"positive\": 0}", "it.positive: it must be above 0", "", ORL_ERR_RANGE},
         {"{\"whole\": 0}", "it.whole: a whole number from 1 to 18446744073709551615 is expected",
          "", ORL_ERR_RANGE},
         {"{\"whole_32\": 8}", "it.whole_32: a whole number from 0 to 7 is expected", "",
@@ -189,7 +217,7 @@ static void test_mistakes(void **state)
          "", ORL_ERR_INVALID},
         {"{\"text\": \"a\", \"inner\": {\"y\": 1}}", "it.inner.y: there is no such member",
          "Known here: x", ORL_ERR_INVALID},
-        {"{\"text\": \"a\", \"reals\": []}", "it.reals: there is none", "", ORL_ERR_INVALID},
+        {"{\"text\": \"a\", \"reals\": []}", "it.reals: the list is empty", "", ORL_ERR_INVALID},
         {"{\"text\": \"a\", \"reals\": {}}", "it.reals: an array is expected here, not an object",
          "", ORL_ERR_INVALID},
         {"{\"text\": \"a\", \"reals\": [1, 2, 3, 4]}", "it.reals: 4 elements; the limit is 3", "",
@@ -208,6 +236,19 @@ static void test_mistakes(void **state)
             strcmp(err.hint, cases[i].hint) != 0)
             fail_msg("%s: %d, %s (%s)", cases[i].text, rc, err.message, err.hint);
     }
+}
+
+/* A row without a description is a fault of the program, even if the document lacks the member. */
+static void test_rows_are_described(void **state)
+{
+    (void)state;
+    double value = 0;
+    const struct orl_json_member members[] = {{"y", .real = &value}, {0}};
+    struct orl_error err = {0};
+    json_t *doc = json_object();
+    assert_int_equal(orl_json_members(doc, "it", &inner_schema, members, &err), ORL_ERR_INTERNAL);
+    assert_string_equal(err.primitive, "it.y");
+    json_decref(doc);
 }
 
 /* Very long names: paths are cut, and nothing is written past their end. */
@@ -305,8 +346,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_kind), cmocka_unit_test(test_absent_ones_are_left_alone),
-        cmocka_unit_test(test_mistakes),   cmocka_unit_test(test_long_names),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_mistakes),   cmocka_unit_test(test_rows_are_described),
+        cmocka_unit_test(test_long_names), cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

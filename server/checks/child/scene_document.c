@@ -8,6 +8,7 @@
 #include <oriel/base/limits.h>
 
 #include "honeybee/hbjson.h"
+#include "schemas.h"
 #include "uploads/uploads.h"
 #include "json/decode.h"
 
@@ -55,14 +56,13 @@ static int read_file(const json_t *file, size_t index, const struct orl_incoming
     unsigned char *data = NULL;
     size_t size = 0;
     bool resource = false;
-    const struct orl_json_member members[] = {
-        {"name", .text = &name, .longest = 255, .required = true},
-        {.name = "text"},
-        {.name = "base64"},
-        {"resource", .flag = &resource},
-        {0}};
+    const struct orl_json_member members[] = {{"name", .text = &name},
+                                              {.name = "text"},
+                                              {.name = "base64"},
+                                              {"resource", .flag = &resource},
+                                              {0}};
     snprintf(where, sizeof where, "files[%zu]", index);
-    int rc = orl_json_members(file, where, members, err);
+    int rc = orl_json_members(file, where, &orl_schema_upload_file, members, err);
     if (rc == 0 && !json_object_get(file, "resource"))
         resource = orl_is_xml_name(name);
     if (rc == 0)
@@ -95,9 +95,9 @@ static int read_files(const json_t *doc, const struct orl_incoming_sink *sink, j
     static const struct orl_json_member members[] = {{.name = "files"}, {.name = "bsdfs"}, {0}};
     const json_t *files = json_object_get(doc, "files");
     json_t *bsdfs = json_object_get(doc, "bsdfs"), *resources = json_array();
-    int rc = orl_json_members(doc, "", members, err);
+    int rc = orl_json_members(doc, "", &orl_schema_scene_files, members, err);
     if (rc == 0)
-        rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
+        rc = orl_json_array_of(files, "files", &orl_schema_scene_files_files, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)
         rc = read_file(json_array_get(files, i), i, sink, resources, err);
     if (rc == 0 && bsdfs && json_object_size(bsdfs) > ORL_LIMIT_SCENE_FILES)
@@ -121,12 +121,12 @@ static int read_model_and_files(const json_t *doc, const struct orl_incoming_sin
     static const struct orl_json_member members[] = {{.name = "model"}, {.name = "files"}, {0}};
     const json_t *model = json_object_get(doc, "model"), *files = json_object_get(doc, "files");
     json_t *resources = json_array(), *rest = NULL;
-    int rc = orl_json_members(doc, "", members, err);
+    int rc = orl_json_members(doc, "", &orl_schema_model_with_files, members, err);
     if (rc == 0 && !orl_hbjson_is_model(model))
         rc = orl_json_fail(err, ORL_ERR_INVALID, "model",
                            "this is not a Honeybee model: an object with \"type\": \"Model\"");
     if (rc == 0 && files)
-        rc = orl_json_array(files, "files", ORL_LIMIT_SCENE_FILES, err);
+        rc = orl_json_array_of(files, "files", &orl_schema_model_with_files_files, err);
     if (rc == 0)
         rc = read_model(model, sink, &rest, err);
     for (size_t i = 0; rc == 0 && i < json_array_size(files); i++)

@@ -12,11 +12,12 @@
 #include "http/response/reply.h"
 #include "process/limits.h"
 #include "process/times.h"
+#include "schemas.h"
 #include "server.h"
 #include "json/decode.h"
 #include "json/encode.h"
 
-enum { LEAST_S = 10, DEFAULT_S = 300 };
+enum { DEFAULT_S = 300 };
 
 struct link_request {
     char **files; /* owned */
@@ -26,7 +27,7 @@ struct link_request {
 
 static int decode_name(const json_t *value, const char *path, void *into, struct orl_error *err)
 {
-    return orl_json_string(value, path, ORL_PARAM_MAX - 1, into, err);
+    return orl_json_text_of(value, path, orl_schema_link_request_files.items, into, err);
 }
 
 static int read_link_request(const json_t *doc, struct link_request *link_request,
@@ -35,14 +36,10 @@ static int read_link_request(const json_t *doc, struct link_request *link_reques
     const struct orl_json_list files = {.items = &link_request->files,
                                         .count = &link_request->count,
                                         .size = sizeof *link_request->files,
-                                        .most = ORL_SERVER_LINKS,
-                                        .each = decode_name,
-                                        .empty = "name at least one file"};
+                                        .each = decode_name};
     const struct orl_json_member members[] = {
-        {"files", .list = &files, .required = true},
-        {"seconds", .whole_32 = &link_request->seconds, .from = LEAST_S, .to = ORL_SERVER_LINK_S},
-        {0}};
-    return orl_json_members(doc, "", members, err);
+        {"files", .list = &files}, {"seconds", .whole_32 = &link_request->seconds}, {0}};
+    return orl_json_members(doc, "", &orl_schema_link_request, members, err);
 }
 
 /* Returns {"file", "url"}; NULL when out of memory. */

@@ -61,7 +61,7 @@ void orl_handle_ready(struct orl_request *request)
 
 void orl_handle_openapi(struct orl_request *request)
 {
-    const char *text = orl_embedded_file_find("api/openapi.yaml");
+    const char *text = orl_embedded_file_find("openapi.yaml");
     if (text)
         orl_reply_text(request, "application/yaml", text);
     else

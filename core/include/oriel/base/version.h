@@ -1,4 +1,4 @@
-/* Version of the programs, in one place; must match api/openapi.yaml. */
+/* Version of the programs, in one place; the OpenAPI document and the guide take it from here. */
 #ifndef ORIEL_BASE_VERSION_H
 #define ORIEL_BASE_VERSION_H
 
