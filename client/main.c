@@ -46,6 +46,15 @@ static const struct orl_subcommand commands[] = {
      "A project (a Honeybee model or folder) can be given in place of the document. Then\n"
      "all its grids and the states of its windows are used, and --weather is required.",
      orl_cmd_annual},
+    {"recipe", "NAME [MODEL] [--inputs FILE.json] [--INPUT VALUE ...] -o DIR [--threads N]",
+     "Run a recipe of Ladybug Tools: the same inputs, the same folders of results",
+     "NAME is one of: point-in-time-grid, point-in-time-view, daylight-factor,\n"
+     "annual-daylight, annual-daylight-enhanced, annual-daylight-en17037, direct-sun-hours,\n"
+     "imageless-annual-glare, leed-daylight-option-one, leed-daylight-option-two,\n"
+     "breeam-daylight-4b, well-daylight, sky-view. Inputs have the recipe's names, as options\n"
+     "or in the file that lbt-recipes writes; `oriel recipe NAME --help` lists them. DIR gets\n"
+     "the recipe's results, and DIR/oriel the files of Oriel's own job.",
+     orl_cmd_recipe},
     {"verify", "RESULT [--files DIR] [--threads N]",
      "Repeat a year from the provenance in its result, and compare the bytes",
      "RESULT is a year's result.json, or the folder that contains it and the year's other\n"

@@ -84,10 +84,10 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
                      const struct orl_option *options, size_t n_options,
                      struct orl_local_line *line, int *ret_exit)
 {
-    if (!orl_options_parse(self, argc, argv, options, n_options, 1, line->most ? line->most : 1,
-                           &line->all, ret_exit))
+    if (!orl_options_parse(self, argc, argv, options, n_options, line->may_be_bare ? 0 : 1,
+                           line->most ? line->most : 1, &line->all, ret_exit))
         return false;
-    line->operand = line->all.items[0];
+    line->operand = line->all.count > 0 ? line->all.items[0] : NULL;
     *ret_exit = line->writes && !line->output ? orl_usage_error(self, "-o DIR is missing")
                                               : read_threads(self, line);
     if (*ret_exit == 0)

@@ -25,6 +25,7 @@ struct orl_local_line {
     const char *operand;      /* a document, or a result */
     struct orl_operands all;  /* all operands, including that one */
     int most;                 /* input: most operands allowed; 0: one */
+    bool may_be_bare;         /* input: true if there may be no operand; it is NULL then */
     const char *output;       /* value of -o; NULL: absent */
     const char *threads_text; /* value of --threads */
     uint32_t threads;         /* input: default for --threads; 0: one per core */

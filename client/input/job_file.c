@@ -308,6 +308,18 @@ int orl_job_file_open(const char *path, const struct orl_project_line *line,
     return rc ? rc : check_year(ret_file, line, err);
 }
 
+int orl_job_file_make(json_t *doc, const char *path, struct orl_job_file *ret_file,
+                      struct orl_error *err)
+{
+    *ret_file = (struct orl_job_file){.path = path, .doc = json_incref(doc), .folder = "."};
+    return resolve_project(ret_file, NULL, err);
+}
+
+int orl_job_file_link(const struct orl_job_file *file, const char *path, struct orl_error *err)
+{
+    return link_weather(file, path, err);
+}
+
 void orl_job_file_done(struct orl_job_file *file)
 {
     if (!file)

@@ -24,6 +24,13 @@ struct orl_job_file {
  * the project is opened (project_folder.h) and listed on stderr. */
 int orl_job_file_read(const char *path, struct orl_job_file *ret_file, struct orl_error *err);
 
+/* Takes a document from memory, and resolves its project likewise. path: for messages, borrowed.
+ * doc: borrowed, and changed. */
+int orl_job_file_make(json_t *doc, const char *path, struct orl_job_file *ret_file,
+                      struct orl_error *err);
+/* Links a file into the folder of a document made from a project, by its own name. */
+int orl_job_file_link(const struct orl_job_file *file, const char *path, struct orl_error *err);
+
 /* Options for a project that is given in place of a document. Borrowed. */
 struct orl_project_line {
     const char *sky;    /* name of a sky of the project, or a job's "sky" as JSON; or NULL */

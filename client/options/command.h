@@ -71,6 +71,7 @@ int orl_cmd_part(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_project(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_plan(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_recipe(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_study(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv);

@@ -261,10 +261,10 @@ static void put_summary(FILE *stream, const struct folder_writer *w)
     fputs("\n]\n", stream);
 }
 
-int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
-                       const struct orl_annual_result *result,
-                       int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
-                       const atomic_bool *cancel, struct orl_error *err)
+int orl_honeybee_write_hours(const char *folder, const struct orl_annual_report *report,
+                             const struct orl_annual_result *result,
+                             int (*named)(void *ctx, const char *name, struct orl_error *err),
+                             void *ctx, const atomic_bool *cancel, struct orl_error *err)
 {
     static const struct {
         const char *name;
@@ -277,8 +277,16 @@ int orl_honeybee_write(const char *folder, const struct orl_annual_report *repor
     int code = make_folder(&w, "");
     for (size_t i = 0; i < sizeof files / sizeof *files && code == 0; i++)
         code = write_with(&w, files[i].name, files[i].put);
-    if (code == 0)
-        code = write_series(&w);
+    return code ? code : write_series(&w);
+}
+
+int orl_honeybee_write(const char *folder, const struct orl_annual_report *report,
+                       const struct orl_annual_result *result,
+                       int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
+                       const atomic_bool *cancel, struct orl_error *err)
+{
+    const struct folder_writer w = {folder, report, result, named, ctx, cancel, err};
+    int code = orl_honeybee_write_hours(folder, report, result, named, ctx, cancel, err);
     if (code == 0)
         code = write_metrics(&w);
     if (code == 0)

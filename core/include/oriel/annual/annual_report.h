@@ -346,6 +346,12 @@ int orl_honeybee_write(const char *folder, const struct orl_annual_report *repor
                        int (*named)(void *ctx, const char *name, struct orl_error *err), void *ctx,
                        const atomic_bool *cancel, struct orl_error *err);
 
+/* Writes the folder without metrics: its description and the series. */
+int orl_honeybee_write_hours(const char *folder, const struct orl_annual_report *report,
+                             const struct orl_annual_result *result,
+                             int (*named)(void *ctx, const char *name, struct orl_error *err),
+                             void *ctx, const atomic_bool *cancel, struct orl_error *err);
+
 /* Writes a line per sensor: grid, position, direction, every metric with its interval. */
 int orl_annual_sensors_csv(const char *path, const struct orl_annual_report *report,
                            const struct orl_sensor *sensors, const atomic_bool *cancel,
