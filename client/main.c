@@ -3,39 +3,46 @@
 #include <string.h>
 
 #include <curl/curl.h>
+#include <oriel/base/suggest.h>
 #include <oriel/base/version.h>
 
 #include "options/command.h"
+#include "output/style.h"
 
 static const struct orl_subcommand commands[] = {
     {"run",
-     "JOB.json|PROJECT -o DIR [--sky SKY] [--states GROUP=STATE,...] [--threads N]\n"
+     "JOB.json|PROJECT -o DIR [--sky SKY] [--states GROUP=STATE,...]\n"
+     "  [--weather FILE [--year YEAR] [--rules NAME,...]] [--threads N]\n"
      "  [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Render a job here, without a daemon",
      "JOB.json lists the scene's files as {\"files\": [...]}, relative to the document.\n"
-     "Images and result.json are written to DIR, photon maps to DIR/maps, where later runs\n"
-     "reuse them. For a project (a Honeybee model, or a folder exported by Honeybee), all\n"
-     "grids and views are rendered under their names, with the project's own sky or the\n"
-     "one given by --sky.",
-     orl_cmd_run},
+     "A project is a Honeybee model, or a folder exported by Honeybee: all its grids and\n"
+     "views are rendered, with its own sky or the one of --sky, fisheye views with DGP.\n"
+     "Prints a table of each grid. DIR gets a map of each grid (results/GRID.png), all\n"
+     "sensors (sensors.csv), images, result.json, and photon maps for later runs.\n"
+     "With --weather, the year of a project is computed, as by `oriel annual`.",
+     orl_cmd_run,
+     "oriel run office.hbjson -o out --sky \\\n  '{\"cie\": {\"type\": \"overcast\", "
+     "\"diffuse_horizontal_lx\": 10000}}'"},
     {"plan", "JOB.json|PROJECT [--json] [--threads N]",
-     "Show the technique and effects that a job would use, and the time for accuracies",
+     "Show the technique and effects of a job, and the time for accuracies",
      "Prints a row for each effect of light: whether it is simulated, the largest error at\n"
      "any sensor or pixel without it (lux, or a fraction), the estimated time saved\n"
      "(seconds of one thread), and the reason. The job's \"effects\" can force or skip each\n"
      "effect. Then two small rounds of path tracing predict the seconds that jobs with\n"
      "given accuracies take here.",
-     orl_cmd_plan},
-    {"project", "MODEL.hbjson|FOLDER|FILE.rif|FILE.cfg [-o DIR]",
-     "List the contents of a Honeybee model or folder: scene, grids, views, skies, states",
-     "Prints JSON: the scene's files in reading order; the names of grids, views and\n"
-     "skies; the states of dynamic parts; and the files that are left out, with reasons.\n"
+     orl_cmd_plan, "oriel plan job.json"},
+    {"project", "MODEL.hbjson|FOLDER|FILE.rif|FILE.cfg [--json] [-o DIR]",
+     "List the contents of a Honeybee model or folder, and missing files",
+     "Prints tables: units, skies, grids with their sensors, views, window groups with\n"
+     "their states, files left out, and files that are referred to but missing.\n"
      "With -o, a model's Radiance files are written to DIR, with a job.json that names\n"
-     "them.",
-     orl_cmd_project},
+     "them. Exit codes: 0; 1 if files are missing or the scene cannot be read.",
+     orl_cmd_project, "oriel project office.hbjson"},
     {"annual",
-     "JOB.json|PROJECT -o DIR [--weather FILE [--year YEAR]] [--rules NAME,...] [--cache DIR]\n"
-     "  [--honeybee] [--ill] [--phases] [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
+     "JOB.json|PROJECT -o DIR [--weather FILE [--year YEAR]]\n"
+     "  [--rules NAME,...] [--states GROUP=STATE,...] [--cache DIR] [--honeybee]\n"
+     "  [--ill] [--phases] [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
      "Compute a year of daylight: metrics and verdicts with their intervals",
      "JOB.json names a scene without a sky, a weather file (EPW or WEA) and grids of\n"
      "sensors. Optional members are hours of use, metrics, targets (\"sDA300/50 >= 55 %\")\n"
@@ -45,7 +52,7 @@ static const struct orl_subcommand commands[] = {
      "Radiance matrices; --phases adds the matrices of the three- and five-phase methods.\n"
      "A project (a Honeybee model or folder) can be given in place of the document. Then\n"
      "all its grids and the states of its windows are used, and --weather is required.",
-     orl_cmd_annual},
+     orl_cmd_annual, "oriel annual office.hbjson --weather place.epw --rules LEED -o year"},
     {"recipe", "NAME [MODEL] [--inputs FILE.json] [--INPUT VALUE ...] -o DIR [--threads N]",
      "Run a recipe of Ladybug Tools: the same inputs, the same folders of results",
      "NAME is one of: point-in-time-grid, point-in-time-view, daylight-factor,\n"
@@ -54,7 +61,7 @@ static const struct orl_subcommand commands[] = {
      "breeam-daylight-4b, well-daylight, sky-view. Inputs have the recipe's names, as options\n"
      "or in the file that lbt-recipes writes; `oriel recipe NAME --help` lists them. DIR gets\n"
      "the recipe's results, and DIR/oriel the files of Oriel's own job.",
-     orl_cmd_recipe},
+     orl_cmd_recipe, "oriel recipe daylight-factor office.hbjson -o factor"},
     {"verify", "RESULT [--files DIR] [--threads N]",
      "Repeat a year from the provenance in its result, and compare the bytes",
      "RESULT is a year's result.json, or the folder that contains it and the year's other\n"
@@ -62,73 +69,79 @@ static const struct orl_subcommand commands[] = {
      "result names. Exit codes: 0 if all bytes are equal; 1 if some differ, with each such\n"
      "file named; 2 if the year cannot be repeated, because an input has changed or is\n"
      "missing.",
-     orl_cmd_verify},
+     orl_cmd_verify, "oriel verify year --files ."},
     {"part", "FILE", "Compute one part of a job that is divided into parts",
      "FILE is written by run, annual, study or bsdf make with --parts or --slurm. These\n"
      "commands start this one themselves, or through Slurm. The results are written beside\n"
      "FILE.",
-     orl_cmd_part},
-    {"study", "STUDY.json -o DIR [--threads N] [--parts N] [--slurm [--sbatch OPTIONS]]",
+     orl_cmd_part, "oriel part out/parts/0123abcd.task"},
+    {"study",
+     "STUDY.json -o DIR [--threads N] [--parts N]\n"
+     "  [--slurm [--sbatch OPTIONS]]",
      "Measure accuracy against time, for techniques and settings",
      "Runs every technique with every number of photons and samples that STUDY.json lists,\n"
      "each with several seeds, and compares the results with a long unbiased run. Writes\n"
      "study.json, study.csv, study.svg and study.png to DIR. Times are for one thread\n"
      "unless --threads gives another number.",
-     orl_cmd_study},
+     orl_cmd_study, "oriel study study.json -o study"},
     {"submit",
-     "JOB.json|PROJECT [--name NAME] [--tags TAG,...] [--server URL] [--wait]\n"
-     "  [--sky SKY] [--states GROUP=STATE,...] [--weather FILE [--year YEAR] [--rules NAME,...]]",
+     "JOB.json|PROJECT [--name NAME] [--tags TAG,...]\n"
+     "  [--server SERVER] [--wait] [--sky SKY] [--states GROUP=STATE,...]\n"
+     "  [--weather FILE [--year YEAR] [--rules NAME,...]]",
      "Send a job, study or year, and the files it needs, to a daemon",
      "Uploads the scene's files and all files that they refer to, then prints the job's\n"
      "id. A project is rendered as by `oriel run`. With --weather, its year is computed as\n"
      "by `oriel annual`.",
-     orl_cmd_submit},
+     orl_cmd_submit, "oriel submit office.hbjson --weather place.epw --rules LEED --wait"},
     {"status",
-     "[ID] [--state STATE] [--tag TAG] [--scene ID] [--since TIME] [--limit N] [--server URL]",
+     "[ID] [--state STATE] [--tag TAG] [--scene ID] [--since TIME]\n"
+     "  [--limit N] [--server SERVER]",
      "Show one job, or the latest jobs",
      "Without an id, prints one line per job: name (or else tags), state, progress, time\n"
      "left or place in the queue, and for jobs with a goal the relative error so far. An\n"
      "id can be shortened to its first digits, here and in the other commands.",
-     orl_cmd_status},
-    {"watch", "[--tag TAG] [--server URL]", "Show all jobs as they change, one line per change",
+     orl_cmd_status, "oriel status --state running"},
+    {"watch", "[--tag TAG] [--server SERVER]", "Show all jobs as they change, one line per change",
      "First lists the existing jobs. Then prints a line, in the format of status, for each\n"
      "new job or state, for the error after each round, and for each 10 % of progress. If\n"
      "the daemon restarts, the command waits for it. Ends with Ctrl-C.",
-     orl_cmd_watch},
-    {"wait", "ID [--server URL]", "Follow a job to its end, with progress",
+     orl_cmd_watch, "oriel watch --tag office"},
+    {"wait", "ID [--server SERVER]", "Follow a job to its end, with progress",
      "Exit codes: 0 if the job succeeded, 1 if it failed or was cancelled. If the daemon\n"
      "restarts, the command waits for it.",
-     orl_cmd_wait},
-    {"fetch", "ID -o DIR [--server URL]", "Download a finished job's results",
+     orl_cmd_wait, "oriel wait 0123abcd"},
+    {"fetch", "ID -o DIR [--server SERVER]", "Download a finished job's results",
      "Downloads result.json and the job's other files: the images of a render job;\n"
      "study.csv, study.svg and study.png of a study; tables, maps, temporal maps and pages\n"
      "of a year, in subfolders where the result has them.",
-     orl_cmd_fetch},
-    {"cancel", "ID [--server URL]", "Stop a job, and wait until it has stopped", NULL,
-     orl_cmd_cancel},
-    {"remove", "job|scene|bsdf ID... [--server URL]", "Remove jobs, scenes or BSDFs from a daemon",
+     orl_cmd_fetch, "oriel fetch 0123abcd -o out"},
+    {"cancel", "ID [--server SERVER]", "Stop a job, and wait until it has stopped", NULL,
+     orl_cmd_cancel, "oriel cancel 0123abcd"},
+    {"remove", "job|scene|bsdf ID... [--server SERVER]",
+     "Remove jobs, scenes or BSDFs from a daemon",
      "A job must have ended; its results are removed with it. A scene can be removed if no\n"
      "waiting or running job needs it, a BSDF if no scene contains it. Photon maps: oriel\n"
      "maps --remove.",
-     orl_cmd_remove},
-    {"list", "scenes|bsdfs [--server URL]",
+     orl_cmd_remove, "oriel remove job 0123abcd"},
+    {"list", "scenes|bsdfs [--server SERVER]",
      "List the scenes or BSDFs that a daemon stores, the latest first",
      "For a scene: its size, the numbers of all its jobs and of unfinished ones, and the\n"
      "time of last use. For a BSDF: its size, the number of scenes that contain it, and\n"
      "its name.",
-     orl_cmd_list},
-    {"link", "ID FILE... [--seconds N] [--server URL]",
+     orl_cmd_list, "oriel list scenes"},
+    {"link", "ID FILE... [--seconds N] [--server SERVER]",
      "Print temporary addresses of results that need no token",
      "Anyone who has an address can read that file, with any program, until the address\n"
      "expires or the token that requested it is revoked.",
-     orl_cmd_link},
-    {"maps", "[--remove KEY] [--server URL]",
+     orl_cmd_link, "oriel link 0123abcd desk.png --seconds 3600"},
+    {"maps", "[--remove KEY] [--server SERVER]",
      "List the photon maps and BSDFs that a daemon stores, and the time they saved",
      "With --remove, removes the one whose key begins with KEY. A job that needs it builds\n"
      "it again.",
-     orl_cmd_maps},
+     orl_cmd_maps, "oriel maps"},
     {"upload",
-     "scene FILE... | scene FOLDER|ZIP|MODEL.hbjson [FILE...] | bsdf FILE  [--server URL]",
+     "scene FILE... | scene FOLDER|ZIP|MODEL.hbjson [FILE...]\n"
+     "  | bsdf FILE [--server SERVER]",
      "Upload a scene or a BSDF, and print its id",
      "A scene's files are named relative to the working directory, or to the folder, as\n"
      "the scene's texts refer to them. The main files of a folder are those named after\n"
@@ -136,38 +149,27 @@ static const struct orl_subcommand commands[] = {
      "names, in the order of their names. All files that these refer to are included. A\n"
      "zip of a folder is sent as it is, and the daemon unpacks it. A Honeybee model is\n"
      "sent as it is, too, and the daemon translates it.",
-     orl_cmd_upload},
+     orl_cmd_upload, "oriel upload scene office.zip"},
     {"bsdf",
      "check FILE [--json] | fit DATA... -o FILE.xml [...]\n"
      "  | make PANEL.rad... -o FILE.xml [...]\n"
      "  | convert FILE -o FILE.xml [...] | compare FILE FILE [--report FILE]\n"
      "  | plot FILE [FILE] -o PICTURE [...]",
      "Check a BSDF file, or make one from measurements or geometry",
-     "make computes the BSDF of a panel on a virtual goniophotometer. The panel is given\n"
-     "by scene files of any geometry and materials in the xy plane, y up, z towards the\n"
-     "inside; it is repeated without end. Files can be replaced by a document (FILE.json,\n"
-     "\"kind\": \"bsdf_make\"). `oriel bsdf make --help` lists its options.\n"
-     "convert changes the basis, resolution or cull of a BSDF, and prints the loss.\n"
-     "compare prints the differences of two BSDFs: in total, in cones of two degrees, and\n"
-     "light that is sent elsewhere.\n"
-     "plot draws the scattering of light from one direction, and for two files also their\n"
-     "difference. `oriel bsdf plot --help` lists its options.\n"
-     "fit fits a BSDF to goniophotometer measurements: pab-opto's text files, with an\n"
-     "incident direction each, or CSV with columns theta_in, phi_in, theta_out, phi_out\n"
-     "and bsdf or dsf (degrees, theta from the inside's normal). Files can be replaced by\n"
-     "a document (\"kind\": \"bsdf_fit\"). fit reports how well each direction is predicted by\n"
-     "the others. `oriel bsdf fit --help` lists its options.\n"
+     "fit makes one from goniophotometer measurements, make from a panel's geometry;\n"
+     "convert changes basis and resolution, compare prints differences, plot draws light.\n"
+     "`oriel bsdf make --help` lists the options of make, and so on.\n"
      "check prints type and resolution, reflectance and transmittance by direction, and\n"
      "problems: gain of energy, violated reciprocity, wrong sides or up direction, and\n"
      "blurring of the sun. Exit code 1 if the file is refused or faulty.",
-     orl_cmd_bsdf},
+     orl_cmd_bsdf, "oriel bsdf check blinds.xml"},
     {"glare", "PICTURE.hdr [-d] [--json] [--task X,Y,ANGLE] ...",
      "Find the glare sources of an HDR picture, and compute glare metrics",
      "Computes DGP and other indices of any Radiance picture with a VIEW line, with\n"
      "evalglare's definitions and defaults; core/metrics/evalglare.md lists the\n"
      "differences. Options -b -T -r -s -x -Y -A -i -d are evalglare's.",
-     orl_cmd_glare},
-    {"version", "", "Print the version", NULL, orl_cmd_version},
+     orl_cmd_glare, "oriel glare desk.hdr"},
+    {"version", "", "Print the version", NULL, orl_cmd_version, "oriel version"},
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
@@ -185,14 +187,38 @@ static void print_overview(FILE *to)
     fprintf(to, "oriel: daylight rendering, here or through an orield daemon\n\n"
                 "usage: oriel COMMAND ...\n\n");
     for (size_t i = 0; i < COMMAND_COUNT; i++)
-        fprintf(to, "  %-8s %s\n", commands[i].name, commands[i].summary);
-    fprintf(
-        to,
-        "\n`oriel COMMAND --help` shows details. Daemon: --server URL, or $ORIEL_URL, or\n"
-        "http://127.0.0.1:8423; access token: $ORIEL_TOKEN; own CA certificate: $ORIEL_CA.\n"
-        "The daemon's queue alternates between clients. Without tokens, a client is identified\n"
-        "by $ORIEL_CLIENT or the user's name.\n"
-        "Exit codes: 0 done, 1 failed, 2 wrong command line.\n");
+        fprintf(to, "  %s%-8s%s %s\n", orl_style_begin(to, ORL_STYLE_HEADING), commands[i].name,
+                orl_style_end(to), commands[i].summary);
+    fprintf(to,
+            "\n`oriel help COMMAND` shows details. Daemon: --server URL, or $ORIEL_URL, or\n"
+            "http://127.0.0.1:8423; access token: $ORIEL_TOKEN; own CA certificate: $ORIEL_CA.\n"
+            "~/.config/oriel.toml can name servers and files of tokens.\n"
+            "The daemon's queue alternates between clients. Without tokens, a client is\n"
+            "identified by $ORIEL_CLIENT or the user's name.\n"
+            "Exit codes: 0 done, 1 failed, 2 wrong command line.\n" ORL_GUIDE_LINE "\n");
+}
+
+/* Reports an unknown command, and suggests one. */
+static int refuse_command(const char *name)
+{
+    struct orl_suggestion suggestion = {.word = name};
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        orl_suggestion_add(&suggestion, commands[i].name);
+    orl_suggestion_add(&suggestion, "help");
+    fprintf(stderr, "oriel: there is no command \"%s\"", name);
+    if (suggestion.best)
+        fprintf(stderr, "; did you mean \"%s\"", suggestion.best);
+    fprintf(stderr, "%s Try `oriel --help`.\n", suggestion.best ? "?" : ".");
+    return ORL_EXIT_USAGE;
+}
+
+/* Handles `oriel help COMMAND [VERB]`, as --help of that command. */
+static int run_help(int argc, char **argv)
+{
+    char option[] = "--help";
+    const struct orl_subcommand *const command = find_command(argv[2]);
+    char *line[] = {argv[2], argc > 3 ? argv[3] : option, argc > 3 ? option : NULL, NULL};
+    return command ? command->run(command, argc > 3 ? 3 : 2, line) : refuse_command(argv[2]);
 }
 
 /* Handles common spellings: --help, -h, help [COMMAND], --version. Returns -1 for any other. */
@@ -203,11 +229,8 @@ static int run_synonym(int argc, char **argv)
     if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0 &&
         strcmp(argv[1], "help") != 0)
         return -1;
-    if (argc > 2 && find_command(argv[2])) {
-        char help[] = "--help";
-        char *line[] = {argv[2], help, NULL};
-        return find_command(argv[2])->run(find_command(argv[2]), 2, line);
-    }
+    if (argc > 2)
+        return run_help(argc, argv);
     print_overview(stdout);
     return ORL_EXIT_OK;
 }
@@ -224,10 +247,8 @@ int main(int argc, char **argv)
     if (code >= 0)
         return code;
     command = find_command(argv[1]);
-    if (!command) {
-        fprintf(stderr, "oriel: there is no command \"%s\". Try `oriel --help`.\n", argv[1]);
-        return ORL_EXIT_USAGE;
-    }
+    if (!command)
+        return refuse_command(argv[1]);
     if (curl_global_init(CURL_GLOBAL_DEFAULT) != 0) {
         fprintf(stderr, "oriel: libcurl does not start\n");
         return ORL_EXIT_FAILED;

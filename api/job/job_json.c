@@ -174,6 +174,7 @@ static int decode_members(const json_t *doc, struct draft *draft, struct orl_err
         {0}};
     const int rc = orl_json_members(doc, "", &orl_schema_job_request, members, err);
     job->dark_expected = dark == 1;
+    job->sensor_files = job->n_skies == 0; /* of many skies, the files would fill the folder */
     return rc;
 }
 

@@ -108,6 +108,9 @@ int orl_grids_from_json(const json_t *value, const char *path, void *into, struc
 
 /* Returns a new reference, or NULL if there are no grids or no memory. */
 json_t *orl_grids_to_json(const struct orl_result *result);
+/* Encodes figures of a range of sensors: {"mean_lx", "interval_95_lx", "minimum_lx", "maximum_lx",
+ * "uniformity", "share_300"}; null where not known. */
+json_t *orl_sensor_summary_to_json(const struct orl_result *result, size_t first, size_t count);
 
 /*
  * Maps and tables of sensors. A job has

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <oriel/base/suggest.h>
+
 #include "job/study_json.h"
 #include "schemas.h"
 #include "json/decode.h"
@@ -97,10 +99,15 @@ static int read_kind(const json_t *doc, enum orl_job_request_kind *ret_kind, str
                        : ORL_JOB_KIND_COUNT;
     if (*ret_kind < ORL_JOB_KIND_COUNT)
         return 0;
-    return orl_json_fail(
+    struct orl_suggestion suggestion = {.word = name ? name : ""};
+    for (unsigned kind = 0; kind < ORL_JOB_KIND_COUNT; kind++)
+        orl_suggestion_add(&suggestion, kind_names[kind]);
+    orl_json_fail(
         err, ORL_ERR_INVALID, "kind",
         "\"render\" (the default), \"study\", \"annual\", \"bsdf_make\" or \"bsdf_fit\" is "
-        "wanted here");
+        "expected here");
+    orl_suggestion_hint(&suggestion, err);
+    return ORL_ERR_INVALID;
 }
 
 static int read_priority(const json_t *doc, int *ret_priority, struct orl_error *err)

@@ -10,6 +10,7 @@
 #include "schemas.h"
 #include "view/view_json.h"
 #include "json/decode.h"
+#include "json/encode.h"
 
 static int decode_sensor(const json_t *row, const char *path, void *into, struct orl_error *err)
 {
@@ -122,15 +123,27 @@ int orl_grids_from_json(const json_t *value, const char *path, void *into, struc
     return rc;
 }
 
+json_t *orl_sensor_summary_to_json(const struct orl_result *result, size_t first, size_t count)
+{
+    const struct orl_sensor_summary s = orl_sensor_summary_of(result, first, count);
+    return json_pack(
+        "{s:o, s:[o, o], s:o, s:o, s:o, s:o}", "mean_lx", orl_json_from_real(s.mean_lx),
+        "interval_95_lx", orl_json_from_real(s.interval_95_lx[0]),
+        orl_json_from_real(s.interval_95_lx[1]), "minimum_lx", orl_json_from_real(s.minimum_lx),
+        "maximum_lx", orl_json_from_real(s.maximum_lx), "uniformity",
+        orl_json_from_real(s.uniformity), "share_300", orl_json_from_real(s.share_300));
+}
+
 json_t *orl_grids_to_json(const struct orl_result *result)
 {
     json_t *grids = result->n_grids > 0 ? json_array() : NULL;
     for (size_t i = 0; i < result->n_grids && grids; i++) {
         const struct orl_grid_result *grid = &result->grids[i];
-        if (json_array_append_new(grids, json_pack("{s:s, s:I, s:I, s:s*, s:s*}", "name",
-                                                   grid->name, "first", (json_int_t)grid->first,
-                                                   "count", (json_int_t)grid->count, "res",
-                                                   grid->res, "npy", grid->npy))) {
+        if (json_array_append_new(
+                grids, json_pack("{s:s, s:I, s:I, s:s*, s:s*, s:s*, s:o}", "name", grid->name,
+                                 "first", (json_int_t)grid->first, "count", (json_int_t)grid->count,
+                                 "res", grid->res, "npy", grid->npy, "map", grid->map, "summary",
+                                 orl_sensor_summary_to_json(result, grid->first, grid->count)))) {
             json_decref(grids);
             return NULL;
         }
@@ -198,13 +211,13 @@ json_t *orl_sensor_files_to_json(const struct orl_sensor_files *files)
     }
     for (size_t i = 0; i < files->n_maps; i++)
         if (json_array_append_new(maps,
-                                  json_pack("{s:s, s:s, s:s*, s:I}", "png", files->maps[i].png,
+                                  json_pack("{s:s, s:s*, s:s*, s:I}", "png", files->maps[i].png,
                                             "svg", files->maps[i].svg, "dat", files->maps[i].dat,
                                             "sensors", (json_int_t)files->maps[i].sensors))) {
             json_decref(maps);
             return NULL;
         }
-    return json_pack("{s:s, s:s, s:o}", "csv", files->csv, "res", files->res, "maps", maps);
+    return json_pack("{s:s, s:s*, s:o}", "csv", files->csv, "res", files->res, "maps", maps);
 }
 
 static int read_vector(const json_t *value, const char *path, struct orl_vec3 *ret,

@@ -9,6 +9,7 @@
 
 #include <oriel/base/json_read.h>
 #include <oriel/base/limits.h>
+#include <oriel/base/suggest.h>
 #include <oriel/base/thread_pool.h>
 
 int orl_json_fail(struct orl_error *err, int code, const char *path, const char *what, ...)
@@ -166,6 +167,15 @@ int orl_json_return_text(char *text, char **ret_text, int rc)
     return rc;
 }
 
+/* Suggests the word that was meant. words ends with NULL. */
+static void hint_word(const char *given, const char *const *words, struct orl_error *err)
+{
+    struct orl_suggestion suggestion = {.word = given};
+    for (; *words; words++)
+        orl_suggestion_add(&suggestion, *words);
+    orl_suggestion_hint(&suggestion, err);
+}
+
 int orl_json_word(const json_t *value, const char *path, const char *const *words, void *ret_index,
                   struct orl_error *err)
 {
@@ -183,7 +193,11 @@ int orl_json_word(const json_t *value, const char *path, const char *const *word
                           : 0;
         used += n > 0 ? (size_t)n : 0;
     }
-    return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is expected here", list);
+    if (!given)
+        return orl_json_fail(err, ORL_ERR_INVALID, path, "%s is expected here", list);
+    orl_json_fail(err, ORL_ERR_INVALID, path, "%s is expected here, not \"%.60s\"", list, given);
+    hint_word(given, words, err);
+    return ORL_ERR_INVALID;
 }
 
 const char *orl_json_path(const char *path, const char *member, char ret_path[ORL_JSON_PATH_MAX])
@@ -203,8 +217,11 @@ static bool is_known(const char *name, const struct orl_json_member *members)
 static int unknown_member(const char *path, const char *name, const struct orl_json_member *members,
                           struct orl_error *err)
 {
+    struct orl_suggestion suggestion = {.word = name};
     char where[ORL_JSON_PATH_MAX], known[ORL_ERROR_TEXT_MAX] = "";
     size_t used = 0;
+    for (const struct orl_json_member *m = members; m->name; m++)
+        orl_suggestion_add(&suggestion, m->name);
     for (; members->name && used < sizeof known; members++) {
         const int n =
             snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", members->name);
@@ -213,6 +230,7 @@ static int unknown_member(const char *path, const char *name, const struct orl_j
     orl_json_fail(err, ORL_ERR_INVALID, orl_json_path(path, name, where),
                   "there is no such member");
     orl_error_hint(err, "Known here: %s", known);
+    orl_suggestion_hint(&suggestion, err);
     return ORL_ERR_INVALID;
 }
 

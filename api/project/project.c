@@ -1,9 +1,11 @@
 #include "project/project.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <oriel/base/limits.h>
+#include <oriel/base/suggest.h>
 
 #include "project/project_search.h"
 #include "json/decode.h"
@@ -104,6 +106,24 @@ static int find_state_file(const struct orl_project_search *f, const char *list,
     return ORL_ERR_INVALID;
 }
 
+/* Lists the states of a group, and suggests one. */
+static void hint_state(const json_t *states, const char *given, struct orl_error *err)
+{
+    struct orl_suggestion suggestion = {.word = given ? given : ""};
+    char names[300] = "";
+    size_t i, length = 0;
+    const json_t *state;
+    json_array_foreach(states, i, state)
+    {
+        orl_suggestion_add(&suggestion, json_string_value(state));
+        if (length < sizeof names)
+            length += (size_t)snprintf(names + length, sizeof names - length, "%s%.60s",
+                                       i > 0 ? ", " : "", json_string_value(state));
+    }
+    orl_error_hint(err, "its states are %s", names);
+    orl_suggestion_hint(&suggestion, err);
+}
+
 /* Chooses a group's state. *ret_state_list lists all states; add_group adds their files. */
 static int choose_state(const struct orl_project_search *f, const char *list, const char *group,
                         const json_t *states, size_t *ret_chosen, json_t **ret_state_list)
@@ -120,10 +140,11 @@ static int choose_state(const struct orl_project_search *f, const char *list, co
             chosen = i;
     }
     if (json_array_size(of) != json_array_size(states) || chosen >= json_array_size(states)) {
-        json_decref(of);
         orl_error_set(f->err, ORL_ERR_INVALID, "the group '%.100s' has no state '%.100s'", group,
                       state_name ? state_name : "");
         orl_error_at(f->err, list, 0, NULL);
+        hint_state(of, state_name, f->err);
+        json_decref(of);
         return ORL_ERR_INVALID;
     }
     *ret_chosen = chosen;
@@ -177,6 +198,21 @@ static int add_states(struct orl_project_search *f)
     return rc;
 }
 
+/* Fails, and suggests a group of the project. */
+static int refuse_group(const struct orl_project_search *f, const char *given)
+{
+    struct orl_suggestion suggestion = {.word = given};
+    const char *group;
+    json_t *state;
+    orl_json_fail(f->err, ORL_ERR_INVALID, "states", "the project has no group '%.100s'", given);
+    json_object_foreach(f->states, group, state)
+    {
+        orl_suggestion_add(&suggestion, group);
+    }
+    orl_suggestion_hint(&suggestion, f->err);
+    return ORL_ERR_INVALID;
+}
+
 static int check_choice(const struct orl_project_search *f)
 {
     const char *group;
@@ -187,8 +223,7 @@ static int check_choice(const struct orl_project_search *f)
             return orl_json_fail(f->err, ORL_ERR_INVALID, "states",
                                  "the name of a state must be a string");
         if (!json_object_get(f->states, group))
-            return orl_json_fail(f->err, ORL_ERR_INVALID, "states",
-                                 "the project has no group '%.100s'", group);
+            return refuse_group(f, group);
     }
     return 0;
 }

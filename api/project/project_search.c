@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <oriel/base/scanner.h>
+#include <oriel/base/suggest.h>
 
 #include "json/decode.h"
 
@@ -166,11 +167,13 @@ static const char *below_sky(const struct orl_project_search *f, const char *nam
 
 static int refuse_sky(struct orl_project_search *f)
 {
+    struct orl_suggestion suggestion = {.word = f->choice->sky};
     const json_t *name;
     char names[200] = "";
     size_t i, length = 0;
     json_array_foreach(f->skies, i, name)
     {
+        orl_suggestion_add(&suggestion, json_string_value(name));
         if (length < sizeof names)
             length += (size_t)snprintf(names + length, sizeof names - length, "%s%.60s",
                                        i > 0 ? ", " : "", json_string_value(name));
@@ -181,6 +184,7 @@ static int refuse_sky(struct orl_project_search *f)
                    "%s%s. Or give the job a \"sky\", for example {\"cie\": {\"type\": "
                    "\"overcast\", \"diffuse_horizontal_lx\": 10000}}",
                    names[0] ? "it has " : "it has no skies", names);
+    orl_suggestion_hint(&suggestion, f->err);
     return ORL_ERR_INVALID;
 }
 

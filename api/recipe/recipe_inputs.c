@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "recipe/nearest_name.h"
+#include <oriel/base/suggest.h>
+
 #include "recipe/recipe.h"
 #include "json/decode.h"
 
@@ -40,14 +41,14 @@ static void normalise(const char *name, char ret_name[NAME_SIZE])
 static const struct orl_recipe_input *find_input(const struct orl_recipe *recipe, const char *given,
                                                  struct orl_error *err)
 {
-    struct orl_nearest_name nearest = {.wanted = NULL};
+    struct orl_suggestion nearest = {.word = NULL};
     char name[NAME_SIZE];
     normalise(given, name);
-    nearest.wanted = name;
+    nearest.word = name;
     for (size_t i = 0; i < ORL_RECIPE_MOST_INPUTS && recipe->inputs[i].name; i++) {
         if (strcmp(recipe->inputs[i].name, name) == 0)
             return &recipe->inputs[i];
-        orl_nearest_name_offer(&nearest, recipe->inputs[i].name);
+        orl_suggestion_add(&nearest, recipe->inputs[i].name);
     }
     orl_error_set(err, ORL_ERR_INVALID, "the recipe %s has no input '%.100s'", recipe->name, given);
     if (nearest.best)

@@ -2,7 +2,8 @@
  * Oriel's own. */
 #include <string.h>
 
-#include "recipe/nearest_name.h"
+#include <oriel/base/suggest.h>
+
 #include "recipe/recipe_run.h"
 
 /* clang-format off */
@@ -100,10 +101,10 @@ static bool is_name(const char *text, const char *name)
 
 int orl_recipe_find(const char *name, const struct orl_recipe **ret_recipe, struct orl_error *err)
 {
-    struct orl_nearest_name nearest = {.wanted = name};
+    struct orl_suggestion nearest = {.word = name};
     for (size_t i = 0; i < sizeof recipes / sizeof *recipes; i++) {
         const struct orl_recipe *recipe = &recipes[i];
-        orl_nearest_name_offer(&nearest, recipe->name);
+        orl_suggestion_add(&nearest, recipe->name);
         if (!is_name(name, recipe->name))
             continue;
         if (recipe->why_not)

@@ -218,15 +218,18 @@ static json_t *cross_check_to_json(const struct orl_cross_check *check)
 json_t *orl_result_to_json(const struct orl_result *result, const char *state)
 {
     json_t *dark = result->sky_given ? json_boolean(result->sky_dark) : NULL;
+    json_t *summary = result->n_sensors > 0 && result->n_grids == 0
+                          ? orl_sensor_summary_to_json(result, 0, result->n_sensors)
+                          : NULL;
     return json_pack(
-        "{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o*, s:o*, s:o*, s:o*, s:o*, s:s*, "
-        "s:o}",
+        "{s:s, s:I, s:I, s:o, s:o, s:o, s:o, s:o*, s:o, s:o, s:o, s:o*, s:o*, s:o*, s:o*, s:o*, "
+        "s:s*, s:o}",
         "state", state, "threads", (json_int_t)result->threads, "seed", (json_int_t)result->seed,
         "plan", orl_plan_to_json(&result->plan), "timings_s", timings_to_json(result), "maps",
-        maps_to_json(result), "sensors", sensors_to_json(result), "views", views_to_json(result),
-        "health", health_to_json(&result->health), "warnings", warnings_to_json(result), "dark",
-        dark, "accuracy", orl_outcome_to_json(&result->outcome), "cross_check",
-        cross_check_to_json(&result->cross_check), "sensor_files",
+        maps_to_json(result), "sensors", sensors_to_json(result), "summary", summary, "views",
+        views_to_json(result), "health", health_to_json(&result->health), "warnings",
+        warnings_to_json(result), "dark", dark, "accuracy", orl_outcome_to_json(&result->outcome),
+        "cross_check", cross_check_to_json(&result->cross_check), "sensor_files",
         orl_sensor_files_to_json(&result->sensor_files), "grids", orl_grids_to_json(result),
         "grids_info", result->grids_info, "cost", cost_to_json(result));
 }

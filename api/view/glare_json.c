@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include <oriel/base/suggest.h>
+
 #include "schemas.h"
 #include "json/encode.h"
 
@@ -20,11 +22,15 @@ static int decode_metric(const json_t *value, const char *path, void *into, stru
             *metrics |= 1U << m;
             return 0;
         }
+    struct orl_suggestion suggestion = {.word = name ? name : ""};
+    for (int m = 0; m < ORL_GLARE_METRICS; m++)
+        orl_suggestion_add(&suggestion, orl_glare_metric_name((enum orl_glare_metric)m));
     orl_json_fail(err, ORL_ERR_INVALID, path, "this metric does not exist");
     orl_error_hint(
         err,
         "Use \"all\", or some of \"dgp\", \"dgps\", \"dgi\", \"ugr\", \"vcp\", \"cgi\", \"ugp\", "
         "\"vertical_illuminance_lx\", \"average_luminance_cd_m2\", \"background_luminance_cd_m2\"");
+    orl_suggestion_hint(&suggestion, err);
     return ORL_ERR_INVALID;
 }
 

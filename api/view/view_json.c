@@ -6,9 +6,21 @@
 #include <string.h>
 
 #include <oriel/base/limits.h>
+#include <oriel/base/suggest.h>
 
 #include "schemas.h"
 #include "json/encode.h"
+
+/* Lists the formats, and suggests one for the given name (NULL: it is no text). */
+static void hint_format(const char *given, struct orl_error *err)
+{
+    static const char *const known[] = {"hdr", "png", "png16", "exr", "exr_float"};
+    struct orl_suggestion suggestion = {.word = given ? given : ""};
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        orl_suggestion_add(&suggestion, known[k]);
+    orl_error_hint(err, "Formats are \"hdr\", \"png\", \"png16\", \"exr\" and \"exr_float\"");
+    orl_suggestion_hint(&suggestion, err);
+}
 
 /* Decodes formats; sets bits of a uint32_t. */
 static int decode_formats(const json_t *value, const char *path, void *ret_formats,
@@ -25,8 +37,7 @@ static int decode_formats(const json_t *value, const char *path, void *ret_forma
         enum orl_picture picture;
         if (!json_is_string(name) || !orl_picture_format(json_string_value(name), &picture)) {
             orl_json_fail(err, ORL_ERR_INVALID, path, "element %zu is not a known format", i);
-            orl_error_hint(err, "Formats are \"hdr\", \"png\", \"png16\", \"exr\" and "
-                                "\"exr_float\"");
+            hint_format(json_string_value(name), err);
             return ORL_ERR_INVALID;
         }
         formats |= ORL_PICTURE_BIT(picture);

@@ -212,6 +212,14 @@ static int run_document(const char *document, const struct orl_project_line *pro
     return rc ? ORL_EXIT_FAILED : ORL_EXIT_OK;
 }
 
+int orl_run_project_year(const struct orl_local_line *line, const struct orl_project_line *project,
+                         const struct orl_distributed_options *distributed)
+{
+    const struct output output = {
+        .folder = line->output, .threads = line->threads, .distributed = distributed};
+    return run_document(line->operand, project, &output);
+}
+
 int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
 {
     struct orl_local_line line = {.writes = true};
@@ -221,30 +229,21 @@ int orl_cmd_annual(const struct orl_subcommand *self, int argc, char **argv)
     const struct orl_option options[] = {
         {"output", 'o', "DIR", "folder for result.json, tables, maps and pages", &line.output,
          NULL},
-        {"cache", 0, "DIR",
-         "folder that stores paths and supplies them to later runs: for another weather "
-         "file of the same place, and for more samples",
+        {"cache", 0, "DIR", "folder of paths for later runs: another weather file, or more samples",
          &output.cache, NULL},
-        {"honeybee", 0, NULL,
-         "write all hours as Honeybee's results folder, DIR/results, with standard errors "
-         "in the folder se beside total and direct",
-         NULL, &output.formats.honeybee},
-        {"ill", 0, NULL,
-         "write all lit hours as Radiance matrices: DIR/GRID.ill, direct sunlight as "
-         "DIR/GRID.direct.ill, standard errors as DIR/GRID.se.ill; DIR/columns.csv lists "
-         "the hours",
-         NULL, &output.formats.matrices},
-        {"phases", 0, NULL,
-         "write matrices for dctimestep: view, transmission and daylight matrices of the "
-         "windows, and sun coefficients (DIR/GRID.WINDOW.v.mtx, WINDOW.t.mtx, "
-         "WINDOW.d.mtx, GRID.cds.mtx)",
-         NULL, &output.formats.phases},
-        ORL_OPTIONS_YEAR(&project),
+        {"honeybee", 0, NULL, "write all hours as Honeybee's results folder, DIR/results", NULL,
+         &output.formats.honeybee},
+        {"ill", 0, NULL, "write all lit hours as Radiance matrices, DIR/GRID.ill", NULL,
+         &output.formats.matrices},
+        {"phases", 0, NULL, "write matrices of the three and five phases for dctimestep", NULL,
+         &output.formats.phases},
+        ORL_OPTIONS_MODEL(&project),
         ORL_OPTION_THREADS(&line.threads_text),
         ORL_OPTIONS_DISTRIBUTED(&distributed),
     };
     int code;
-    if (!orl_local_parse(self, argc, argv, options, 9 + ORL_DISTRIBUTED_OPTIONS, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 6 + ORL_MODEL_OPTIONS + ORL_DISTRIBUTED_OPTIONS,
+                         &line, &code))
         return code;
     output.folder = line.output;
     output.threads = line.threads;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <oriel/base/suggest.h>
 #include <oriel/bsdf/bsdf.h>
 
 #include "bsdf_json/bsdf_json.h"
@@ -68,14 +69,46 @@ static int examine_file(const char *path, struct orl_bsdf_check *ret_check, stru
 }
 
 /* Verbs in files of their own. */
-static const struct {
-    const char *name;
-    int (*run)(const struct orl_subcommand *self, int argc, char **argv);
-} verbs[] = {
-    {"fit", orl_cmd_bsdf_fit},         {"make", orl_cmd_bsdf_make},
-    {"convert", orl_cmd_bsdf_convert}, {"compare", orl_cmd_bsdf_compare},
-    {"plot", orl_cmd_bsdf_plot},
+/* Verbs besides check, each with a help of its own. */
+static const struct orl_subcommand verbs[] = {
+    {"bsdf fit", "DATA...|FILE.json -o FILE.xml [...]",
+     "Fit a BSDF to goniophotometer measurements",
+     "DATA are pab-opto's text files, with an incident direction each, or CSV with columns\n"
+     "theta_in, phi_in, theta_out, phi_out and bsdf or dsf (degrees, theta from the\n"
+     "inside's normal). FILE.json is a document (\"kind\": \"bsdf_fit\") with the same\n"
+     "members. fit reports how well each direction is predicted by the others.",
+     orl_cmd_bsdf_fit, "oriel bsdf fit measured.csv -o glass.xml"},
+    {"bsdf make", "PANEL.rad...|FILE.json -o FILE.xml [...]",
+     "Make the BSDF of a panel of geometry, by a virtual goniophotometer",
+     "The panel is scene files of any geometry and materials in the xy plane, y up, z\n"
+     "towards the inside; it is repeated without end. FILE.json is a document (\"kind\":\n"
+     "\"bsdf_make\") with the same members.",
+     orl_cmd_bsdf_make, "oriel bsdf make blinds.rad -o blinds.xml"},
+    {"bsdf convert", "FILE.xml -o FILE.xml [...]",
+     "Change the basis, resolution or cull of a BSDF, and print the loss", NULL,
+     orl_cmd_bsdf_convert, "oriel bsdf convert blinds.xml -o klems.xml --basis klems_full"},
+    {"bsdf compare", "FILE.xml FILE.xml [--report FILE]", "Print the differences of two BSDFs",
+     "Differences are printed in total, in cones of two degrees, and as the light that is\n"
+     "sent elsewhere.",
+     orl_cmd_bsdf_compare, "oriel bsdf compare blinds.xml klems.xml"},
+    {"bsdf plot", "FILE.xml [FILE.xml] -o PICTURE [...]",
+     "Draw the scattering of light from one direction",
+     "Two files are drawn side by side, with their difference.", orl_cmd_bsdf_plot,
+     "oriel bsdf plot blinds.xml -o blinds.png --theta 40"},
 };
+enum { VERB_NAME = sizeof "bsdf " - 1 }; /* where a verb begins in its name */
+
+static int refuse_verb(const struct orl_subcommand *self, const char *given)
+{
+    struct orl_suggestion suggestion = {.word = given};
+    orl_suggestion_add(&suggestion, "check");
+    for (size_t i = 0; i < sizeof verbs / sizeof *verbs; i++)
+        orl_suggestion_add(&suggestion, verbs[i].name + VERB_NAME);
+    return orl_usage_error(self,
+                           "\"%s\" is not one of check, fit, make, convert, compare, plot%s%s%s",
+                           given, suggestion.best ? "; did you mean \"" : "",
+                           suggestion.best ? suggestion.best : "", suggestion.best ? "\"?" : "");
+}
 
 int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
 {
@@ -88,14 +121,14 @@ int orl_cmd_bsdf(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_error err = {0};
     int rc;
     for (size_t i = 0; argc > 1 && i < sizeof verbs / sizeof *verbs; i++)
-        if (strcmp(argv[1], verbs[i].name) == 0)
-            return verbs[i].run(self, argc - 1, argv + 1);
+        if (strcmp(argv[1], verbs[i].name + VERB_NAME) == 0)
+            return verbs[i].run(&verbs[i], argc - 1, argv + 1);
+    if (argc > 1 && argv[1][0] != '-' && strcmp(argv[1], "check") != 0)
+        return refuse_verb(self, argv[1]);
     if (!orl_options_parse(self, argc, argv, options, 1, 2, 2, &operands, &rc))
         return rc;
     if (strcmp(operands.items[0], "check") != 0)
-        return orl_usage_error(self,
-                               "\"%s\" is not one of check, fit, make, convert, compare, plot",
-                               operands.items[0]);
+        return refuse_verb(self, operands.items[0]);
     if (examine_file(operands.items[1], &check, &err) < 0)
         return orl_report_error(&err);
     if (!as_json)

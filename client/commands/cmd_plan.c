@@ -24,7 +24,8 @@ static void print_table(const struct orl_result *result, const struct orl_accura
         orl_curve_print(stdout, curve);
     for (size_t i = 0; i < result->n_warnings; i++) {
         fputs(mark, stderr);
-        orl_print_wrapped(stderr, sizeof mark - 1, sizeof mark - 1, result->warnings[i]);
+        orl_print_wrapped(stderr, ORL_WRAP_COLUMNS, sizeof mark - 1, sizeof mark - 1,
+                          result->warnings[i]);
     }
 }
 

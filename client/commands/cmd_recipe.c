@@ -10,12 +10,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include <oriel/base/suggest.h>
+
 #include "commands/local.h"
 #include "distributed/atomic_files.h"
 #include "input/input_folders.h"
 #include "input/job_file.h"
 #include "output/reports.h"
-#include "recipe/nearest_name.h"
 #include "recipe/recipe.h"
 #include "result/result_json.h"
 #include "json/decode.h"
@@ -312,14 +313,14 @@ static int check_names(const struct orl_subcommand *self, int argc, char **argv,
                        const struct orl_option *options, size_t n)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        struct orl_nearest_name nearest = {.wanted = NULL};
+        struct orl_suggestion nearest = {.word = NULL};
         char name[64];
         bool known = strncmp(argv[i], "--", 2) != 0 || strcmp(argv[i], "--help") == 0;
         snprintf(name, sizeof name, "%.*s", known ? 0 : (int)strcspn(argv[i] + 2, "="),
                  known ? "" : argv[i] + 2);
-        nearest.wanted = name;
+        nearest.word = name;
         for (size_t k = 0; k < n && !known; k++) {
-            orl_nearest_name_offer(&nearest, options[k].name);
+            orl_suggestion_add(&nearest, options[k].name);
             known = strcmp(options[k].name, name) == 0;
         }
         if (!known)

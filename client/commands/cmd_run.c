@@ -15,6 +15,7 @@
 #include "input/job_file.h"
 #include "options/job_options.h"
 #include "output/reports.h"
+#include "output/sensor_table.h"
 #include "result/result_json.h"
 #include "json/encode.h"
 #include "json/problem.h"
@@ -63,8 +64,11 @@ static void print_cross_check(const struct orl_cross_check *check)
     fprintf(stderr, "\n");
 }
 
-static void print_summary(const struct orl_result *result, const char *output)
+/* Prints the table of sensors and the glare of views, then the files, result.json last. */
+static void print_summary(const struct orl_result *result, const json_t *json, const char *output)
 {
+    orl_print_sensor_table(stdout, json);
+    orl_print_glare_lines(stdout, json);
     if (result->outcome.asked)
         fprintf(stderr, "accuracy: %s: %s\n", result->outcome.met ? "met" : "not met",
                 result->outcome.why);
@@ -73,6 +77,7 @@ static void print_summary(const struct orl_result *result, const char *output)
     for (int i = 0; i < ORL_STAGE_COUNT; i++)
         fprintf(stderr, " %s %.2f", orl_stage_name((enum orl_stage)i), result->timings_s[i]);
     fprintf(stderr, " total %.2f (threads %u)\n", result->total_s, result->threads);
+    orl_print_sensor_files(stdout, json, output);
     printf("%s/result.json\n", output);
 }
 
@@ -148,7 +153,7 @@ static int run_document(const struct orl_local_line *line, const struct orl_proj
     } else if (rc == 0 && job.n_skies > 0) {
         print_skies(json, output);
     } else if (rc == 0) {
-        print_summary(&result, output);
+        print_summary(&result, json, output);
     }
     if (err.code)
         orl_report_error(&err);
@@ -166,13 +171,19 @@ int orl_cmd_run(const struct orl_subcommand *self, int argc, char **argv)
     struct orl_distributed_options distributed = {0};
     const struct orl_option options[] = {
         {"output", 'o', "DIR", "folder for result.json and the images", &line.output, NULL},
-        ORL_OPTIONS_PROJECT(&project),
+        ORL_OPTIONS_MODEL(&project),
         ORL_OPTION_THREADS(&line.threads_text),
         ORL_OPTIONS_DISTRIBUTED(&distributed),
     };
     int code;
-    if (!orl_local_parse(self, argc, argv, options, 4 + ORL_DISTRIBUTED_OPTIONS, &line, &code))
+    if (!orl_local_parse(self, argc, argv, options, 2 + ORL_MODEL_OPTIONS + ORL_DISTRIBUTED_OPTIONS,
+                         &line, &code))
         return code;
     const bool shared = orl_distributed_is_requested(self, &distributed, &code);
-    return code ? code : run_document(&line, &project, shared ? &distributed : NULL);
+    if (code)
+        return code;
+    /* A year of a project is the same as by `oriel annual`. */
+    if (orl_project_line_has_year(&project) && orl_is_project(line.operand))
+        return orl_run_project_year(&line, &project, shared ? &distributed : NULL);
+    return run_document(&line, &project, shared ? &distributed : NULL);
 }

@@ -117,7 +117,7 @@ static void on_warned(void *ctx, const char *warning)
     free(line);
     if (known)
         return;
-    orl_progress_note(&local->progress, "warning: %s", warning);
+    orl_progress_warn(&local->progress, warning);
     if (asprintf(&grown, "%s%s\n", printed, warning) >= 0) {
         free(local->warnings);
         local->warnings = grown;

@@ -18,6 +18,7 @@
 #include <oriel/job/study.h>
 
 #include "annual_job/annual_json.h"
+#include "input/job_file.h"
 #include "options/job_options.h"
 
 /* The command line of a local command: an operand, -o DIR and --threads N. */
@@ -42,8 +43,7 @@ bool orl_local_parse(const struct orl_subcommand *self, int argc, char **argv,
 #define ORL_OPTION_THREADS(target)                                                                 \
     {                                                                                              \
         .name = "threads", .letter = 'j', .metavar = "N",                                          \
-        .help = "threads to use (default: one per core); results do not depend on it",             \
-        .value = (target)                                                                          \
+        .help = "threads (default: one per core); same results", .value = (target)                 \
     }
 
 /*
@@ -118,5 +118,10 @@ int orl_local_annual(struct orl_annual_job *job, const char *folder, const char 
 int orl_bsdf_file_load(const char *path, struct orl_bsdf **ret_bsdf, struct orl_error *err);
 /* Formats the source of a BSDF: "panel.xml, SHA-256 0123..." */
 int orl_bsdf_file_source(const char *path, char ret_source[512], struct orl_error *err);
+
+/* Computes a year of a project, as `oriel annual` does. distributed: NULL if not in parts. Returns
+ * an exit code. */
+int orl_run_project_year(const struct orl_local_line *line, const struct orl_project_line *project,
+                         const struct orl_distributed_options *distributed);
 
 #endif

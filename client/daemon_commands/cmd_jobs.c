@@ -108,13 +108,13 @@ int orl_cmd_submit(const struct orl_subcommand *self, int argc, char **argv)
         ORL_OPTION_SERVER(&daemon.server),
         {"name", 0, "NAME", "name of the job", &name, NULL},
         {"tags", 0, "TAG,...", "tags to find the job by, as with oriel status --tag", &tags, NULL},
-        ORL_OPTIONS_PROJECT(&project),
-        ORL_OPTIONS_YEAR(&project),
         {"wait", 0, NULL, "follow the job to its end", NULL, &wait},
+        ORL_OPTIONS_MODEL(&project),
     };
     json_t *reply = NULL;
     int rc, code;
-    if (!orl_options_parse(self, argc, argv, options, 9, 1, 1, &daemon.operands, &code))
+    if (!orl_options_parse(self, argc, argv, options, 4 + ORL_MODEL_OPTIONS, 1, 1, &daemon.operands,
+                           &code))
         return code;
     rc = orl_daemon_open(&daemon);
     if (rc == 0)

@@ -9,6 +9,7 @@
 #include "http/json_get.h"
 #include "options/command.h"
 #include "output/reports.h"
+#include "output/style.h"
 #include "output/terminal.h"
 
 /* Seconds to wait for a daemon that stopped answering, because it may be restarting. */
@@ -86,7 +87,7 @@ static void report_warnings(struct orl_progress_line *progress, const json_t *jo
         if (!text || json_object_get(*reported_warnings, text))
             continue;
         json_object_set_new(*reported_warnings, text, json_true());
-        orl_progress_note(progress, "warning: %s", text);
+        orl_progress_warn(progress, text);
     }
 }
 
@@ -210,7 +211,8 @@ static int report_end(json_t *job, const char *id)
     if (json_object_get(job, "bsdf"))
         fprintf(stderr, "BSDF %s, which scenes can use by name\n",
                 orl_get_text(json_object_get(job, "bsdf"), "id"));
-    fprintf(stderr, "job %s: %s\n", id, state);
+    fprintf(stderr, "job %s: %s%s%s\n", id, orl_style_begin(stderr, orl_style_of_word(state)),
+            state, orl_style_end(stderr));
     return strcmp(state, "succeeded") == 0 ? ORL_EXIT_OK : ORL_EXIT_FAILED;
 }
 

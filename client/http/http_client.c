@@ -14,10 +14,9 @@
 
 #include "distributed/atomic_files.h"
 #include "options/command.h"
+#include "options/settings.h"
 #include "output/reports.h"
 #include "json/encode.h"
-
-#define DEFAULT_URL "http://127.0.0.1:8423"
 
 /* A reply body: stored in memory up to a limit, written to a file, or passed on as lines. */
 struct sink {
@@ -31,12 +30,14 @@ struct sink {
     bool overflow; /* true if the reply was too large */
 };
 
-int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *err)
+int orl_http_open(struct orl_http *ret_http, const char *server, struct orl_error *err)
 {
-    const char *chosen = url ? url : getenv("ORIEL_URL");
+    struct orl_server_choice choice;
     *ret_http = (struct orl_http){0};
-    if (!chosen || !*chosen)
-        chosen = DEFAULT_URL;
+    const int rc = orl_server_choose(server, &choice, err);
+    if (rc)
+        return rc;
+    const char *const chosen = choice.url;
     size_t length = strlen(chosen);
     while (length && chosen[length - 1] == '/')
         length--;
@@ -44,6 +45,7 @@ int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *
         return orl_error_set(err, ORL_ERR_LIMIT, "the daemon's URL is too long");
     memcpy(ret_http->base_url, chosen, length);
     ret_http->base_url[length] = '\0';
+    memcpy(ret_http->token, choice.token, sizeof ret_http->token);
     if (strncmp(chosen, "http://", 7) != 0 && strncmp(chosen, "https://", 8) != 0) {
         orl_error_set(err, ORL_ERR_INVALID, "\"%s\" is not an http:// or https:// URL", chosen);
         orl_error_hint(err, "write --server http://HOST:PORT");
@@ -129,15 +131,15 @@ static bool is_loopback(const char *url)
     return false;
 }
 
-/* Adds $ORIEL_TOKEN unless others could read it on the way, and the trusted certificates,
+/* Adds the access token unless others could read it on the way, and the trusted certificates,
  * $ORIEL_CA. */
 static void add_credentials(struct orl_http *http)
 {
-    const char *token = getenv("ORIEL_TOKEN"), *ca = getenv("ORIEL_CA");
-    if (token && *token &&
+    const char *ca = getenv("ORIEL_CA");
+    if (http->token[0] &&
         (strncmp(http->base_url, "https://", 8) == 0 || is_loopback(http->base_url))) {
         curl_easy_setopt(http->curl, CURLOPT_HTTPAUTH, (long)CURLAUTH_BEARER);
-        curl_easy_setopt(http->curl, CURLOPT_XOAUTH2_BEARER, token);
+        curl_easy_setopt(http->curl, CURLOPT_XOAUTH2_BEARER, http->token);
     }
     if (ca && *ca)
         curl_easy_setopt(http->curl, CURLOPT_CAINFO, ca);

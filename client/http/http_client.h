@@ -18,10 +18,13 @@
 
 #include <oriel/base/error.h>
 
+#include "options/settings.h"
+
 struct orl_http {
     CURL *curl;
-    char base_url[1024]; /* without a slash at the end */
-    long status;         /* status of the last reply; 0 without one */
+    char base_url[1024];       /* without a slash at the end */
+    char token[ORL_TOKEN_MAX]; /* access token; empty: none */
+    long status;               /* status of the last reply; 0 without one */
 };
 
 /* A file of an upload: the file at path is sent as name. Resources are not scene text. */
@@ -31,8 +34,9 @@ struct orl_upload_part {
     bool resource;
 };
 
-/* Opens a session with url, or else $ORIEL_URL, or else the loopback default. */
-int orl_http_open(struct orl_http *ret_http, const char *url, struct orl_error *err);
+/* Opens a session with a server: a URL or a name in the settings, or NULL for the usual one
+ * (options/settings.h). */
+int orl_http_open(struct orl_http *ret_http, const char *server, struct orl_error *err);
 void orl_http_close(struct orl_http *http); /* NULL and half-open are fine */
 
 /* Sends GET, DELETE, ... without a body. ret_json may be NULL; else it gets the reply, or json

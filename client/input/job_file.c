@@ -168,13 +168,18 @@ int orl_project_scene_to_json(const char *path, const struct orl_project_line *l
     return rc;
 }
 
+bool orl_project_line_has_year(const struct orl_project_line *line)
+{
+    return line->weather || line->rules || line->year;
+}
+
 /* Refuses options that exclude each other: a year takes its sky and rows from a weather file. */
 static int check_line(const struct orl_project_line *line, struct orl_error *err)
 {
     if (line->weather && line->sky)
         return orl_error_set(err, ORL_ERR_INVALID,
                              "--sky is for one moment, and --weather for a year: leave one out");
-    if (line->weather || (!line->rules && !line->year))
+    if (line->weather || !orl_project_line_has_year(line))
         return 0;
     orl_error_set(err, ORL_ERR_INVALID, "--rules and --year are for a year of a project");
     orl_error_hint(err, "give --weather FILE.epw, too");

@@ -43,33 +43,35 @@ struct orl_project_line {
  * after an error. */
 int orl_project_scene_to_json(const char *path, const struct orl_project_line *line,
                               json_t **ret_scene, struct orl_error *err);
-/* Options of commands that accept a project. With other operands they are refused. */
+/* Rows of options of all commands that accept a project: its sky and states. With other operands
+ * they are refused. */
 #define ORL_OPTIONS_PROJECT(line)                                                                  \
     {.name = "sky",                                                                                \
      .metavar = "SKY",                                                                             \
-     .help =                                                                                       \
-         "for a project: name of one of its skies (oriel project lists them), or a job's \"sky\" " \
-         "as JSON; its weather file is searched here and in the project",                          \
+     .help = "a project's sky: its name, or a job's \"sky\" as JSON",                              \
      .value = &(line)->sky},                                                                       \
     {                                                                                              \
         .name = "states", .metavar = "GROUP=STATE,...",                                            \
-        .help = "for a project: states of its dynamic parts (default: the first)",                 \
-        .value = &(line)->states                                                                   \
+        .help = "states of a project's window groups (default: first)", .value = &(line)->states   \
     }
-/* Options for a year of a project. */
-#define ORL_OPTIONS_YEAR(line)                                                                     \
-    {.name = "weather",                                                                            \
-     .metavar = "FILE",                                                                            \
-     .help = "for a project: weather file of the year, EPW or WEA",                                \
-     .value = &(line)->weather},                                                                   \
+/* Rows of run, submit and annual: those above, and a year of the project. */
+#define ORL_OPTIONS_MODEL(line)                                                                    \
+    ORL_OPTIONS_PROJECT(line),                                                                     \
+        {.name = "weather",                                                                        \
+         .metavar = "FILE",                                                                        \
+         .help = "compute a project's year: weather file, EPW or WEA",                             \
+         .value = &(line)->weather},                                                               \
         {.name = "year",                                                                           \
          .metavar = "YEAR",                                                                        \
-         .help = "for a project: year of the weather file's rows, if it has several",              \
+         .help = "year of the weather file's rows, if it has several",                             \
          .value = &(line)->year},                                                                  \
     {                                                                                              \
         .name = "rules", .metavar = "NAME,...",                                                    \
-        .help = "for a project: rules to check, as \"LEED,EN 17037\"", .value = &(line)->rules     \
+        .help = "rules for a project's year, as \"LEED,EN 17037\"", .value = &(line)->rules        \
     }
+enum { ORL_MODEL_OPTIONS = 5 }; /* rows of ORL_OPTIONS_MODEL */
+/* Returns true if the line asks for a year of a project. */
+bool orl_project_line_has_year(const struct orl_project_line *line);
 /* Opens the document, or makes one for the project: a year if the line has a weather file, else
  * a render job. */
 int orl_job_file_open(const char *path, const struct orl_project_line *line,

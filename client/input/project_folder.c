@@ -7,12 +7,14 @@
 #include <string.h>
 
 #include <oriel/base/files.h>
+#include <oriel/job/run.h>
 
 #include "distributed/atomic_files.h"
 #include "honeybee/hbjson.h"
 #include "input/input_folders.h"
 #include "project/project.h"
 #include "json/decode.h"
+#include "json/encode.h"
 
 enum { PATH_SIZE = 4096, VIEW_SIDE = 800 };
 
@@ -66,8 +68,9 @@ static int write_file(const char *project_folder, const struct orl_text_file *fi
                          orl_open_reason(errno));
 }
 
-static int translate_model(const char *path, const char *project_folder, struct orl_names *names,
-                           struct orl_error *err)
+/* Translates the model into the folder, and notes its units. */
+static int translate_model(const char *path, struct orl_project_folder *project_folder,
+                           struct orl_names *names, struct orl_error *err)
 {
     const struct orl_files here = orl_files_from_folder(".");
     struct orl_text_files files = {0};
@@ -80,11 +83,13 @@ static int translate_model(const char *path, const char *project_folder, struct 
     here.close(here.ctx, &text);
     if (rc == 0)
         rc = orl_hbjson_translate(model, &files, err);
+    const char *units = json_string_value(json_object_get(model, "units"));
+    snprintf(project_folder->units, sizeof project_folder->units, "%s", units ? units : "Meters");
     json_decref(model);
     if (rc)
         orl_error_at(err, path, 0, NULL);
     for (size_t i = 0; i < files.count && rc == 0; i++) {
-        rc = write_file(project_folder, &files.items[i], err);
+        rc = write_file(project_folder->folder, &files.items[i], err);
         if (rc == 0)
             rc = orl_names_add(names, files.items[i].name, err);
     }
@@ -172,14 +177,14 @@ static int find_project(const char *path, const json_t *scene, const struct orl_
 int orl_project_open(const json_t *scene, const char *path, const char *beside,
                      struct orl_project_folder *ret_project_folder, struct orl_error *err)
 {
-    struct orl_project_folder project_folder = {{0}, false, NULL};
+    struct orl_project_folder project_folder = {.project = NULL};
     struct orl_names names = {0};
     int rc = orl_temp_folder_make("project", project_folder.folder, err);
     if (rc == 0 && is_list(path))
         rc = lay_out_list(path, &project_folder, err);
     else if (rc == 0)
         rc = orl_is_folder(path) ? lay_out_folder(path, project_folder.folder, &names, err)
-                                 : translate_model(path, project_folder.folder, &names, err);
+                                 : translate_model(path, &project_folder, &names, err);
     if (rc == 0 && beside)
         rc = orl_temp_folder_link_entries(project_folder.folder, beside, err);
     if (rc == 0 && !project_folder.project)
@@ -208,7 +213,7 @@ int orl_project_write(const json_t *scene, const char *path, const char *into,
     if (rc == 0)
         rc = orl_make_folder(into, err);
     if (rc == 0)
-        rc = translate_model(path, project_folder.folder, &names, err);
+        rc = translate_model(path, &project_folder, &names, err);
     if (rc == 0)
         rc = find_project(path, scene, &names, &project_folder, err);
     orl_names_done(&names);
@@ -225,10 +230,38 @@ void orl_project_done(struct orl_project_folder *project_folder)
     if (project_folder->folder[0] && !project_folder->is_permanent)
         orl_remove_folder(project_folder->folder);
     json_decref(project_folder->project);
-    *project_folder = (struct orl_project_folder){{0}, false, NULL};
+    *project_folder = (struct orl_project_folder){.project = NULL};
 }
 
 /* ---- Documents ------------------------------------------------------------------------------- */
+
+/* Returns the text of a view's options, owned by the caller; NULL if it cannot be read, which the
+ * run reports. */
+static char *options_of(const struct orl_project_folder *project_folder, const json_t *view)
+{
+    const struct orl_files files = orl_files_from_folder(project_folder->folder);
+    const char *name = json_string_value(json_object_get(view, "file"));
+    const char *own = json_string_value(json_object_get(view, "view"));
+    struct orl_file file;
+    char *text = NULL;
+    if (!name)
+        return own ? strdup(own) : NULL;
+    if (files.open(files.ctx, name, &file, NULL))
+        return NULL;
+    if (orl_view_file_read(name, file.data, file.size, NULL, &text, NULL))
+        text = NULL;
+    files.close(files.ctx, &file);
+    return text;
+}
+
+/* Asks for the DGP of a fisheye view, from which it can be computed. */
+static int add_metrics(const struct orl_project_folder *project_folder, json_t *view)
+{
+    char *options = options_of(project_folder, view);
+    const bool is_fisheye = options && orl_view_text_is_fisheye(options);
+    free(options);
+    return is_fisheye ? json_object_set_new(view, "metrics", json_pack("[s]", "dgp")) : 0;
+}
 
 /* Sets square pixels, or the project's aspect; any aspect if the project gives an exact size. */
 static void set_pixel_aspect(json_t *view)
@@ -240,23 +273,37 @@ static void set_pixel_aspect(json_t *view)
         json_object_del(view, "pixel_aspect");
 }
 
-static json_t *views_of(const json_t *project)
+/* Returns the views with their sizes; NULL when out of memory. */
+static json_t *views_of(const struct orl_project_folder *project_folder)
 {
     json_t *views = json_array(), *view;
     size_t i;
-    json_array_foreach(json_object_get(project, "views"), i, view)
+    int rc = 0;
+    json_array_foreach(json_object_get(project_folder->project, "views"), i, view)
     {
-        if (json_object_get(view, "width")) { /* has its own size */
-            json_array_append(views, view);
-            set_pixel_aspect(view);
-            continue;
+        json_t *own = json_copy(view);
+        if (!json_object_get(own, "width")) { /* has no size of its own */
+            rc |= json_object_set_new(own, "width", json_integer(VIEW_SIDE));
+            rc |= json_object_set_new(own, "height", json_integer(VIEW_SIDE));
         }
-        json_array_append_new(views, json_pack("{s:O, s:O, s:i, s:i, s:i}", "name",
-                                               json_object_get(view, "name"), "file",
-                                               json_object_get(view, "file"), "width", VIEW_SIDE,
-                                               "height", VIEW_SIDE, "pixel_aspect", 1));
+        set_pixel_aspect(own);
+        rc |= add_metrics(project_folder, own);
+        rc |= json_array_append_new(views, own);
     }
-    return views;
+    return orl_json_checked(views, rc);
+}
+
+/* Labels the maps' scale bars, unless lengths are in metres. */
+static int set_length_unit(const struct orl_project_folder *project_folder, json_t *doc)
+{
+    static const char *const labels[][2] = {
+        {"Millimeters", "mm"}, {"Centimeters", "cm"}, {"Inches", "in"}, {"Feet", "ft"}};
+    for (size_t i = 0; i < sizeof labels / sizeof *labels; i++)
+        if (strcmp(project_folder->units, labels[i][0]) == 0)
+            return json_object_set_new(
+                doc, "heat_map",
+                json_pack("{s:s, s:[i]}", "length_unit", labels[i][1], "thresholds", 300));
+    return 0;
 }
 
 int orl_project_fill_document(const struct orl_project_folder *project_folder, const json_t *scene,
@@ -273,7 +320,10 @@ int orl_project_fill_document(const struct orl_project_folder *project_folder, c
         json_array_size(grids) > 0)
         rc = json_object_set(doc, "grids", (json_t *)(uintptr_t)grids);
     if (rc == 0 && renders && !json_object_get(doc, "views"))
-        rc = json_object_set_new(doc, "views", views_of(project_folder->project));
+        rc = json_object_set_new(doc, "views", views_of(project_folder));
+    if (rc == 0 && renders && json_object_get(doc, "grids") && !json_object_get(doc, "skies") &&
+        !json_object_get(doc, "heat_map"))
+        rc = set_length_unit(project_folder, doc);
     if (rc)
         return orl_error_no_memory(err);
     if (!kind || strcmp(kind, "annual") != 0)

@@ -25,6 +25,7 @@ bool orl_is_project(const char *path);
 struct orl_project_folder {
     char folder[4096];
     bool is_permanent; /* true if the folder is permanent, not temporary */
+    char units[16];    /* a model's units of length, "Meters"; empty: the project names none */
     json_t *project;   /* owned; format of project/project.h */
 };
 

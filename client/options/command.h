@@ -24,7 +24,11 @@ struct orl_subcommand {
     const char *summary;  /* one line, for the list of commands */
     const char *details;  /* a paragraph for --help, or NULL */
     int (*run)(const struct orl_subcommand *self, int argc, char **argv); /* argv[0] is the name */
+    const char *example; /* a command line, or NULL */
 };
+
+/* Last line of every --help. */
+#define ORL_GUIDE_LINE "Guide: /guide of a running daemon, such as http://127.0.0.1:8423/guide"
 
 /* One option: a flag when metavar is NULL, else it takes a value. Exactly one target is set. */
 struct orl_option {
@@ -61,8 +65,9 @@ bool orl_parse_count(const char *text, uint64_t min, uint64_t max, uint64_t *ret
 /* The --server option of every command that talks to a daemon. */
 #define ORL_OPTION_SERVER(target)                                                                  \
     {                                                                                              \
-        .name = "server", .metavar = "URL",                                                        \
-        .help = "URL of the daemon (default: $ORIEL_URL, or http://127.0.0.1:8423)",               \
+        .name = "server", .metavar = "SERVER",                                                     \
+        .help = "daemon: a URL, or a name in ~/.config/oriel.toml (default: $ORIEL_URL, or that "  \
+                "file's server, or http://127.0.0.1:8423)",                                        \
         .value = (target)                                                                          \
     }
 

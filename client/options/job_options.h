@@ -55,15 +55,14 @@ struct orl_distributed_options {
 #define ORL_OPTIONS_DISTRIBUTED(line)                                                              \
     {.name = "parts",                                                                              \
      .metavar = "N",                                                                               \
-     .help = "compute in up to N parts at a time, each in its own process; same results",          \
+     .help = "compute in up to N parts, each in its own process",                                  \
      .value = &(line)->parts_text},                                                                \
         {.name = "slurm",                                                                          \
-         .help = "run parts as Slurm tasks; all nodes must see DIR and this program",              \
+         .help = "run the parts as Slurm tasks; all nodes must see DIR",                           \
          .flag = &(line)->slurm},                                                                  \
     {                                                                                              \
         .name = "sbatch", .metavar = "OPTIONS",                                                    \
-        .help = "with --slurm: additional options for sbatch, as \"--partition=long --time=60\"",  \
-        .value = &(line)->sbatch                                                                   \
+        .help = "options for sbatch, as \"--partition=long --time=60\"", .value = &(line)->sbatch  \
     }
 enum { ORL_DISTRIBUTED_OPTIONS = 3 };
 

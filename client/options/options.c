@@ -7,6 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <oriel/base/suggest.h>
+
+#include "output/style.h"
+#include "output/terminal.h"
+
 int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
 {
     va_list args;
@@ -18,22 +23,40 @@ int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
     return ORL_EXIT_USAGE;
 }
 
+/* Prints an option's row, wrapped to the width of help texts. */
+static void print_option(const struct orl_option *option)
+{
+    enum { HELP_COLUMN = 25 };
+    char left[64];
+    const int length =
+        snprintf(left, sizeof left, "  %s%c%s--%s%s%s", option->letter ? "-" : "",
+                 option->letter ? option->letter : ' ', option->letter ? ", " : "   ", option->name,
+                 option->metavar ? " " : "", option->metavar ? option->metavar : "");
+    if (length < HELP_COLUMN)
+        printf("%-*s", HELP_COLUMN, left);
+    else
+        printf("%s\n%*s", left, HELP_COLUMN, "");
+    orl_print_wrapped(stdout, ORL_HELP_COLUMNS, HELP_COLUMN, HELP_COLUMN, option->help);
+}
+
 static void print_help(const struct orl_subcommand *self, const struct orl_option *options,
                        size_t n)
 {
+    static const struct orl_option help = {
+        .name = "help", .letter = 'h', .help = "print this text"};
     printf("usage: oriel %s %s\n\n%s.\n", self->name, self->synopsis, self->summary);
-    if (self->details)
-        printf("\n%s\n", self->details);
-    printf("\noptions:\n");
-    for (size_t i = 0; i < n; i++) {
-        char left[64];
-        snprintf(left, sizeof left, "%s%c%s--%s%s%s", options[i].letter ? "-" : "",
-                 options[i].letter ? options[i].letter : ' ', options[i].letter ? ", " : "   ",
-                 options[i].name, options[i].metavar ? " " : "",
-                 options[i].metavar ? options[i].metavar : "");
-        printf("  %-22s %s\n", left, options[i].help);
+    if (self->details) {
+        putchar('\n');
+        orl_print_wrapped(stdout, ORL_HELP_COLUMNS, 0, 0, self->details);
     }
-    printf("  -h, --help             print this text\n");
+    printf("\n%soptions%s\n", orl_style_begin(stdout, ORL_STYLE_HEADING), orl_style_end(stdout));
+    for (size_t i = 0; i < n; i++)
+        print_option(&options[i]);
+    print_option(&help);
+    if (self->example)
+        printf("\n%sexample%s\n  %s\n", orl_style_begin(stdout, ORL_STYLE_HEADING),
+               orl_style_end(stdout), self->example);
+    printf("\n" ORL_GUIDE_LINE "\n");
 }
 
 /* Finds the option that an argument names. *ret_value points after '=' or the letter, or is
@@ -58,6 +81,23 @@ static const struct orl_option *find_option(const char *arg, const struct orl_op
     return NULL;
 }
 
+/* Reports an unknown option, and suggests one. */
+static int refuse_option(const struct orl_subcommand *self, const char *arg,
+                         const struct orl_option *options, size_t n)
+{
+    char name[ORL_SUGGEST_LETTERS + 1];
+    struct orl_suggestion suggestion = {.word = name};
+    const size_t dashes = strspn(arg, "-");
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(arg + dashes, "="), arg + dashes);
+    for (size_t i = 0; i < n; i++)
+        orl_suggestion_add(&suggestion, options[i].name);
+    orl_suggestion_add(&suggestion, "help");
+    if (!suggestion.best)
+        return orl_usage_error(self, "unknown option \"%s\"", arg);
+    return orl_usage_error(self, "unknown option \"%s\"; did you mean \"--%s\"?", arg,
+                           suggestion.best);
+}
+
 /* Reads one option at argv[*at] with its value. Returns 0 or an exit code. */
 static int take_option(const struct orl_subcommand *self, int argc, char **argv, int *at,
                        const struct orl_option *options, size_t n)
@@ -65,7 +105,7 @@ static int take_option(const struct orl_subcommand *self, int argc, char **argv,
     const char *value = NULL;
     const struct orl_option *option = find_option(argv[*at], options, n, &value);
     if (!option)
-        return orl_usage_error(self, "unknown option \"%s\"", argv[*at]);
+        return refuse_option(self, argv[*at], options, n);
     if (!option->metavar) {
         if (value)
             return orl_usage_error(self, "--%s takes no value", option->name);

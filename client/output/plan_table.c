@@ -73,7 +73,7 @@ static void print_row(FILE *to, enum orl_effect effect, const struct orl_decisio
     format_time(decision->saved_s, saved, sizeof saved);
     fprintf(to, "%-*s  %-*s  %*s  %*s  %*s  ", EFFECT_WIDTH, orl_effect_name(effect),
             SIMULATED_WIDTH, simulated, BOUND_WIDTH, bound, TIME_WIDTH, cost, TIME_WIDTH, saved);
-    orl_print_wrapped(to, WHY_COLUMN, WHY_COLUMN, decision->why);
+    orl_print_wrapped(to, ORL_WRAP_COLUMNS, WHY_COLUMN, WHY_COLUMN, decision->why);
 }
 
 static void print_photons(FILE *to, const struct orl_plan *plan)
@@ -117,7 +117,7 @@ static void print_forecast(FILE *to, const struct orl_plan *plan)
     format_forecast(f->job_s, job, sizeof job);
     snprintf(text, sizeof text, "%s, the whole job: %s; %s", seconds, job, f->why);
     fprintf(to, "%-*s", HEAD_WIDTH, "photons take");
-    orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+    orl_print_wrapped(to, ORL_WRAP_COLUMNS, HEAD_WIDTH, HEAD_WIDTH, text);
 }
 
 static void print_technique(FILE *to, const char *head, enum orl_technique technique,
@@ -126,7 +126,7 @@ static void print_technique(FILE *to, const char *head, enum orl_technique techn
     char text[ORL_WHY_MAX + 64];
     snprintf(text, sizeof text, "%s%s%s", orl_technique_name(technique), why[0] ? ": " : "", why);
     fprintf(to, "%-*s", HEAD_WIDTH, head);
-    orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+    orl_print_wrapped(to, ORL_WRAP_COLUMNS, HEAD_WIDTH, HEAD_WIDTH, text);
 }
 
 static void print_head(FILE *to, const struct orl_plan *plan)
@@ -170,7 +170,7 @@ static void print_paths(FILE *to, const struct orl_plan *plan)
         format_strategies(plan, class, by, sizeof by);
         snprintf(text, sizeof text, "%s: by %s", orl_path_class_words(class), by);
         fprintf(to, "%-*s", HEAD_WIDTH, head);
-        orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, text);
+        orl_print_wrapped(to, ORL_WRAP_COLUMNS, HEAD_WIDTH, HEAD_WIDTH, text);
         head = "";
     }
 }
@@ -202,7 +202,7 @@ void orl_curve_print(FILE *to, const struct orl_accuracy_curve *curve)
         fprintf(to, "time, by %s on %u thread%s\n", orl_technique_name(curve->technique),
                 curve->threads, curve->threads == 1 ? "" : "s");
     else
-        orl_print_wrapped(to, HEAD_WIDTH, HEAD_WIDTH, curve->model);
+        orl_print_wrapped(to, ORL_WRAP_COLUMNS, HEAD_WIDTH, HEAD_WIDTH, curve->model);
     for (uint32_t i = 0; i < curve->n_points; i++) {
         char seconds[32];
         format_time(curve->points[i].seconds, seconds, sizeof seconds);
@@ -236,12 +236,12 @@ static void start_line(FILE *to, int indent)
 }
 
 /* Prints one word from column on, cut at the line's end. Returns the column after it. */
-static int print_word(FILE *to, int column, int indent, const char *word, size_t length)
+static int print_word(FILE *to, int width, int column, int indent, const char *word, size_t length)
 {
     for (size_t at = 0; at < length;) {
         const size_t step = character_bytes(word + at);
         const unsigned char first = (unsigned char)word[at];
-        if (column >= ORL_WRAP_COLUMNS && indent < ORL_WRAP_COLUMNS) {
+        if (column >= width && indent < width) {
             start_line(to, indent);
             column = indent;
         }
@@ -255,21 +255,21 @@ static int print_word(FILE *to, int column, int indent, const char *word, size_t
     return column;
 }
 
-void orl_print_wrapped(FILE *to, int column, int indent, const char *text)
+void orl_print_wrapped(FILE *to, int width, int column, int indent, const char *text)
 {
     for (int number = 0;; number++) {
         text += strspn(text, space);
         const size_t length = strcspn(text, space);
         if (length == 0)
             break;
-        if (number > 0 && column + 1 + count_columns(text, length) > ORL_WRAP_COLUMNS) {
+        if (number > 0 && column + 1 + count_columns(text, length) > width) {
             start_line(to, indent);
             column = indent;
         } else if (number > 0) {
             fputc(' ', to);
             column++;
         }
-        column = print_word(to, column, indent, text, length);
+        column = print_word(to, width, column, indent, text, length);
         text += length;
     }
     fputc('\n', to);

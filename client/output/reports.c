@@ -5,6 +5,7 @@
 #include "http/json_get.h"
 #include "options/command.h"
 #include "output/reports.h"
+#include "output/style.h"
 #include "output/terminal.h"
 #include "json/problem.h"
 
@@ -28,7 +29,8 @@ int orl_report_error(const struct orl_error *err)
     char text[2 * ORL_ERROR_TEXT_MAX + 2 * ORL_ERROR_NAME_MAX + 64];
     orl_error_format(err, text, sizeof text);
     /* The line starts with the file, as compilers do, or else with the program's name. */
-    fprintf(stderr, "%s%s\n", err->file[0] ? "" : "oriel: ", text);
+    fprintf(stderr, "%s%s%s%s\n", orl_style_begin(stderr, ORL_STYLE_BAD),
+            err->file[0] ? "" : "oriel: ", text, orl_style_end(stderr));
     return ORL_EXIT_FAILED;
 }
 
@@ -46,7 +48,8 @@ int orl_print_json(json_t *json, size_t digits, struct orl_error *err)
 void orl_print_warnings(json_t *warnings)
 {
     for (size_t i = 0; i < json_array_size(warnings); i++)
-        fprintf(stderr, "warning: %s\n", json_string_value(json_array_get(warnings, i)));
+        fprintf(stderr, "%swarning:%s %s\n", orl_style_begin(stderr, ORL_STYLE_WARNING),
+                orl_style_end(stderr), json_string_value(json_array_get(warnings, i)));
     json_decref(warnings);
 }
 
@@ -114,14 +117,17 @@ void orl_print_job(const json_t *job)
         snprintf(eta, sizeof eta, "%.0f. in line", position);
     printf("%-8.8s  ", orl_get_text(job, "id"));
     print_name(job);
-    printf("  %-6s  %-10s  %8s  %11s  %7s  %.19s\n", orl_get_text(job, "kind"),
-           orl_get_text(job, "state"), percent, eta, error, orl_get_text(job, "created"));
+    const char *state = orl_get_text(job, "state");
+    printf("  %-6s  %s%-10s%s  %8s  %11s  %7s  %.19s\n", orl_get_text(job, "kind"),
+           orl_style_begin(stdout, orl_style_of_word(state)), state, orl_style_end(stdout), percent,
+           eta, error, orl_get_text(job, "created"));
 }
 
 void orl_print_job_heading(void)
 {
-    printf("%-8s  %-*s  %-6s  %-10s  %8s  %11s  %7s  %s\n", "id", NAME_WIDTH, "name", "kind",
-           "state", "progress", "eta", "error", "created (UTC)");
+    printf("%s%-8s  %-*s  %-6s  %-10s  %8s  %11s  %7s  %s%s\n",
+           orl_style_begin(stdout, ORL_STYLE_HEADING), "id", NAME_WIDTH, "name", "kind", "state",
+           "progress", "eta", "error", "created (UTC)", orl_style_end(stdout));
 }
 
 void orl_print_jobs(const json_t *jobs)
@@ -263,8 +269,10 @@ static void print_verdict(FILE *to, const json_t *verdict)
 {
     const char *rule = orl_get_text(verdict, "rule"), *target = orl_get_text(verdict, "target");
     const char *grid = orl_get_text(verdict, "grid"), *note = orl_get_text(verdict, "note");
-    fprintf(to, "%-10s %s%s%s (%s)", orl_get_text(verdict, "verdict"), rule,
-            *rule && *target ? ": " : "", target, *grid ? grid : "all grids");
+    const char *word = orl_get_text(verdict, "verdict");
+    fprintf(to, "%s%-10s%s %s%s%s (%s)", orl_style_begin(to, orl_style_of_word(word)), word,
+            orl_style_end(to), rule, *rule && *target ? ": " : "", target,
+            *grid ? grid : "all grids");
     print_value(to, verdict);
     fprintf(to, "%s%s\n", *note ? ": " : "", note);
 }

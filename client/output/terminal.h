@@ -1,9 +1,11 @@
 /*
  * Text for a terminal: progress, wrapped lines, and plans as tables.
  *
- * Progress goes to stderr. On a terminal one line is rewritten in place. Otherwise a line is
- * printed when the stage changes and at every tenth, so that logs stay short. The caller gives the
- * job's fraction done. Times are in seconds of a monotonic clock.
+ * Progress goes to stderr. On a terminal one line is rewritten in place: a bar as wide as the
+ * window allows, the stage, the percentage, the remaining time and the rate. Otherwise, also on
+ * terminals without escape codes (output/style.h), a line is printed when the stage changes and at
+ * every tenth, so that logs stay short. The caller gives the job's fraction done. Times are in
+ * seconds of a monotonic clock.
  */
 #ifndef ORL_CLIENT_OUTPUT_TERMINAL_H
 #define ORL_CLIENT_OUTPUT_TERMINAL_H
@@ -17,12 +19,14 @@
 #include <oriel/job/run.h>
 
 struct orl_progress_line {
-    bool terminal;
+    bool terminal; /* true: one line is rewritten */
     double drawn_s;
-    char stage[32];     /* last stage shown */
-    int tenth;          /* last tenth shown; -1 before the first */
-    bool line_open;     /* true if the terminal's current line has text */
-    struct orl_eta eta; /* estimate for a run in this process */
+    char stage[32];                /* last stage shown */
+    int tenth;                     /* last tenth shown; -1 before the first */
+    bool line_open;                /* true if the terminal's current line has text */
+    double rate_from_s, rate_from; /* begin of the rate's interval: time (-1: none), fraction */
+    double rate;                   /* percent per second; 0: not known */
+    struct orl_eta eta;            /* estimate for a run in this process */
 };
 
 double orl_clock_s(void *unused); /* monotonic clock, seconds */
@@ -43,6 +47,9 @@ void orl_progress_show_local(struct orl_progress_line *progress, const char *sta
 void orl_progress_note(struct orl_progress_line *progress, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* Prints a warning likewise. */
+void orl_progress_warn(struct orl_progress_line *progress, const char *warning);
+
 /* Removes the bar. */
 void orl_progress_end(struct orl_progress_line *progress);
 
@@ -51,16 +58,15 @@ void orl_format_duration(double seconds, char *ret_text, size_t size);
 /* Formats "950", "24.7 kB" or "1.2 GB", and "2.0 M" for counts if unit is "". */
 void orl_format_amount(double amount, const char *unit, char *ret_text, size_t size);
 
-/* Prints text wrapped to lines of at most ORL_WRAP_COLUMNS columns. */
-
-enum { ORL_WRAP_COLUMNS = 100 };
+/* Widths of wrapped lines: of plans, and of help. */
+enum { ORL_WRAP_COLUMNS = 100, ORL_HELP_COLUMNS = 80 };
 
 /*
- * Prints text (UTF-8) and a newline, from the line's column on; further lines are indented.
- * Words longer than a line are cut; control characters, which could move the cursor, become
- * '?'.
+ * Prints text (UTF-8) and a newline, from the line's column on, in lines of at most `width`
+ * columns; further lines are indented. Words longer than a line are cut; control characters, which
+ * could move the cursor, become '?'.
  */
-void orl_print_wrapped(FILE *to, int column, int indent, const char *text);
+void orl_print_wrapped(FILE *to, int width, int column, int indent, const char *text);
 
 /*
  * Prints a plan: as a table for `oriel plan`, or in one line. Lines of the table have at most

@@ -104,6 +104,7 @@ static struct orl_job make_job(const struct orl_study_request *request,
     job.photons_global = setting->photons ? setting->photons : ORL_PHOTONS_BY_PLAN;
     job.photons_caustic = job.photons_global;
     job.photons_exact = true;
+    job.sensor_files = false;
     job.gather_samples = 0;
     job.pixel_samples = 0;
     if (orl_study_of_views(request))

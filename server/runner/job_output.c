@@ -101,8 +101,9 @@ int orl_job_output_list_grids(const struct orl_result *result, const char *folde
 {
     int rc = 0;
     for (size_t i = 0; i < result->n_grids && rc == 0; i++) {
-        const char *const files[] = {result->grids[i].res, result->grids[i].npy};
-        rc = list_names(files, 2, folder, list, err);
+        const char *const files[] = {result->grids[i].res, result->grids[i].npy,
+                                     result->grids[i].map};
+        rc = list_names(files, 3, folder, list, err);
     }
     return rc ? rc : orl_job_output_list(result->grids_info, folder, list, err);
 }

@@ -119,7 +119,7 @@ static const char model[] = "tests/fixtures/honeybee/two_rooms.hbjson";
 /* Returns the scene's files by `oriel project`. */
 static json_t *list_project(struct cli_desk *f, const char *path, const char *states)
 {
-    const char *const args[] = {"project", path, "--states", states, NULL};
+    const char *const args[] = {"project", path, "--json", "--states", states, NULL};
     cli_run(args, &f->result);
     assert_int_equal(f->result.exit_code, 0);
     json_t *project = json_loads(f->result.out, 0, NULL);
@@ -130,7 +130,7 @@ static json_t *list_project(struct cli_desk *f, const char *path, const char *st
 static void test_a_model_is_listed_and_written(void **state)
 {
     struct cli_desk *f = *state;
-    const char *const args[] = {"project", model, "-o", f->output, NULL};
+    const char *const args[] = {"project", model, "--json", "-o", f->output, NULL};
     cli_run(args, &f->result);
     assert_int_equal(f->result.exit_code, 0);
     json_t *whole = json_loads(f->result.out, 0, NULL);
@@ -165,7 +165,7 @@ static void test_a_model_is_warned_of(void **state)
     free(text);
     json_decref(doc);
     snprintf(path, sizeof path, "%s/two.hbjson", f->folder);
-    const char *const list[] = {"project", path, "-o", f->output, NULL};
+    const char *const list[] = {"project", path, "--json", "-o", f->output, NULL};
     cli_run(list, &f->result);
     assert_int_equal(f->result.exit_code, 0);
     assert_non_null(strstr(f->result.out, wanted));

@@ -14,7 +14,6 @@
 
 #include <oriel/job/sun_position.h>
 
-#include "recipe/nearest_name.h"
 #include "recipe/recipe.h"
 #include "recipe/recipe_sky.h"
 #include "recipe/weather_rows.h"
@@ -89,20 +88,6 @@ static void test_unknown_recipes_get_the_nearest_name(void **state)
         assert_null(recipe);
         assert_non_null(strstr(err.hint, cases[i].hint));
     }
-}
-
-static void test_nearest_names_are_near(void **state)
-{
-    struct orl_nearest_name nearest = {.wanted = "grid-filtr"};
-    (void)state;
-    orl_nearest_name_offer(&nearest, "view-filter");
-    orl_nearest_name_offer(&nearest, "grid-filter");
-    orl_nearest_name_offer(&nearest, "north");
-    assert_string_equal(nearest.best, "grid-filter");
-    assert_int_equal(nearest.distance, 1);
-    nearest = (struct orl_nearest_name){.wanted = "xyz"};
-    orl_nearest_name_offer(&nearest, "radiance-parameters");
-    assert_null(nearest.best);
 }
 
 static void test_inputs_have_the_recipes_defaults(void **state)
@@ -427,7 +412,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_recipes_are_found_by_name),
         cmocka_unit_test(test_unknown_recipes_get_the_nearest_name),
-        cmocka_unit_test(test_nearest_names_are_near),
         cmocka_unit_test(test_inputs_have_the_recipes_defaults),
         cmocka_unit_test(test_wrong_inputs_are_refused_by_name),
         cmocka_unit_test(test_skies_are_read),

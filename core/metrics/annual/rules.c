@@ -4,6 +4,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/base/suggest.h>
+
 #define EN_17037 "EN 17037:2018, 5.1 and annex A, by climate data; half of the daylight hours"
 #define EN_17037_DF                                                                                \
     "EN 17037:2018, 5.1 and annex A, by daylight factor; of the median diffuse illuminance"
@@ -70,6 +72,20 @@ static const struct orl_annual_rule rules[] = {
 
 enum { RULES = sizeof rules / sizeof *rules };
 
+/* Suggests a family of rules, or else a single rule. */
+static void hint_rule(const char *name, struct orl_error *err)
+{
+    static const char *const families[] = {"EN 17037", "LEED",     "daylight factor by EN 17037",
+                                           "WELL L01", "WELL L06", "roof lights by EN 17037",
+                                           "BREEAM"};
+    struct orl_suggestion suggestion = {.word = name};
+    for (size_t i = 0; i < sizeof families / sizeof *families; i++)
+        orl_suggestion_add(&suggestion, families[i]);
+    for (size_t i = 0; i < RULES; i++)
+        orl_suggestion_add(&suggestion, rules[i].name);
+    orl_suggestion_hint(&suggestion, err);
+}
+
 int orl_annual_rules_find(const char *name, const struct orl_annual_rule **ret_first,
                           size_t *ret_count, struct orl_error *err)
 {
@@ -83,6 +99,7 @@ int orl_annual_rules_find(const char *name, const struct orl_annual_rule **ret_f
         orl_error_set(err, ORL_ERR_NOT_FOUND, "there are no rules named '%s'", name);
         orl_error_hint(err, "there are \"EN 17037\", \"LEED\", \"WELL L01\", \"WELL L06\", "
                             "\"BREEAM offices\", ..., and longer names for single rules");
+        hint_rule(name, err);
         return ORL_ERR_NOT_FOUND;
     }
     *ret_first = &rules[first];

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include <oriel/base/suggest.h>
+
 #include "base/text/words.h"
 
 struct target_parser {
@@ -87,6 +89,25 @@ static const struct kind_name *take_kind(struct target_parser *r)
         if (take_word(r, kind_names[i].name))
             return &kind_names[i];
     return NULL;
+}
+
+/* Reports an unknown name, and suggests one. also: aggregate whose names are known here, beside
+ * those of ORL_AGGREGATE_AVERAGE. */
+static int report_kind(const struct target_parser *r, enum orl_annual_aggregate also,
+                       const char *what)
+{
+    char word[ORL_SUGGEST_LETTERS + 1];
+    struct orl_suggestion suggestion = {.word = word};
+    size_t letters = 0;
+    while (isalpha((unsigned char)r->at[letters]) || r->at[letters] == '_')
+        letters++;
+    snprintf(word, sizeof word, "%.*s", (int)(letters < sizeof word ? letters : 0), r->at);
+    for (size_t i = 0; i < sizeof kind_names / sizeof *kind_names; i++)
+        if (kind_names[i].aggregate == ORL_AGGREGATE_AVERAGE || kind_names[i].aggregate == also)
+            orl_suggestion_add(&suggestion, kind_names[i].name);
+    const int code = report_wanted(r, what);
+    orl_suggestion_hint(&suggestion, r->err);
+    return code;
 }
 
 /* Takes the second number of "300/50", "300,50" and "100-3000", if there is one. */
@@ -174,8 +195,9 @@ static int read_figure(struct target_parser *r, struct orl_annual_target *target
     const bool least = take_word(r, "least");
     const struct kind_name *kind = take_kind(r);
     if (!kind)
-        return report_wanted(
-            r, "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
+        return report_kind(
+            r, ORL_AGGREGATE_SHARE,
+            "a figure's name (sDA, ASE, DA, cDA, UDI, illuminance, hours, DF, sDF, ...)");
     target->figure = (struct orl_annual_figure){kind->aggregate, kind->metric, kind->least};
     if (least && kind->aggregate == ORL_AGGREGATE_SHARE)
         return orl_error_set(r->err, ORL_ERR_SYNTAX,
@@ -203,9 +225,9 @@ int orl_annual_metric_parse(const char *text, struct orl_annual_metric *ret_metr
     struct target_parser r = {.text = text, .at = text, .err = err};
     const struct kind_name *kind = take_kind(&r);
     if (!kind || kind->aggregate != ORL_AGGREGATE_AVERAGE)
-        return report_wanted(&r,
-                             "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
-                             "illuminance, cumulative, hours, direct_hours, DF)");
+        return report_kind(&r, ORL_AGGREGATE_AVERAGE,
+                           "a metric of sensors (DA, cDA, UDI, udi_lower, udi_part, udi_upper, "
+                           "illuminance, cumulative, hours, direct_hours, DF)");
     struct orl_annual_figure figure = {kind->aggregate, kind->metric, 0};
     const int code = read_numbers(&r, &figure);
     if (code < 0)

@@ -134,6 +134,6 @@ struct orl_job orl_pilot_job(const struct orl_job *job, enum orl_technique techn
     pilot.photons_global = pilot.photons_caustic = ORL_PHOTONS_BY_PLAN;
     pilot.photons_exact = false;
     pilot.gather_samples = pilot.pixel_samples = 0;
-    pilot.heat_map.asked = false;
+    pilot.heat_map.asked = pilot.sensor_files = false;
     return pilot;
 }

@@ -33,7 +33,7 @@ static int name_file(const struct orl_run_state *state, const char *name, char *
 
 /* ---- Tables ---------------------------------------------------------------------------------- */
 
-/* Ends a line with the reasons why the value is unreliable. */
+/* Writes the reasons why the value is unreliable. */
 static void write_doubts(unsigned doubts, FILE *stream)
 {
     const char *space = "";
@@ -42,26 +42,40 @@ static void write_doubts(unsigned doubts, FILE *stream)
             fprintf(stream, "%s%s", space, orl_doubt_name((enum orl_doubt)(1U << i)));
             space = " ";
         }
-    fputc('\n', stream);
 }
 
+/* Returns the grid of a sensor, which is the one at *from or a later one; NULL: sensors have no
+ * grids. */
+static const char *grid_of(const struct orl_result *result, size_t sensor, size_t *from)
+{
+    while (*from < result->n_grids &&
+           sensor >= result->grids[*from].first + result->grids[*from].count)
+        ++*from;
+    return *from < result->n_grids ? result->grids[*from].name : NULL;
+}
+
+/* Writes a line per sensor. Names of grids need no quotes. */
 static int write_csv(const struct orl_run_state *state, const char *path, struct orl_error *err)
 {
     const struct orl_result *r = state->result;
+    size_t grid = 0;
     struct orl_out_file file = {.stream = NULL};
     const int code = orl_out_open(&file, path, err);
     if (code < 0)
         return code;
     file.cancel = state->env->cancel;
-    fputs("x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,bias_estimate_lx,low_95_lx,high_95_lx,"
-          "unreliable\n",
-          file.stream);
+    fprintf(file.stream,
+            "x,y,z,dx,dy,dz,illuminance_lx,standard_error_lx,bias_estimate_lx,low_95_lx,"
+            "high_95_lx,unreliable%s\n",
+            r->n_grids > 0 ? ",grid" : "");
     for (size_t i = 0; i < r->n_sensors && orl_out_continues(&file); i++) {
         const struct orl_vec3 p = state->sensors[i].position, d = state->sensors[i].direction;
         fprintf(file.stream, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6g,%.4g,%.4g,%.6g,%.6g,", p.x, p.y,
                 p.z, d.x, d.y, d.z, r->illuminance_lx[i], r->standard_error_lx[i],
                 r->bias_estimate_lx[i], r->interval_95_lx[i][0], r->interval_95_lx[i][1]);
         write_doubts(r->doubts ? r->doubts[i] : 0, file.stream);
+        const char *const name = grid_of(r, i, &grid);
+        fprintf(file.stream, "%s%s\n", name ? "," : "", name ? name : "");
     }
     return orl_out_close(&file, 0, err);
 }
@@ -150,9 +164,34 @@ static int write_dat(const struct orl_sensor_plane *p, const struct table *table
 
 /* ---- Maps ------------------------------------------------------------------------------------ */
 
+static const struct orl_heat_map_request default_map = {
+    .asked = true, .thresholds_lx = {300}, .n_thresholds = 1};
+
+/* Writes the map as SVG and as a table; only a request asks for them. */
+static int write_other_forms(struct orl_run_state *state, const struct orl_heat_map *map, size_t at,
+                             const char *number, struct orl_error *err)
+{
+    struct orl_sensor_files *files = &state->result->sensor_files;
+    struct table table = {.values = NULL};
+    char name[32], path[4096];
+    snprintf(name, sizeof name, "sensors.map%s.svg", number);
+    int code = name_file(state, name, &files->maps[at].svg, path, err);
+    if (code == 0)
+        code = orl_heat_map_write(map, ORL_CANVAS_SVG, path, err);
+    snprintf(name, sizeof name, "sensors.map%s.dat", number);
+    if (code == 0 && fill_table(map->plane, map->values, &table)) {
+        code = name_file(state, name, &files->maps[at].dat, path, err);
+        if (code == 0)
+            code = write_dat(map->plane, &table, path, err);
+    }
+    free(table.values);
+    return code;
+}
+
 static int write_map(struct orl_run_state *state, const struct orl_sensor_plane *plane,
                      struct orl_error *err)
 {
+    const bool asked = state->job->heat_map.asked;
     struct orl_sensor_files *files = &state->result->sensor_files;
     const size_t at = files->n_maps++;
     const struct orl_heat_map map = {state->lit_scene->geometry,
@@ -161,8 +200,7 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
                                      "lx",
                                      state->result->illuminance_lx,
                                      (const double(*)[2])state->result->interval_95_lx,
-                                     &state->job->heat_map};
-    struct table table = {.values = NULL};
+                                     asked ? &state->job->heat_map : &default_map};
     char name[32], number[16] = "", path[4096];
     files->maps[at].sensors = plane->count;
     if (at > 0)
@@ -171,19 +209,7 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
     int code = name_file(state, name, &files->maps[at].png, path, err);
     if (code == 0)
         code = orl_heat_map_write(&map, ORL_CANVAS_PNG, path, err);
-    snprintf(name, sizeof name, "sensors.map%s.svg", number);
-    if (code == 0)
-        code = name_file(state, name, &files->maps[at].svg, path, err);
-    if (code == 0)
-        code = orl_heat_map_write(&map, ORL_CANVAS_SVG, path, err);
-    snprintf(name, sizeof name, "sensors.map%s.dat", number);
-    if (code == 0 && fill_table(plane, state->result->illuminance_lx, &table)) {
-        code = name_file(state, name, &files->maps[at].dat, path, err);
-        if (code == 0)
-            code = write_dat(plane, &table, path, err);
-    }
-    free(table.values);
-    return code;
+    return code == 0 && asked ? write_other_forms(state, &map, at, number, err) : code;
 }
 
 static int write_maps(struct orl_run_state *state, struct orl_error *err)
@@ -194,7 +220,7 @@ static int write_maps(struct orl_run_state *state, struct orl_error *err)
         orl_sensor_planes_find(state->sensors, state->n_sensors, ORL_HEAT_MAPS, planes, &count);
     if (code < 0)
         orl_error_set(err, code, "out of memory for maps of %zu sensors", state->n_sensors);
-    else if (count == 0)
+    else if (count == 0 && state->job->heat_map.asked)
         orl_run_warn(state, "no heat map: fewer than %d sensors lie in one plane",
                      ORL_LEAST_IN_PLANE);
     for (size_t i = 0; i < count && code == 0; i++)
@@ -203,20 +229,32 @@ static int write_maps(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
+/* Returns true if a view has the name of a map. It is refused if heat maps are requested. */
+static bool has_view_of_map(const struct orl_job *job)
+{
+    static const char prefix[] = "sensors.map";
+    for (size_t i = 0; i < job->n_views; i++)
+        if (strncmp(job->views[i].name, prefix, sizeof prefix - 1) == 0)
+            return true;
+    return false;
+}
+
 int orl_run_write_sensors(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_sensor_files *files = &state->result->sensor_files;
+    const bool asked = state->job->heat_map.asked;
     char path[4096];
-    if (!state->job->heat_map.asked || state->n_sensors == 0)
+    if ((!asked && !state->job->sensor_files) || state->n_sensors == 0)
         return 0;
     int code = name_file(state, "sensors.csv", &files->csv, path, err);
     if (code == 0)
         code = write_csv(state, path, err);
-    if (code == 0)
+    if (code == 0 && asked)
         code = name_file(state, "sensors.res", &files->res, path, err);
-    if (code == 0)
+    if (code == 0 && asked)
         code = write_res(state, path, err);
-    return code == 0 ? write_maps(state, err) : code;
+    const bool maps = asked || (state->result->n_grids == 0 && !has_view_of_map(state->job));
+    return code == 0 && maps ? write_maps(state, err) : code;
 }
 
 /* The files of a finished view. */

@@ -1,19 +1,14 @@
 #include "run/request/job_inputs.h"
 
 #include <ctype.h>
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-#include "base/io/out_file.h"
 #include <oriel/base/limits.h>
 
-#include "base/io/out_file.h"
 #include "run/run_state.h"
 
-enum { NAME_MAX_BYTES = 200, PATH_SIZE = 4096 };
+enum { NAME_MAX_BYTES = 200 };
 
 /* ---- Checks ---------------------------------------------------------------------------------- */
 
@@ -178,120 +173,13 @@ int orl_run_load_grids(struct orl_run_state *state, struct orl_error *err)
     return code;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------- */
-
-/* Returns the length of the folder name in a prefix: "SKY." before other files is the folder SKY
- * here. */
-static int folder_length(const char *prefix)
-{
-    const size_t length = prefix ? strlen(prefix) : 0;
-    return (int)(length > 0 && prefix[length - 1] == '.' ? length - 1 : length);
-}
-
-/* Makes the name below the output folder, owned by the caller, and its path. Creates the folders in
- * between. */
-static int name_file(const struct orl_run_state *state, const char *grid, const char *ending,
-                     char **ret_name, char ret_path[PATH_SIZE], struct orl_error *err)
-{
-    const char *prefix = state->env->file_prefix, *output = state->env->output_folder;
-    const int folder = folder_length(prefix);
-    if (asprintf(ret_name, "%.*s%sresults/%s%s", folder, folder ? prefix : "", folder ? "/" : "",
-                 grid, ending) < 0) {
-        *ret_name = NULL;
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    }
-    const int length = snprintf(ret_path, PATH_SIZE, "%s/%s", output, *ret_name);
-    if (length >= PATH_SIZE)
-        return orl_error_set(err, ORL_ERR_LIMIT, "the path of the output folder is too long");
-    for (char *slash = strchr(ret_path + strlen(output) + 1, '/'); slash;
-         slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        const int made = mkdir(ret_path, 0777);
-        if (made != 0 && errno != EEXIST)
-            return orl_error_set(err, orl_err_of_errno(errno), "cannot create the folder '%s': %s",
-                                 ret_path, strerror(errno));
-        *slash = '/';
-    }
-    return 0;
-}
-
-static int write_res(const struct orl_run_state *state, const struct orl_grid_result *grid,
-                     const char *path, struct orl_error *err)
-{
-    struct orl_out_file file = {.stream = NULL};
-    const int code = orl_out_open(&file, path, err);
-    if (code < 0)
-        return code;
-    file.cancel = state->env->cancel;
-    for (size_t i = 0; i < grid->count && orl_out_continues(&file); i++)
-        fprintf(file.stream, "%.6g\n", state->result->illuminance_lx[grid->first + i]);
-    return orl_out_close(&file, 0, err);
-}
-
-static int write_npy(const struct orl_run_state *state, const struct orl_grid_result *grid,
-                     const char *path, struct orl_error *err)
-{
-    float *values = malloc((grid->count + 1) * sizeof *values);
-    if (!values)
-        return orl_error_set(err, ORL_ERR_NOMEM, "out of memory");
-    for (size_t i = 0; i < grid->count; i++)
-        values[i] = (float)state->result->illuminance_lx[grid->first + i];
-    const int code = orl_npy_write(path, values, grid->count, 0, state->env->cancel, err);
-    free(values);
-    return code;
-}
-
-/* Writes a grid's entry; names contain no characters that JSON escapes. */
-static void put_info(FILE *stream, const struct orl_grid_result *grid, const char *between)
-{
-    const char *slash = strrchr(grid->name, '/');
-    const char *own = slash ? slash + 1 : grid->name;
-    const int group = slash ? (int)(slash - grid->name) : 0;
-    fprintf(stream,
-            "%s\n  {\"name\": \"%s\", \"identifier\": \"%s\", \"count\": %zu, \"group\": \"%.*s\", "
-            "\"full_id\": \"%s\"}",
-            between, own, own, grid->count, group, grid->name, grid->name);
-}
-
-static int write_info(const struct orl_result *result, const char *path, struct orl_error *err)
-{
-    struct orl_out_file file = {.stream = NULL};
-    const int code = orl_out_open(&file, path, err);
-    if (code < 0)
-        return code;
-    fputs("[", file.stream);
-    for (size_t i = 0; i < result->n_grids; i++)
-        put_info(file.stream, &result->grids[i], i ? "," : "");
-    fputs("\n]\n", file.stream);
-    return orl_out_close(&file, 0, err);
-}
-
-int orl_run_write_grids(struct orl_run_state *state, struct orl_error *err)
-{
-    struct orl_result *result = state->result;
-    char path[PATH_SIZE];
-    int code = 0;
-    for (size_t i = 0; i < result->n_grids && code == 0; i++) {
-        struct orl_grid_result *grid = &result->grids[i];
-        code = name_file(state, grid->name, ".res", &grid->res, path, err);
-        if (code == 0)
-            code = write_res(state, grid, path, err);
-        if (code == 0)
-            code = name_file(state, grid->name, ".npy", &grid->npy, path, err);
-        if (code == 0)
-            code = write_npy(state, grid, path, err);
-    }
-    if (code == 0 && result->n_grids > 0)
-        code = name_file(state, "grids_info", ".json", &result->grids_info, path, err);
-    return code == 0 && result->n_grids > 0 ? write_info(result, path, err) : code;
-}
-
 void orl_grid_results_done(struct orl_result *result)
 {
     for (size_t i = 0; i < result->n_grids; i++) {
         free(result->grids[i].name);
         free(result->grids[i].res);
         free(result->grids[i].npy);
+        free(result->grids[i].map);
     }
     free(result->grids);
     free(result->grids_info);

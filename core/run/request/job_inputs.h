@@ -17,11 +17,7 @@ int orl_sensors_parse(const char *name, const char *text, size_t size,
 int orl_sensors_load(const struct orl_files *files, const char *name, const atomic_bool *cancel,
                      struct orl_sensor **ret_sensors, size_t *ret_count, struct orl_error *err);
 
-/*
- * Sensors of a job in named grids. The results of each are results/NAME.res (a value a line) and
- * results/NAME.npy. results/grids_info.json has the names and counts of all, as in Honeybee's
- * point-in-time recipes. Under several skies the folder is SKY/results.
- */
+/* Sensors of a job in named grids. */
 
 /* Checks the names, and that sensors and grids agree. */
 int orl_grids_validate(const struct orl_job *job, struct orl_error *err);
@@ -34,8 +30,6 @@ int orl_grids_read(const struct orl_job *job, const struct orl_files *files,
 
 /* Loads the sensors of all grids into the state, and each grid's name and range into the result. */
 int orl_run_load_grids(struct orl_run_state *state, struct orl_error *err);
-/* Writes the files after the sensors are computed. */
-int orl_run_write_grids(struct orl_run_state *state, struct orl_error *err);
 
 void orl_grid_results_done(struct orl_result *result);
 

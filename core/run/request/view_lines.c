@@ -155,6 +155,14 @@ int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_heig
     return code;
 }
 
+bool orl_view_text_is_fisheye(const char *text)
+{
+    const double whole_deg = 180 - 1e-6;
+    struct orl_view view;
+    return orl_view_parse(text, &view, NULL) == 0 && (view.type == 'a' || view.type == 'h') &&
+           view.horizontal >= whole_deg && view.vertical >= whole_deg;
+}
+
 /* ---- Views of a job -------------------------------------------------------------------------- */
 
 static int read_view(const struct orl_files *files, struct orl_view_request *view,

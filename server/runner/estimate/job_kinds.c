@@ -34,7 +34,7 @@ static int refuse_sources(const struct orl_upload_contents *contents, const char
 /* Bytes of result.json without sensors, of a study's results, and of one sensor. */
 enum { DOCUMENT = 8192, STUDY = 1 << 18, SENSOR = 200 };
 /* Bytes of the outlines and pixels of some heat maps, and of a sensor in maps and tables. */
-enum { HEAT_MAPS = 1 << 20, HEAT_MAP_SENSOR = 400 };
+enum { HEAT_MAPS = 1 << 20, GRID_MAP = 1 << 16, HEAT_MAP_SENSOR = 400 };
 
 /* Bytes of a pixel in all the files of a view, errors included. */
 static uint64_t pixel_bytes(const struct orl_view_request *view)
@@ -77,6 +77,9 @@ static uint64_t render_result_bytes(const struct orl_job_request *job_request)
         bytes += sequence_bytes(job);
     if (job->heat_map.asked)
         bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
+    if (job->sensor_files || job->heat_map.asked)
+        bytes += GRID_MAP * (uint64_t)(job->n_grids > 0 ? job->n_grids : 1) +
+                 HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
     /* Each sky needs as much; results of all skies together take less than one more. */
     return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }

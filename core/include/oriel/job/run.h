@@ -95,6 +95,9 @@ struct orl_job {
                                        grids without a file, in grid order */
     size_t n_grids;
     struct orl_heat_map_request heat_map; /* heat map of the sensors */
+    /* true: also without a request, a table of all sensors and a map of each grid, or of the
+     * sensors, are written */
+    bool sensor_files;
     struct orl_sequence_request sequence; /* one per view, over the skies */
     struct orl_view_request *views;
     size_t n_views;
@@ -129,6 +132,9 @@ char *orl_view_text_join(const char *options, const char *more);
 /* Returns the image size that a view's options -x and -y ask for; 0 for a missing option. */
 int orl_view_text_size(const char *text, uint32_t *ret_width, uint32_t *ret_height,
                        struct orl_error *err);
+
+/* Returns true if a view's options give a fisheye picture of a whole hemisphere or more. */
+bool orl_view_text_is_fisheye(const char *text);
 
 /* Checks everything that needs no scene: counts, limits, names, view strings. */
 int orl_job_validate(const struct orl_job *job, struct orl_error *err);
@@ -224,8 +230,8 @@ struct orl_point_value {
 struct orl_sensor_files {
     char *csv, *res; /* all sensors, one line each; NULL: not requested */
     struct {
-        char *png, *svg;
-        char *dat; /* Radiance data file; NULL: the sensors are no full grid */
+        char *png, *svg; /* svg: NULL without a request for heat maps */
+        char *dat; /* Radiance data file; NULL: not requested, or the sensors are no full grid */
         size_t sensors;
     } maps[ORL_HEAT_MAPS]; /* one per plane, planes with the most sensors first */
     size_t n_maps;
@@ -237,7 +243,9 @@ struct orl_grid_result {
     char *name;
     size_t first, count; /* range of the result's sensors */
     char *res, *npy;     /* text with one value a line; NumPy array */
+    char *map;           /* PNG; NULL: not requested, or too few sensors lie in one plane */
 };
+enum { ORL_GRID_MAPS = 256 }; /* largest number of grids with maps */
 
 struct orl_view_result {
     char *name;
@@ -360,6 +368,19 @@ struct orl_result {
 };
 void orl_view_result_done(struct orl_view_result *view);
 void orl_result_done(struct orl_result *result);
+
+/* Figures of a range of a result's sensors. Values that are not finite are left out. */
+struct orl_sensor_summary {
+    size_t sensors; /* sensors with a value; 0: all other members are NaN */
+    double mean_lx, minimum_lx, maximum_lx;
+    /* Mean of the sensors' interval bounds. It contains the interval of the mean, also where the
+     * errors of all sensors are alike, as those of photon maps may be. */
+    double interval_95_lx[2];
+    double uniformity; /* minimum over mean (EN 12464-1); NaN if the mean is 0 */
+    double share_300;  /* share of sensors with 300 lx or more, 0..1 */
+};
+struct orl_sensor_summary orl_sensor_summary_of(const struct orl_result *result, size_t first,
+                                                size_t count);
 
 /* ---- Running --------------------------------------------------------------------------------- */
 
