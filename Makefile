@@ -11,7 +11,7 @@ WERROR  ?= -Werror
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
 	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js python3 python3-yaml
-PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl valgrind slurm-wlm munge
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl valgrind slurm-wlm munge mandoc
 # Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
 PACKAGES_BROWSER := chromium $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
@@ -133,6 +133,10 @@ help:
 ##                 whole, 24 skies, an accuracy, a year; slurmctld away for 30 s
 ## make siege      a daemon under attack, SIEGE_SECONDS (600): all at once and each alone, beside a
 ##                 polite client whose waiting is bounded
+## make install    programs, manuals, completion, systemd unit, examples, guide and clients, below PREFIX
+##                 (/usr/local) and DESTDIR; make uninstall removes them, but neither options nor data
+## make deb        the Debian package, in build/deb
+## make deb-check  that package in a Debian 12 of its own, as root: installed, upgraded, removed, purged
 ## make image      the Dockerfile built by buildah on a base by debootstrap, as root; the demo in it
 ## make format     clang-format in place
 
@@ -217,6 +221,13 @@ CHART_JS  ?= /usr/share/javascript/chart.js/chart.min.js
 $(BUILD)/generated/dashboard.h: client/dashboard/embed $(CHART_JS) $(DASHBOARD)
 	@mkdir -p $(@D)
 	@client/dashboard/embed $(CHART_JS) $(DASHBOARD) >$@.part && mv $@.part $@
+# The commit that the programs are built from. A copy without git has it in client/packaging/commit.
+ifndef COMMIT
+COMMIT := $(shell git rev-parse --short=12 HEAD 2>/dev/null || grep -xE '[0-9a-f]+' client/packaging/commit)
+endif
+$(BUILD)/generated/commit.h: FORCE
+	@mkdir -p $(@D); echo '#define ORL_COMMIT "$(COMMIT)"' | cmp -s - $@ || echo '#define ORL_COMMIT "$(COMMIT)"' >$@
+$(call other,client/commands/cmd_version.c server/main.c): $(OTHERS)/generated/commit.h
 $(SERVER_OBJ): | $(OTHERS)/generated/embedded.h $(OTHERS)/generated/dashboard.h
 $(call other,$(TEST_SRC)): | $(OTHERS)/generated/embedded.h
 
@@ -245,7 +256,7 @@ $(BUILD)/tests/unit/test_embree_memory: ALL_LDFLAGS += -rdynamic
 
 # ---- Checks --------------------------------------------------------------------------------------
 SHIMS := $(patsubst %,$(BUILD)/tests/%.so,faulty scarce recorder shifted)
-tests: all $(TEST_BIN) $(SHIMS)
+tests: all $(TEST_BIN) $(SHIMS) packaging
 
 # Loaded into a daemon, to make its disk or memory fail, and to record what it writes.
 $(BUILD)/tests/%.so: tests/torture/%.c
@@ -411,7 +422,7 @@ run-threaded:
 
 LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
-lint: deps-lint $(BUILD)/generated/schemas.h $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h
+lint: deps-lint $(BUILD)/generated/schemas.h $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h $(BUILD)/generated/commit.h
 	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
 	tests/check_names
@@ -511,6 +522,8 @@ bsdf-study: deps-demo
 demo: deps-demo
 	@$(MAKE) --no-print-directory -j$(JOBS) all
 	@client/examples/office/demo $(BUILD)
+
+include client/packaging/packaging.mk
 
 clean:
 	rm -rf $(BUILD)

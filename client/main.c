@@ -4,7 +4,6 @@
 
 #include <curl/curl.h>
 #include <oriel/base/suggest.h>
-#include <oriel/base/version.h>
 
 #include "options/command.h"
 #include "output/style.h"
@@ -54,7 +53,7 @@ static const struct orl_subcommand commands[] = {
      "all its grids and the states of its windows are used, and --weather is required.",
      orl_cmd_annual, "oriel annual office.hbjson --weather place.epw --rules LEED -o year"},
     {"recipe", "NAME [MODEL] [--inputs FILE.json] [--INPUT VALUE ...] -o DIR [--threads N]",
-     "Run a recipe of Ladybug Tools: the same inputs, the same folders of results",
+     "Run a recipe of Ladybug Tools, with its inputs and result folders",
      "NAME is one of: point-in-time-grid, point-in-time-view, daylight-factor,\n"
      "annual-daylight, annual-daylight-enhanced, annual-daylight-en17037, direct-sun-hours,\n"
      "imageless-annual-glare, leed-daylight-option-one, leed-daylight-option-two,\n"
@@ -169,7 +168,14 @@ static const struct orl_subcommand commands[] = {
      "evalglare's definitions and defaults; core/metrics/evalglare.md lists the\n"
      "differences. Options -b -T -r -s -x -Y -A -i -d are evalglare's.",
      orl_cmd_glare, "oriel glare desk.hdr"},
-    {"version", "", "Print the version", NULL, orl_cmd_version, "oriel version"},
+    {"health", "[--local] [--server URL]", "Ask a daemon whether it is alive",
+     "Prints its version, the time since its start, and whether its disk is full. Exit code\n"
+     "1 if no daemon answers. No token is needed. With --local, as in the health check of a\n"
+     "container, the daemon of this machine is asked by HTTP, and by HTTPS with any\n"
+     "certificate if it does not answer.",
+     orl_cmd_health, "oriel health --server http://127.0.0.1:8423"},
+    {"version", "[--json]", "Print the version, the commit, and the versions of libraries", NULL,
+     orl_cmd_version, "oriel version"},
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
@@ -225,7 +231,7 @@ static int run_help(int argc, char **argv)
 static int run_synonym(int argc, char **argv)
 {
     if (strcmp(argv[1], "--version") == 0)
-        return orl_cmd_version(find_command("version"), 1, argv + 1);
+        return orl_cmd_version(find_command("version"), argc - 1, argv + 1);
     if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0 &&
         strcmp(argv[1], "help") != 0)
         return -1;
@@ -261,14 +267,4 @@ int main(int argc, char **argv)
         code = code ? code : ORL_EXIT_FAILED;
     }
     return code;
-}
-
-int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv)
-{
-    struct orl_operands operands;
-    int code;
-    if (!orl_options_parse(self, argc, argv, NULL, 0, 0, 0, &operands, &code))
-        return code;
-    printf("oriel %s\n", ORL_VERSION);
-    return ORL_EXIT_OK;
 }

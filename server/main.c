@@ -1,21 +1,26 @@
 /* orield: reads its settings, prepares the process, and serves until a signal stops it. */
+#include <archive.h>
+#include <gnutls/gnutls.h>
 #include <malloc.h>
+#include <microhttpd.h>
 #include <signal.h>
 #include <sodium.h>
+#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-
-#include <oriel/base/version.h>
+#include <uv.h>
 
 #include "checks/child/child_checks.h"
+#include "commit.h"
 #include "handlers/handlers.h"
 #include "maintenance/scrub.h"
 #include "process/config.h"
 #include "process/limits.h"
 #include "process/signals.h"
+#include "result/version_report.h"
 #include "server.h"
 
 static void announce(const char *url)
@@ -52,6 +57,32 @@ static int print_error(const struct orl_error *err, int status)
     return status;
 }
 
+/* Prints the version, and as JSON if that is the next argument. */
+static int print_version(const char *next)
+{
+    enum { LIBRARIES = 5 };
+    struct orl_library_version libraries[LIBRARIES];
+    struct orl_error err;
+    const int archive = archive_version_number(); /* 3006002 is 3.6.2 */
+    const char *const known[LIBRARIES][2] = {{"SQLite", sqlite3_libversion()},
+                                             {"libmicrohttpd", MHD_get_version()},
+                                             {"libuv", uv_version_string()},
+                                             {"GnuTLS", gnutls_check_version(NULL)},
+                                             {"libarchive", ""}};
+    for (int i = 0; i < LIBRARIES; i++) {
+        libraries[i].name = known[i][0];
+        snprintf(libraries[i].version, sizeof libraries[i].version, "%s", known[i][1]);
+    }
+    snprintf(libraries[LIBRARIES - 1].version, sizeof libraries[0].version, "%d.%d.%d",
+             archive / 1000000, archive / 1000 % 1000, archive % 1000);
+    const struct orl_version_report report = {.program = "orield",
+                                              .commit = ORL_COMMIT,
+                                              .libraries = libraries,
+                                              .n_libraries = LIBRARIES};
+    const bool as_json = next && strcmp(next, "--json") == 0;
+    return orl_version_report_print(stdout, &report, as_json, &err) ? print_error(&err, 1) : 0;
+}
+
 int main(int argc, char **argv)
 {
     struct orl_config config;
@@ -76,10 +107,8 @@ int main(int argc, char **argv)
         orl_config_help(stdout);
         return 0;
     }
-    if (action == ORL_CONFIG_VERSION) {
-        printf("orield %s\n", ORL_VERSION);
-        return 0;
-    }
+    if (action == ORL_CONFIG_VERSION)
+        return print_version(argv[argc - 1]);
     /* libuv reads this before its first work and never again. */
     snprintf(pool, sizeof pool, "%u", config.threads + ORL_SERVER_IO_THREADS);
     setenv("UV_THREADPOOL_SIZE", pool, 1);

@@ -108,13 +108,13 @@ struct line {
 };
 
 static const struct orl_member_option member_options[] = {
-    {"basis", "BASIS",
-     "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
+    {"basis", "klems_full|klems_half|klems_quarter|tensor_tree_3|tensor_tree_4",
+     "basis of the XML (klems_full)", true},
     {"resolution", "N", "for tensor trees: cells per side, a power of two up to 128 (64)", false},
     {"cull", "SHARE",
      "for tensor trees: merge cells that differ from their mean by at most this fraction (0.05)",
      false},
-    {"symmetry", "WHICH", "mirror symmetry to impose: left_right, up_down or both", true},
+    {"symmetry", "left_right|up_down|both", "mirror symmetry to impose (none)", true},
     {"name", "NAME", "name of the material in the XML (default: unchanged)", true},
 };
 enum { MEMBER_OPTIONS = sizeof member_options / sizeof *member_options };

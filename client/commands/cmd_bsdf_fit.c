@@ -24,14 +24,10 @@ struct line {
 };
 
 static const struct orl_member_option member_options[] = {
-    {"basis", "BASIS",
-     "tensor_tree_3 (default if isotropic), tensor_tree_4 (default otherwise), klems_full, "
-     "klems_half or klems_quarter",
-     true},
-    {"symmetry", "WHICH",
-     "isotropic, quadrilateral, left_right, up_down, half_turn or none (default: from the incident "
-     "azimuths)",
-     true},
+    {"basis", "klems_full|klems_half|klems_quarter|tensor_tree_3|tensor_tree_4",
+     "basis of the XML (default: tensor_tree_3 if isotropic, or else tensor_tree_4)", true},
+    {"symmetry", "isotropic|quadrilateral|left_right|up_down|half_turn|none",
+     "symmetry of the material (default: from the incident azimuths)", true},
     {"resolution", "N", "for tensor trees: cells per side, a power of two up to 128 (64)", false},
     {"cull", "SHARE",
      "for tensor trees: merge cells that differ from their mean by at most this fraction (0.02)",

@@ -25,17 +25,15 @@ struct line {
 };
 
 static const struct orl_member_option member_options[] = {
-    {"basis", "BASIS",
-     "klems_full (the default), klems_half, klems_quarter, tensor_tree_3 or tensor_tree_4", true},
+    {"basis", "klems_full|klems_half|klems_quarter|tensor_tree_3|tensor_tree_4",
+     "basis of the XML (klems_full)", true},
     {"resolution", "N", "for tensor trees: cells per side, a power of two up to 128 (64)", false},
     {"cull", "SHARE",
      "for tensor trees: merge cells that differ from their mean by at most this fraction (0.05)",
      false},
     {"name", "NAME", "name of the material in the XML (default: the first file's)", true},
-    {"symmetry", "WHICH",
-     "mirror symmetry: auto (the default: as found for trees of rank 4), none, left_right, up_down "
-     "or both",
-     true},
+    {"symmetry", "auto|none|left_right|up_down|both",
+     "mirror symmetry; auto imposes it as found, for trees of rank 4 (auto)", true},
     {"paths", "N", "paths per incident direction (16384; tensor_tree_3 32768, tensor_tree_4 4096)",
      false},
     {"accuracy", "SHARE",

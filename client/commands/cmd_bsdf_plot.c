@@ -129,7 +129,7 @@ int orl_cmd_bsdf_plot(const struct orl_subcommand *self, int argc, char **argv)
         {"output", 'o', "FILE", "picture file: .svg, .png or .pdf", &p.output, NULL},
         {"theta", 0, "DEG", "angle of the light from the normal (40)", &theta, NULL},
         {"phi", 0, "DEG", "azimuth of the light from x to y; 90 is from above (90)", &phi, NULL},
-        {"from", 0, "SIDE", "side of the light: outside (the default) or inside", &from, NULL},
+        {"from", 0, "outside|inside", "side of the light (outside)", &from, NULL},
         {"animate", 0, NULL, "draw theta from 0 to 80 as an animated PNG", NULL, &animated},
     };
     struct orl_operands operands;

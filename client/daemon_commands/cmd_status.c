@@ -93,7 +93,8 @@ int orl_cmd_status(const struct orl_subcommand *self, int argc, char **argv)
     enum { OPTIONS = 6 };
     const struct orl_option options[OPTIONS] = {
         ORL_OPTION_SERVER(&daemon.server),
-        {"state", 0, "STATE", "only jobs in that state", &state, NULL},
+        {"state", 0, "queued|running|succeeded|failed|cancelled", "only jobs in that state", &state,
+         NULL},
         {"tag", 0, "TAG", "only jobs with that tag", &tag, NULL},
         {"scene", 0, "ID", "only jobs of that scene", &scene, NULL},
         {"since", 0, "TIME", "only jobs submitted at that time or later: 2026-11-23T08:00:00Z",

@@ -25,6 +25,8 @@ struct orl_http {
     char base_url[1024];       /* without a slash at the end */
     char token[ORL_TOKEN_MAX]; /* access token; empty: none */
     long status;               /* status of the last reply; 0 without one */
+    /* Accepts any certificate of a daemon of this machine, and sends it no token. */
+    bool any_certificate;
 };
 
 /* A file of an upload: the file at path is sent as name. Resources are not scene text. */

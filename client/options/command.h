@@ -32,9 +32,11 @@ struct orl_subcommand {
 
 /* One option: a flag when metavar is NULL, else it takes a value. Exactly one target is set. */
 struct orl_option {
-    const char *name;    /* without the dashes: "output" */
-    char letter;         /* 'o', or 0 */
-    const char *metavar; /* "DIR" */
+    const char *name; /* without the dashes: "output" */
+    char letter;      /* 'o', or 0 */
+    /* "DIR"; words that are given as they are: "text|json". Completion is made from it (client/
+     * packaging). */
+    const char *metavar;
     const char *help;
     const char **value;
     bool *flag;
@@ -98,6 +100,7 @@ int orl_cmd_bsdf_compare(const struct orl_subcommand *self, int argc, char **arg
 int orl_cmd_bsdf_plot(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_verify(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_glare(const struct orl_subcommand *self, int argc, char **argv);
+int orl_cmd_health(const struct orl_subcommand *self, int argc, char **argv);
 int orl_cmd_version(const struct orl_subcommand *self, int argc, char **argv);
 
 #endif

@@ -127,7 +127,8 @@ static const char token_usage[] =
     "  add     makes a token and prints it; it is not shown again\n"
     "  list    prints name, scope, id and date of each token\n"
     "  remove  revokes a token\n\n"
-    "  --scope SCOPE  read: read everything; submit (default): also upload, submit, and cancel\n"
+    "  --scope read|submit|admin\n"
+    "                 read: read everything; submit (default): also upload, submit, and cancel\n"
     "                 or remove own jobs; admin: also remove scenes, BSDFs, maps\n"
     "                 and jobs of other tokens\n"
     "  --data DIR     the daemon's data folder ($ORIEL_DATA, else ./oriel-data)\n";

@@ -117,7 +117,7 @@ static void test_every_command_has_help(void **state)
     static const char *const names[] = {"run",    "plan",   "project", "annual", "verify", "part",
                                         "study",  "submit", "status",  "watch",  "wait",   "fetch",
                                         "cancel", "remove", "list",    "link",   "maps",   "upload",
-                                        "bsdf",   "glare",  "version"};
+                                        "bsdf",   "glare",  "health",  "version"};
     struct cli_desk *f = *state;
     const char *const overview[] = {"--help", NULL};
 
