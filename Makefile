@@ -11,10 +11,11 @@ WERROR  ?= -Werror
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
 	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js python3 python3-yaml
-PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl valgrind slurm-wlm munge mandoc
+PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3-numpy python3-pip python3-setuptools \
+	python3-wheel valgrind slurm-wlm munge mandoc
 # Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
 PACKAGES_BROWSER := chromium $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
-PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format
+PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format mypy pyflakes3
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
 PACKAGES_PERF  := $(PACKAGES_CHECK) wrk
 PACKAGES_FUZZ  := $(PACKAGES_BUILD) clang llvm libclang-rt-14-dev
@@ -91,7 +92,8 @@ help:
 ## make openapi-lint  the OpenAPI document by a public validator, from npm
 ## make generated-clients  two clients that public generators make of it, compiled and tried on a daemon
 ## make coverage   the share of core's lines that tests run, counted anew when something changed
-## make lint       formatting, boundaries, clang-tidy, and a build with clang
+## make wheel      the Python package as a wheel, in build/python
+## make lint       formatting, boundaries, clang-tidy, a build with clang, and mypy and pyflakes of Python
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
 ## make browser    the dashboard's tests alone, in Chromium; screenshots in build/browser
@@ -264,6 +266,22 @@ $(BUILD)/tests/%.so: tests/torture/%.c
 	$(call say,LD,$@)
 	$(Q)$(CC) $(STD) $(WARNINGS) $(WERROR) -O1 -shared -fPIC -o $@ $<
 
+# The wheel of the Python package, built from a copy, for setuptools writes beside its sources.
+PYTHON_TREE := $(BUILD)/python/tree
+PYTHON_SRC  := $(wildcard client/python/oriel/*.py) client/python/oriel/py.typed client/python/pyproject.toml client/python/setup.py \
+	client/python/README.md
+VERSION_H   := core/include/oriel/base/version.h
+.PHONY: wheel
+wheel: $(BUILD)/python/ready
+$(BUILD)/python/ready: $(PYTHON_SRC) $(VERSION_H)
+	$(call say,WHEEL,$(@D))
+	$(Q)rm -rf $(@D); mkdir -p $(PYTHON_TREE)/client/python/oriel $(PYTHON_TREE)/$(dir $(VERSION_H))
+	$(Q)cp $(filter client/python/oriel/%,$(PYTHON_SRC)) $(PYTHON_TREE)/client/python/oriel
+	$(Q)cp client/python/pyproject.toml client/python/setup.py client/python/README.md $(PYTHON_TREE)/client/python
+	$(Q)cp $(VERSION_H) $(PYTHON_TREE)/$(dir $(VERSION_H))
+	$(Q)/usr/bin/python3 -m pip --quiet --disable-pip-version-check wheel --no-build-isolation --no-deps --no-index \
+		--wheel-dir $(@D) $(PYTHON_TREE)/client/python && touch $@
+
 # What tests/browser takes, as its package-lock.json has it.
 BROWSER_LOCK := tests/browser/package.json tests/browser/package-lock.json
 $(BUILD)/browser/ready: $(BROWSER_LOCK)
@@ -427,6 +445,7 @@ lint: deps-lint $(BUILD)/generated/schemas.h $(BUILD)/generated/embedded.h $(BUI
 	tests/check_boundaries
 	tests/check_names
 	tests/check_promises
+	cd client/python && mypy --cache-dir $(abspath $(BUILD))/mypy && pyflakes3 oriel setup.py ../../tests/api/python_*.py
 	@$(MAKE) --no-print-directory -j$(JOBS) all
 	tests/check_circles $(BUILD)
 	@printf '%s\n' $(CORE_SRC) | xargs -P $(JOBS) -I{} clang-tidy --quiet {} -- $(STD) $(INC_core)

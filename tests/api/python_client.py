@@ -1,94 +1,21 @@
-"""client/python/oriel.py against a live daemon: one case a run, named by the first argument.
+"""The Python package against a live daemon: one case a run, named by the first argument.
 
 The others: the daemon's URL; a folder of its own; a certificate and a token to submit, or "" twice.
 What a case asserts and does not find ends it with a traceback and status 1.
 """
 
-import ast
 import hashlib
 import json
 import math
 import os
+import pathlib
 import shutil
 import ssl
-import sys
 import threading
 import urllib.request
 import zipfile
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../client/python"))
-import oriel
-
-ROOM = """void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0
-void glow sky_glow\n0\n0\n4 10 10 10 0
-sky_glow source sky\n0\n0\n4 0 0 1 180
-grey polygon floor\n0\n0\n12 0 0 0  3 0 0  3 4 0  0 4 0
-grey polygon top\n0\n0\n12 0 0 3  0 4 3  3 4 3  3 0 3
-grey polygon west\n0\n0\n12 0 0 0  0 4 0  0 4 3  0 0 3
-grey polygon east\n0\n0\n12 3 0 0  3 0 3  3 4 3  3 4 0
-grey polygon north\n0\n0\n12 0 4 0  3 4 0  3 4 3  0 4 3
-!xform -t 0 0 0 window.rad\n"""
-OPENING = "pane polygon window\n0\n0\n12 3 0 0  0 0 0  0 0 3  3 0 3\n"
-WINDOW = "void glass pane\n0\n0\n3 0.96 0.96 0.96\n" + OPENING
-JOB = {"kind": "render", "scene": {"files": ["room.rad"]}, "seed": 1, "technique": "gather",
-       "photons": {"global": 20000, "caustic": 1000}, "gather_samples": 64,
-       "sensors": {"file": "sensors.txt"},
-       "views": [{"name": "north", "view": "-vtv -vp 1.5 0.5 1.5 -vd 0 1 0", "width": 16,
-                  "height": 12},
-                 {"name": "filed", "file": "views.vf", "width": 8, "height": 6}]}
-
-
-class Desk:
-    """A client that notes what it sends, and a folder with a scene and a job."""
-
-    def __init__(self, url, folder, ca_file, token):
-        self.url, self.folder, self.ca_file, self.token = url, folder, ca_file or None, token
-        self.client = self.connect(token)
-        for name, text in (("room.rad", ROOM), ("window.rad", WINDOW),
-                           ("sensors.txt", "1.5 1 0.8 0 0 1\n\n1.5 3 0.8 0 0 1 # back\n"),
-                           ("views.vf", "rvu -vtv -vp 1.5 0.5 1.5 -vd 0 1 0\n"),
-                           ("job.json", json.dumps(JOB))):
-            with open(os.path.join(folder, name), "w") as stream:
-                stream.write(text)
-
-    def connect(self, token):
-        client = oriel.Client(self.url, token=token, ca_file=self.ca_file, timeout=30)
-        self.sent, send = [], client._send
-
-        def noted(method, path, *rest, **named):
-            self.sent.append(method + " " + path)
-            return send(method, path, *rest, **named)
-
-        client._send = noted
-        return client
-
-    def long_job(self):
-        scene = self.client.upload_scene(["room.rad"], folder=self.folder)
-        return self.client.submit({"kind": "render", "scene": scene, "technique": "gather",
-                                   "photons": {"global": 100000000},
-                                   "sensors": [[1.5, 1, 0.8, 0, 0, 1]]})
-
-
-def raises(kind, call, *arguments, **named):
-    try:
-        call(*arguments, **named)
-    except kind as error:
-        return error
-    raise AssertionError("no %s" % kind.__name__)
-
-
-def old_python(desk):
-    """Python 3.8 can read it, and it needs nothing beyond the standard library."""
-    with open(oriel.__file__) as stream:
-        tree = ast.parse(stream.read(), feature_version=(3, 8))
-    modules = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            modules |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            modules.add(node.module.split(".")[0])
-    own = getattr(sys, "stdlib_module_names", modules)  # since Python 3.10
-    assert modules and modules <= set(own), modules - set(own)
+from python_desk import JOB, OPENING, ROOM, WINDOW, oriel, raises, run_case
 
 
 def whole_way(desk):
@@ -109,23 +36,6 @@ def whole_way(desk):
     assert desk.client.job(seen[-1]["id"]).status()["state"] == "succeeded"
     assert desk.client.limits()["views"] > 0 and desk.client.health()["status"] == "ok"
     assert isinstance(desk.client.maps(), list)
-
-
-def example(desk):
-    """The example of the documentation, which is the same in both its places."""
-    lines = [line for line in oriel.__doc__.split("\n") if line.startswith("    ")]
-    assert 0 < len(lines) <= 10, lines
-    with open(os.path.join(os.path.dirname(oriel.__file__), "README.md")) as stream:
-        readme = stream.read().split("\n")
-    assert lines == [line for line in readme if line.startswith("    ")]
-    for name, text in (("materials.rad", "# none\n"), ("sky.rad", "# in the room\n")):
-        with open(os.path.join(desk.folder, name), "w") as stream:
-            stream.write(text)
-    os.chdir(desk.folder)
-    code = "\n".join(line[4:] for line in lines).replace("http://127.0.0.1:8423", desk.url)
-    names = {"print": lambda *words: None}
-    exec(code, names)
-    assert names["result"]["state"] == "succeeded" and os.path.exists("out/result.json")
 
 
 def upload_if_absent(desk):
@@ -180,11 +90,6 @@ def skies(desk):
     assert [sky["name"] for sky in result["skies"]] == ["0322-1030", "0322-1130"]
     assert all(len(sky["illuminance_lx"]) == 2 and not sky["dark"] for sky in result["skies"])
     assert os.path.exists(os.path.join(output, "0322-1130.north.hdr"))
-    del document["skies"]["weather"]
-    document["skies"]["cie"] = {"type": "overcast", "diffuse_horizontal_lx": 10000}
-    assert oriel._weather_files(document) == []
-    document["skies"] = [{"weather": {"file": "a"}}, {"weather": {"file": "b"}}, {"weather": {"file": "a"}}]
-    assert oriel._weather_files(document) == ["a", "b"]
 
 
 def years(desk):
@@ -209,10 +114,9 @@ def years(desk):
     for name in result["files"]:
         assert os.path.getsize(os.path.join(output, *name.split("/"))) > 0, name
     assert os.path.isfile(os.path.join(output, "results", "metrics", "da", "desks.da"))
-    assert oriel._year_files({"weather": "w", "sensors": {"file": "s"}}) == ["w", "s"]
     job = desk.client.job(desk.client.jobs()[0]["id"])
-    for name in ("../x", "a/../x", "/x", "a//x", "", "a/.x"):
-        assert "outside" in str(raises(oriel.OrielError, job._fetch_file, output, name))
+    for name in ("../x", "a/../x", "/x", "a//x", "", "a/.x", "a\\\\x", "c:x"):
+        assert "outside" in str(raises(oriel.OrielError, job._fetch_file, pathlib.Path(output), name))
 
 
 def bsdfs(desk):
@@ -277,7 +181,7 @@ def labels(desk):
     assert names == ["Büro 3", "Büro 1"]
     assert desk.client.job(jobs[-1].id[:12]).status()["name"] == "of its own"
     desk.sent.clear()
-    paged = desk.client._pages("/v1/jobs?tag=labels&limit=1", "jobs", 3)
+    paged = desk.client._transport.pages("/v1/jobs?tag=labels&limit=1", "jobs", 3)
     assert [job["name"] for job in paged] == ["Büro 3", "Büro 2", "Büro 1"]
     assert len(desk.sent) == 3 and "cursor=" in desk.sent[1]
     assert not desk.client.jobs(scene="0" * 64) and not desk.client.jobs(since="2999-01-01T00:00:00Z")
@@ -341,7 +245,7 @@ def problems(desk):
 def repeated_submission(desk):
     """A connection that breaks after the job was taken makes no second one."""
     scene = desk.client.upload_scene(["room.rad"], folder=desk.folder)
-    before, send, broken = len(desk.client.jobs()), desk.client._send, []
+    before, send, broken = len(desk.client.jobs()), desk.client._transport.send, []
 
     def breaking(method, path, *rest, **named):
         answer = send(method, path, *rest, **named)
@@ -350,7 +254,7 @@ def repeated_submission(desk):
             raise oriel.Unreachable("broken")
         return answer
 
-    desk.client._send = breaking
+    desk.client._transport.send = breaking
     job = desk.client.submit({"kind": "render", "scene": scene, "technique": "backward",
                               "gather_samples": 16, "sensors": [[1.5, 1, 0.8, 0, 0, 1]]})
     assert broken and job.id == json.loads(broken[0][2].decode())["id"]
@@ -407,6 +311,4 @@ def tokens(desk):
 
 
 if __name__ == "__main__":
-    for variable in ("ORIEL_URL", "ORIEL_TOKEN", "ORIEL_CA", "ORIEL_CLIENT"):
-        os.environ.pop(variable, None)
-    globals()[sys.argv[1]](Desk(*sys.argv[2:6]))
+    run_case(globals())

@@ -165,7 +165,7 @@ def main():
                 continue
             seen, seconds, status = (
                 run_alone(build, document, folder) if own
-                else follow(client.submit(client._prepared(document, folder))))
+                else follow(client.submit(document, folder=folder)))
             deadline_s = document.get("accuracy", {}).get("deadline_s")
             worst, rises, first, good = judge(seen, seconds, status, deadline_s)
             failed += not good
