@@ -4,7 +4,8 @@ FROM debian:12 AS build
 RUN apt-get update && apt-get install -y --no-install-recommends \
         gcc libc6-dev make pkg-config libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
         libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev \
-        libopenexr-dev libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js ca-certificates \
+        libopenexr-dev libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libmd4c-html0-dev libjs-chart.js \
+        ca-certificates \
         python3 python3-yaml \
     && rm -rf /var/lib/apt/lists/*
 WORKDIR /src

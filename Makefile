@@ -10,10 +10,10 @@ WERROR  ?= -Werror
 # Debian packages: what the build needs, and what the checks need beyond that.
 PACKAGES_BUILD := gcc libc6-dev make libembree-dev libmicrohttpd-dev libjansson-dev libuv1-dev \
 	libsqlite3-dev libexpat1-dev libpng-dev libtiff-dev zlib1g-dev libsodium-dev libcurl4-openssl-dev libopenexr-dev \
-	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libjs-chart.js python3 python3-yaml
+	libgnutls28-dev nettle-dev libxxhash-dev libarchive-dev libmd4c-html0-dev libjs-chart.js python3 python3-yaml
+# Node and npm where there are none: others than Debian's do.
 PACKAGES_CHECK := $(PACKAGES_BUILD) libcmocka-dev curl python3-numpy python3-pip python3-setuptools \
-	python3-wheel valgrind slurm-wlm munge mandoc
-# Of the dashboard's tests: Node and npm where there are none (others than Debian's do).
+	python3-wheel valgrind slurm-wlm munge mandoc $(if $(shell command -v node),,nodejs)
 PACKAGES_BROWSER := chromium $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
 PACKAGES_LINT  := $(PACKAGES_CHECK) clang clang-tidy clang-format mypy pyflakes3
 PACKAGES_DEMO  := $(PACKAGES_BUILD)
@@ -40,7 +40,7 @@ EMBREE_LIB := $(if $(wildcard /usr/include/embree4/rtcore.h),-lembree4,-lembree3
 # Debian 12's library has its version in its name, later ones have not.
 EXR_LIB := $(if $(wildcard /usr/lib/*/libOpenEXRCore.so),-lOpenEXRCore,-lOpenEXRCore-3_1)
 CORE_LIBS   := $(EMBREE_LIB) -lexpat -lpng -ltiff -lz $(EXR_LIB) -lsodium -lnettle -ljansson -lm
-SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive
+SERVER_LIBS := -lmicrohttpd -lgnutls -luv -lsqlite3 -larchive -lmd4c-html
 CLIENT_LIBS := -lcurl
 
 CORE_SRC   := $(sort $(wildcard core/*/*.c core/*/*/*.c core/*/*/*/*.c))
@@ -216,13 +216,19 @@ $(BUILD)/generated/embedded.h: $(EMBEDDED) Makefile
 		sed -e 's/\\/\\\\/g' -e 's/"/\\"/g' -e 's/^/"/' -e 's/$$/\\n"/' "$$f"; \
 		echo '},'; \
 	done; echo '};'; } > $@
-# The dashboard: its files, and Chart.js of Debian's libjs-chart.js.
+# The dashboard: its files, the JavaScript client, and Chart.js of Debian's libjs-chart.js.
 DASHBOARD := $(sort $(wildcard client/dashboard/*.html client/dashboard/*.css client/dashboard/*.js \
-	client/dashboard/*.svg client/dashboard/*/*.js))
+	client/dashboard/*.svg client/dashboard/*/*.js)) client/javascript/oriel.js
 CHART_JS  ?= /usr/share/javascript/chart.js/chart.min.js
 $(BUILD)/generated/dashboard.h: client/dashboard/embed $(CHART_JS) $(DASHBOARD)
 	@mkdir -p $(@D)
-	@client/dashboard/embed $(CHART_JS) $(DASHBOARD) >$@.part && mv $@.part $@
+	@client/dashboard/embed dashboard $(CHART_JS) $(DASHBOARD) >$@.part && mv $@.part $@
+# The guide: pages and their pictures; a README is not a page.
+GUIDE := $(sort $(filter-out %/README.md,$(wildcard client/guide/*.md client/guide/*/*.md)) \
+	$(wildcard client/guide/pictures/*.png client/guide/pictures/*.svg))
+$(BUILD)/generated/guide_files.h: client/dashboard/embed $(GUIDE)
+	@mkdir -p $(@D)
+	@client/dashboard/embed guide $(GUIDE) >$@.part && mv $@.part $@
 # The commit that the programs are built from. A copy without git has it in client/packaging/commit.
 ifndef COMMIT
 COMMIT := $(shell git rev-parse --short=12 HEAD 2>/dev/null || grep -xE '[0-9a-f]+' client/packaging/commit)
@@ -230,7 +236,8 @@ endif
 $(BUILD)/generated/commit.h: FORCE
 	@mkdir -p $(@D); echo '#define ORL_COMMIT "$(COMMIT)"' | cmp -s - $@ || echo '#define ORL_COMMIT "$(COMMIT)"' >$@
 $(call other,client/commands/cmd_version.c server/main.c): $(OTHERS)/generated/commit.h
-$(SERVER_OBJ): | $(OTHERS)/generated/embedded.h $(OTHERS)/generated/dashboard.h
+GENERATED := $(patsubst %,$(OTHERS)/generated/%.h,embedded dashboard guide_files)
+$(SERVER_OBJ): | $(GENERATED)
 $(call other,$(TEST_SRC)): | $(OTHERS)/generated/embedded.h
 
 $(BUILD)/liboriel.a: $(CORE_OBJ) $(API_OBJ)
@@ -440,7 +447,7 @@ run-threaded:
 
 LINT_SRC := $(CORE_SRC) $(API_SRC) $(SERVER_SRC) $(CLIENT_SRC)
 ALL_C := $(shell git ls-files '*.c' '*.h' 2>/dev/null)
-lint: deps-lint $(BUILD)/generated/schemas.h $(BUILD)/generated/embedded.h $(BUILD)/generated/dashboard.h $(BUILD)/generated/commit.h
+lint: deps-lint $(BUILD)/generated/schemas.h $(GENERATED) $(BUILD)/generated/commit.h
 	@clang-format --dry-run --Werror $(ALL_C)
 	tests/check_boundaries
 	tests/check_names

@@ -546,6 +546,7 @@ int orl_server_run(const struct orl_config *config, const struct orl_routes *rou
     if (server.maps)
         orl_map_cache_flush(server.maps, NULL);
     orl_status_cache_free(server.statuses);
+    orl_guide_close(server.guide);
     orl_jobs_close(server.jobs);
     orl_retention_close(&server.retention);
     orl_shared_sweep_done(&server.sweep);

@@ -16,6 +16,7 @@
 
 #include "cache/map_cache.h"
 #include "checks/checks.h"
+#include "guide/guide.h"
 #include "handlers/events/events.h"
 #include "handlers/jobs/job_status.h"
 #include "health/crash.h"
@@ -78,6 +79,7 @@ struct orl_server {
     struct orl_metrics metrics;
     struct orl_loop_watchdog watchdog;
     struct orl_checks checks;
+    struct orl_guide *guide; /* the user guide; NULL until it is first requested */
     struct orl_memory memory;
     struct orl_previous_exit previous_exit;
     double started_s;

@@ -1,6 +1,6 @@
 // Photon maps, loaded BSDFs, scenes and BSDF files that the daemon stores, the time that they saved, and their use.
 
-import { ask, explain, get, nextOf } from './api.js';
+import { client, explain } from './api.js';
 import { fill, h } from './dom.js';
 import { NONE, bytes, count, duration, fullMoment, moment, shortId } from './format.js';
 import { facts, section } from './job_parts.js';
@@ -17,16 +17,7 @@ function table(caption, heads, rows, remove) {
       remove && h('td', { class: 'n' }, held ? h('span', { class: 'quiet' }, held) : h('button', { type: 'button', class: 'plain', 'aria-label': `Remove ${what}`, onclick: () => remove(what, path) }, 'Remove')))))));
 }
 
-// Fetches all pages of a list, up to a thousand items.
-async function all(path, name) {
-  const found = [];
-  for (let next = `${path}?limit=200`; next && found.length < 1000;) {
-    const answer = await ask(next);
-    found.push(...(await answer.json())[name]);
-    next = nextOf(answer);
-  }
-  return found;
-}
+const MOST = 1000; // items of a list
 
 export class CachePage {
   title = 'Cache';
@@ -44,8 +35,8 @@ export class CachePage {
 
   async #load() {
     try {
-      const [maps, scenes, bsdfs, limits] = await Promise.all([get('/v1/maps'), all('/v1/scenes', 'scenes'), all('/v1/bsdfs', 'bsdfs'), get('/v1/limits')]);
-      this.#show(maps.maps, scenes, bsdfs.filter((one) => one.by_itself), limits);
+      const [maps, scenes, bsdfs, limits] = await Promise.all([client.maps(), client.scenes(MOST), client.bsdfs(MOST), client.limits()]);
+      this.#show(maps, scenes, bsdfs.filter((one) => one.by_itself), limits);
     } catch (error) {
       this.word.hidden = true;
       this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)));
@@ -77,7 +68,7 @@ export class CachePage {
     if (!confirm(`Remove ${what}? Jobs that need it must build or upload it again.`)) return;
     this.notice.replaceChildren();
     try {
-      await ask(path, { method: 'DELETE' });
+      await client.request('DELETE', path);
     } catch (error) {
       this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)));
     }

@@ -1,20 +1,10 @@
-// The stream of all jobs' events. It is read with fetch(), so that the position and reason of a break are known.
+// The stream of all jobs' events, resumed after a break.
 // The connection is closed while the page is hidden: browsers allow six connections per daemon for all tabs.
 
-import { Problem } from './api.js';
+import { client } from './api.js';
+import { Forbidden, NotFound, Unauthorized } from './oriel.js';
 
-const SILENCE_MS = 45000; // the daemon sends something every 15 s
 const WAITS_MS = [250, 500, 1000, 2000, 4000];
-
-// Parses one block of lines to {id, event, data}.
-function parse(block) {
-  const found = { id: null, event: 'message', data: '' };
-  for (const line of block.split('\n')) {
-    const at = line.indexOf(':');
-    if (at > 0) found[line.slice(0, at)] = line.slice(at + 1).replace(/^ /, '');
-  }
-  return found;
-}
 
 export class Stream extends EventTarget {
   #last = null;
@@ -23,9 +13,8 @@ export class Stream extends EventTarget {
   #timer = 0;
   state = 'off'; // 'connecting', 'live', 'lost', 'refused', 'old'
 
-  constructor(path) {
+  constructor() {
     super();
-    this.path = path;
     document.addEventListener('visibilitychange', () => this.#look());
     addEventListener('online', () => this.#retry(0));
   }
@@ -74,12 +63,12 @@ export class Stream extends EventTarget {
       await this.#read(abort);
     } catch (error) {
       if (this.#abort !== abort) return; // replaced by another connection
-      if (error instanceof Problem && (error.status === 401 || error.status === 403)) {
+      if (error instanceof Unauthorized || error instanceof Forbidden) {
         this.#abort = null;
         this.#become('refused');
         return;
       }
-      if (error instanceof Problem && error.status === 404) {
+      if (error instanceof NotFound) {
         this.#abort = null;
         this.#become('old');
         return;
@@ -91,29 +80,14 @@ export class Stream extends EventTarget {
     this.#retry(WAITS_MS[Math.min(this.#tries++, WAITS_MS.length - 1)]);
   }
 
-  async #read(abort) {
-    const headers = { Accept: 'text/event-stream' };
-    if (this.#last) headers['Last-Event-ID'] = this.#last;
-    const answer = await fetch(this.path, { headers, signal: abort.signal, cache: 'no-store' });
-    if (!answer.ok) throw new Problem(answer.status, {});
-    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
-    let text = '', watch = 0;
-    this.#tries = 0;
-    this.#become('live');
-    for (;;) {
-      clearTimeout(watch);
-      watch = setTimeout(() => abort.abort(), SILENCE_MS);
-      const { value, done } = await reader.read().finally(() => clearTimeout(watch));
-      if (done) return;
-      text += value;
-      const blocks = text.split('\n\n');
-      text = blocks.pop();
-      for (const block of blocks) this.#take(parse(block));
+  async #read({ signal }) {
+    const opened = () => {
+      this.#tries = 0;
+      this.#become('live');
+    };
+    for await (const { id, event, data } of client.events({ lastId: this.#last, signal, opened })) {
+      if (id) this.#last = id;
+      this.dispatchEvent(Object.assign(new Event(event), { detail: data }));
     }
-  }
-
-  #take({ id, event, data }) {
-    if (id) this.#last = id;
-    if (data) this.dispatchEvent(Object.assign(new Event(event), { detail: JSON.parse(data) }));
   }
 }

@@ -1,12 +1,13 @@
 // The page of one job: progress, error, results, simulated effects and reasons.
 
-import { Problem, ask, explain, get, jobPath, post } from './api.js';
+import { client, explain } from './api.js';
 import { fill, h, say, setAttr, setText } from './dom.js';
 import { ErrorChart } from './error_chart.js';
 import { duration, fullMoment, isOver, jobName, percent, stateName } from './format.js';
 import { copyDocument, withHalfError, withViewpoint } from './derive_job.js';
 import { resultOfKind } from './job_kinds.js';
 import * as parts from './job_parts.js';
+import { JobFailed, NotFound } from './oriel.js';
 import { Pictures } from './pictures.js';
 import { GOALS } from './words.js';
 
@@ -61,7 +62,7 @@ export class JobPage {
 
   async #look() {
     try {
-      const job = await get(jobPath(this.id));
+      const job = await client.job(this.id).status();
       if (this.closed) return;
       const before = this.job;
       this.job = job;
@@ -70,7 +71,7 @@ export class JobPage {
       this.#show();
       if (before && before.state !== job.state && isOver(job.state)) say(`${jobName(job)}: ${stateName(job.state)}`);
     } catch (error) {
-      if (error instanceof Problem && error.status === 404) this.#gone();
+      if (error instanceof NotFound) this.#gone();
       else if (!this.job) {
         setText(this.state, '');
         fill(this.notice, String(error), () => h('p', { class: 'notice' }, explain(error)));
@@ -99,7 +100,7 @@ export class JobPage {
     this.resultKey = key;
     if (!key || size > LARGE_RESULT) return;
     try {
-      this.result = await get(job.links.result);
+      this.result = await client.job(job.id).result();
     } catch { /* a later result follows, or the job was removed */ }
   }
 
@@ -145,8 +146,8 @@ export class JobPage {
 
   #showNotice() {
     const { job } = this;
-    const problem = job.error && new Problem(job.error.status, job.error);
-    const text = problem ? problem.sentence
+    const problem = job.error && new JobFailed(job.error);
+    const text = problem ? problem.message
       : job.evicted ? `The results were removed on ${fullMoment(job.evicted)} to make room for others. Run the job again to get them back.`
         : job.state === 'cancelled' ? 'It was cancelled before its end.' : '';
     fill(this.notice, text, () => text && h('p', { class: problem ? 'notice' : 'notice calm' }, text));
@@ -179,22 +180,22 @@ export class JobPage {
   }
 
   async #cancel() {
-    await ask(`${jobPath(this.job.id)}/cancel`, { method: 'POST' });
+    await client.job(this.job.id).cancel();
     await this.#look();
   }
 
   async #remove() {
     if (!confirm(`Remove ${jobName(this.job)} and its results?`)) return;
-    await ask(jobPath(this.job.id), { method: 'DELETE' });
+    await client.job(this.job.id).remove();
     location.hash = '#/jobs';
   }
 
   async #turn() {
-    const document = await get(`${jobPath(this.job.id)}/document`);
+    const document = await client.job(this.job.id).document();
     const { askForView } = await import('./view_dialog.js');
     const found = await askForView(document.views[0]);
     if (!found) return;
-    const job = await post('/v1/jobs', withViewpoint(document, found.name, found.view));
+    const job = await client.submit(withViewpoint(document, found.name, found.view));
     location.hash = `#/jobs/${job.id}`;
   }
 
@@ -210,8 +211,8 @@ export class JobPage {
   }
 
   async #again(change) {
-    const document = await get(`${jobPath(this.job.id)}/document`);
-    const job = await post('/v1/jobs', change(document));
+    const document = await client.job(this.job.id).document();
+    const job = await client.submit(change(document));
     location.hash = `#/jobs/${job.id}`;
   }
 

@@ -10,22 +10,23 @@ import { Store } from './store.js';
 const NAV = [['#/jobs', 'Jobs', 'read'], ['#/new', 'New job', 'submit'], ['#/bsdfs', 'BSDFs', 'read'], ['#/cache', 'Cache', 'read'], ['#/operations', 'Operations', 'read']];
 const LINK_WORDS = { live: 'Live', connecting: 'Connecting', lost: 'No answer', refused: '', off: '', old: 'Another version' };
 
-// Pages that are used rarely are loaded on demand.
+// Pages that are used rarely are loaded on demand. The last item is the section of the guide about the page.
+const GUIDE = '/guide/howto/dashboard';
 const ROUTES = [
-  [/^\/jobs$/, (app, params) => new JobsPage(app, params)],
-  [/^\/jobs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./job_page.js')).JobPage(app, id)],
-  [/^\/view\/([0-9a-f]+)\/(.+)$/, async (app, params, id, file) => new (await import('./viewer/viewer_page.js')).ViewerPage(app, id, decodeURIComponent(file))],
-  [/^\/sensors\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./sensors/sensors_page.js')).SensorsPage(app, id)],
-  [/^\/new$/, async (app, params) => new (await import('./new/new_page.js')).NewPage(app, params)],
-  [/^\/bsdfs$/, async (app) => new (await import('./bsdf/bsdf_page.js')).BsdfsPage(app)],
-  [/^\/bsdfs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./bsdf/bsdf_page.js')).BsdfPage(app, id)],
-  [/^\/cache$/, async (app) => new (await import('./cache_page.js')).CachePage(app)],
-  [/^\/operations$/, async () => new (await import('./operations_page.js')).OperationsPage()],
+  [/^\/jobs$/, (app, params) => new JobsPage(app, params), 'jobs'],
+  [/^\/jobs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./job_page.js')).JobPage(app, id), 'one-job'],
+  [/^\/view\/([0-9a-f]+)\/(.+)$/, async (app, params, id, file) => new (await import('./viewer/viewer_page.js')).ViewerPage(app, id, decodeURIComponent(file)), 'pictures'],
+  [/^\/sensors\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./sensors/sensors_page.js')).SensorsPage(app, id), 'sensors'],
+  [/^\/new$/, async (app, params) => new (await import('./new/new_page.js')).NewPage(app, params), 'new-job'],
+  [/^\/bsdfs$/, async (app) => new (await import('./bsdf/bsdf_page.js')).BsdfsPage(app), 'bsdfs'],
+  [/^\/bsdfs\/([0-9a-f]+)$/, async (app, params, id) => new (await import('./bsdf/bsdf_page.js')).BsdfPage(app, id), 'bsdfs'],
+  [/^\/cache$/, async (app) => new (await import('./cache_page.js')).CachePage(app), 'cache'],
+  [/^\/operations$/, async () => new (await import('./operations_page.js')).OperationsPage(), 'operations'],
 ];
 
 class App {
   session = new Session();
-  stream = new Stream('/v1/events');
+  stream = new Stream();
   store = new Store(this.stream);
   main = document.getElementById('main');
   banner = document.getElementById('banner');
@@ -117,13 +118,14 @@ class App {
     const [path, query] = (location.hash.slice(1) || '/jobs').split('?');
     const turn = (this.turn = {});
     const first = !this.page;
-    let page;
+    let page, section = 'signing-in';
     if (this.session.open) {
       const found = ROUTES.find(([pattern]) => pattern.test(path));
       if (!found) {
         location.replace('#/jobs');
         return;
       }
+      [,, section] = found;
       try {
         page = await found[1](this, new URLSearchParams(query), ...found[0].exec(path).slice(1));
       } catch (error) {
@@ -140,6 +142,7 @@ class App {
     this.page?.close();
     this.page = page;
     this.main.replaceChildren(page.node);
+    document.getElementById('help').href = `${GUIDE}#${section}`;
     this.setTitle(page.title);
     this.#showFrame();
     scrollTo(0, 0);

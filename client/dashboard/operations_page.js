@@ -1,6 +1,7 @@
 // State of the daemon from /metrics and /readyz: queue, memory, disk, connections, rates.
 
-import { Problem, ask, explain, get } from './api.js';
+import { client, explain } from './api.js';
+import { Problem } from './oriel.js';
 import { fill, h, setText } from './dom.js';
 import { NONE, bytes, count, duration, number } from './format.js';
 import { facts, section } from './job_parts.js';
@@ -51,8 +52,8 @@ export class OperationsPage {
 
   async #look() {
     try {
-      const [text, health, ready] = await Promise.all([ask('/metrics', { headers: { Accept: 'text/plain' } }).then((answer) => answer.text()), get('/healthz'),
-        get('/readyz').catch((error) => (error instanceof Problem ? error.document : Promise.reject(error)))]);
+      const [text, health, ready] = await Promise.all([client.request('GET', '/metrics', { headers: { Accept: 'text/plain' } }).then((answer) => answer.text()), client.health(),
+        client.get('/readyz').catch((error) => (error instanceof Problem ? error.document : Promise.reject(error)))]);
       const now = { at: performance.now() / 1000, metrics: parse(text) };
       this.notice.replaceChildren();
       this.#show(now, health, ready);

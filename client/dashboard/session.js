@@ -1,6 +1,6 @@
 // Signs in (exchanges a token for a cookie) and out; the scope of the session.
 
-import { Problem, ask, explain, get } from './api.js';
+import { client, explain } from './api.js';
 import { h } from './dom.js';
 
 const SCOPES = ['read', 'submit', 'admin'];
@@ -12,7 +12,7 @@ export class Session {
   name = null;
 
   async look() {
-    this.#take(await get('/v1/session'));
+    this.#take(await client.get('/v1/session'));
   }
 
   #take({ needed, signed_in: signedIn, scope, token }) {
@@ -28,11 +28,11 @@ export class Session {
   }
 
   async signIn(token) {
-    this.#take(await (await ask('/v1/session', { method: 'POST', headers: { Authorization: `Bearer ${token}` } })).json());
+    this.#take(await (await client.request('POST', '/v1/session', { headers: { Authorization: `Bearer ${token}` } })).json());
   }
 
   async signOut() {
-    await ask('/v1/session', { method: 'DELETE' });
+    await client.request('DELETE', '/v1/session');
     this.signedIn = false;
   }
 }
@@ -67,7 +67,7 @@ export class SignInPage {
       this.field.value = '';
       this.app.enter();
     } catch (error) {
-      this.fault.textContent = (error instanceof Problem && REFUSALS[error.status]) || explain(error);
+      this.fault.textContent = REFUSALS[error.status] || explain(error);
       this.field.select();
     }
     this.button.disabled = false;

@@ -1,6 +1,7 @@
 // Summaries of all known jobs, from events and lists.
 
-import { ask, nextOf } from './api.js';
+import { client } from './api.js';
+import { nextPage } from './oriel.js';
 
 export class Store extends EventTarget {
   jobs = new Map();   // id -> JobSummary
@@ -32,11 +33,11 @@ export class Store extends EventTarget {
     const since = new Map();
     this.#asked.add(since);
     try {
-      const answer = await ask(address);
+      const answer = await client.request('GET', address);
       const listed = (await answer.json()).jobs;
       const jobs = listed.map((job) => (since.has(job.id) ? since.get(job.id) : job)).filter(Boolean);
       for (const job of jobs) this.jobs.set(job.id, job);
-      use({ jobs, next: nextOf(answer), came: [...since.values()].filter(Boolean) });
+      use({ jobs, next: nextPage(answer), came: [...since.values()].filter(Boolean) });
     } finally {
       this.#asked.delete(since);
     }

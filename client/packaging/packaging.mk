@@ -50,7 +50,7 @@ packaging: all $(PACKAGING)/manuals $(PACKAGING)/completions
 # ---- make install ----------------------------------------------------------------------------------
 # Documents: their place in the source, and their folder below docdir.
 EXAMPLES := $(sort $(shell find client/examples -type f))
-GUIDE    := $(sort $(shell find client/guide -type f 2>/dev/null))
+GUIDE_FILES := $(sort $(shell find client/guide -type f 2>/dev/null))
 PYTHON_MODULE := $(sort $(shell cd client/python && find oriel oriel.py -type f \( -name '*.py' -o -name py.typed \) 2>/dev/null))
 JAVASCRIPT := $(sort $(wildcard client/javascript/*.js))
 
@@ -82,7 +82,7 @@ install-files:
 		$(INSTALL_DATA) client/packaging/orield.env "$(DESTDIR)$(sysconfdir)/oriel/orield.env"
 	$(INSTALL_DATA) LICENSE README.md client/packaging/compose.yaml "$(DESTDIR)$(docdir)"
 	$(call install_files,$(EXAMPLES),client/examples,$(docdir)/examples)
-	$(call install_files,$(GUIDE),client/guide,$(docdir)/guide)
+	$(call install_files,$(GUIDE_FILES),client/guide,$(docdir)/guide)
 	$(call install_files,$(PYTHON_MODULE),client/python,$(pythondir))
 	$(call install_files,$(JAVASCRIPT),client/javascript,$(javascriptdir))
 install-strip:

@@ -21,7 +21,15 @@ void orl_handle_limits(struct orl_request *request);
 /* handle_dashboard.c: is_wanted returns true if the client prefers the page to the index */
 bool orl_dashboard_is_wanted(const struct orl_request *request);
 void orl_dashboard_reply(struct orl_request *request);
+/* Adds the headers that bound what a page may load, and who may embed it, to the reply made. */
+void orl_reply_page_headers(struct orl_request *request);
 void orl_handle_dashboard_file(struct orl_request *request);
+void orl_handle_javascript(struct orl_request *request); /* the client's module */
+
+/* handle_guide.c: the guide's start page, pages and pictures, and search */
+void orl_handle_guide(struct orl_request *request);
+void orl_handle_guide_page(struct orl_request *request);
+void orl_handle_guide_search(struct orl_request *request);
 
 /* handle_scenes.c, handle_bsdfs.c: uploads; handle_stored_lists.c: lists of them */
 void orl_handle_scene_list(struct orl_request *request);

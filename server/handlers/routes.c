@@ -10,6 +10,11 @@ static const char *const scene_types[] = {"multipart/form-data", "application/js
 static const struct orl_route table[] = {
     {"GET", "/", ORL_SCOPE_OPEN, orl_handle_index, 0, NULL, false},
     {"GET", "/dashboard/{}/{*}", ORL_SCOPE_OPEN, orl_handle_dashboard_file, 0, NULL, false},
+    {"GET", "/oriel.js", ORL_SCOPE_OPEN, orl_handle_javascript, 0, NULL, false},
+    {"GET", "/guide", ORL_SCOPE_OPEN, orl_handle_guide, 0, NULL, false},
+    {"GET", "/guide/search", ORL_SCOPE_OPEN, orl_handle_guide_search, 0, NULL, false},
+    {"GET", "/guide/{}", ORL_SCOPE_OPEN, orl_handle_guide_page, 0, NULL, false},
+    {"GET", "/guide/{}/{}", ORL_SCOPE_OPEN, orl_handle_guide_page, 0, NULL, false},
     {"GET", "/healthz", ORL_SCOPE_OPEN, orl_handle_health, 0, NULL, false},
     {"GET", "/readyz", ORL_SCOPE_OPEN, orl_handle_ready, 0, NULL, false},
     {"GET", "/metrics", ORL_SCOPE_READ, orl_handle_metrics, 0, NULL, false},

@@ -39,3 +39,11 @@ const struct orl_dashboard_file *orl_dashboard_file_find(const char *name)
             return &page_files[i];
     return NULL;
 }
+
+#include "guide_files.h"
+
+const struct orl_guide_file *orl_guide_files(size_t *ret_count)
+{
+    *ret_count = sizeof guide_files / sizeof *guide_files;
+    return guide_files;
+}

@@ -1,6 +1,6 @@
 /*
- * Files embedded in the daemon: the migrations and the API contract, and the files of the
- * dashboard. Constant data; any thread.
+ * Files embedded in the daemon: the migrations and the API contract, the files of the dashboard,
+ * and the pages of the guide. Constant data; any thread.
  */
 #ifndef ORL_SERVER_PROCESS_EMBEDDED_FILES_H
 #define ORL_SERVER_PROCESS_EMBEDDED_FILES_H
@@ -33,5 +33,19 @@ struct orl_dashboard_file {
 const char *orl_dashboard_version(void);
 /* Returns the file of that name, or NULL. */
 const struct orl_dashboard_file *orl_dashboard_file_find(const char *name);
+
+/*
+ * Files of the guide (client/guide): Markdown and pictures.
+ */
+
+struct orl_guide_file {
+    const char *name, *type; /* "howto/tokens.md"; the type of a picture, "image/png" */
+    const char *sha;         /* digest of the bytes */
+    size_t size;
+    const char *bytes;
+};
+
+/* Returns all files of the guide. */
+const struct orl_guide_file *orl_guide_files(size_t *ret_count);
 
 #endif

@@ -5,6 +5,8 @@ import { readFileSync } from 'node:fs';
 import { Browser } from './browser.mjs';
 import { crowdCases } from './crowd.mjs';
 import { Daemon, LONG, ROOM, SENSORS, VIEW, until, words } from './daemon.mjs';
+import { guideCases } from './guide.mjs';
+import { moduleCases } from './module.mjs';
 import { luminance } from './rgbe.mjs';
 
 const build = process.argv[2] || 'build';
@@ -61,7 +63,7 @@ test('the page takes less than 150 kB', () => visit({}, async (page) => {
   assert.ok(scripts.length > 8, `${scripts}`);
   for (const address of scripts) {
     const name = address.replace(/^.*?\/dashboard\/[^/]+\//, '');
-    assert.equal(await (await fetch(address)).text(), readFileSync(`client/dashboard/${name}`, 'utf8'), `${name} is served as it is`);
+    assert.equal(await (await fetch(address)).text(), readFileSync(name === 'oriel.js' ? 'client/javascript/oriel.js' : `client/dashboard/${name}`, 'utf8'), `${name} is served as it is`);
   }
 }));
 
@@ -268,7 +270,8 @@ test('several skies and a study have their tables', () => visit({}, async (page)
   assert.deepEqual([started.kind, started.technique, started.gather_samples, started.sensors], ['render', 'backward', 32, SENSORS]);
 }));
 
-test('a BSDF that is dropped tells what its check found, and where light goes', () => visit({ path: '/#/bsdfs' }, async (page) => {
+// The client asks first whether the daemon has the file.
+test('a BSDF that is dropped tells what its check found, and where light goes', () => visit({ mayFail: (url, text) => url.includes('/v1/bsdfs/') && text.includes('404'), path: '/#/bsdfs' }, async (page) => {
   await page.locator('.drop').waitFor();
   await drop(page, [['klems.xml', readFileSync('tests/fixtures/bsdf_klems41.xml', 'latin1')]]);
   await page.getByRole('heading', { name: 'What the check found' }).waitFor();
@@ -389,6 +392,8 @@ test('with tokens one signs in, and out', async () => {
   }
 });
 
+moduleCases({ test, browser, build });
+guideCases({ test, visit, browser, daemon: () => daemon, document: { sensors: SENSORS, views: [VIEW], technique: 'backward', pixel_samples: 4, gather_samples: 8 }, ended: async (document) => (await daemon.wait(await daemon.submit(document))).id });
 crowdCases({ test, visit, browser, build });
 
 // No case leaves the daemon busy.

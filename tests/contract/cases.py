@@ -55,6 +55,7 @@ def service(daemon):
         daemon.ask("GET", path, want=200)
         daemon.ask("HEAD", path, want=200)
     dashboard(daemon)
+    guide(daemon)
     limits = daemon.ask("GET", "/v1/limits").json
     schemas = daemon.contract.document["components"]["schemas"]
     false_color, heat_map = (schemas[name]["properties"] for name in ("FalseColor", "HeatMap"))
@@ -78,6 +79,32 @@ def dashboard(daemon):
         daemon.ask("GET", path, headers={**browser, "If-None-Match": tag}, want=304)
         daemon.ask("HEAD", path, headers=browser, want=200)
     assert daemon.ask("GET", "/", headers={"Accept": "*/*"}).json["service"] == "oriel"
+
+
+def guide(daemon):
+    """All pages of the guide, by their links, and their pictures; searches; the module."""
+    browser = {"Accept": "text/html,*/*;q=0.8"}
+    left, seen = ["/guide", "/guide/index", "/guide/search", "/guide/search?q=light", "/oriel.js"], set()
+    while left:
+        path = left.pop()
+        seen.add(path)
+        page = daemon.ask("GET", path, headers=browser, want=200)
+        tag = page.headers["etag"]
+        daemon.ask("GET", path, headers={**browser, "If-None-Match": tag}, want=304)
+        daemon.ask("HEAD", path, headers=browser, want=200)
+        if page.headers["content-type"].startswith("text/html"):
+            links = re.findall('(?:href|src)="(/guide[^"#]*)', page.body.decode())
+            left += sorted(set(links) - seen - set(left))
+    assert len(seen) > 5, seen
+    packed = {"Accept-Encoding": "gzip"}
+    assert daemon.ask("GET", "/oriel.js", headers=packed).headers["content-encoding"] == "gzip"
+    for query in ("", "?q=%22", "?q=NEAR(", "?q=" + "x" * 5000, "?q=%FF%00", "?q=a&q=b", "?q"):
+        answer = daemon.ask("GET", "/guide/search" + query, want=200)
+        assert b'role="status"' in answer.body and b"<script" not in answer.body
+    for path in ("/guide/" + UNKNOWN, "/guide/howto/" + UNKNOWN, "/guide/%3Cscript%3E"):
+        assert daemon.ask("GET", path, want=404).json["type"].endswith("no-such-resource")
+        page = daemon.ask("GET", path, headers=browser, want=404)
+        assert b"No such page" in page.body and b"<script" not in page.body
 
 
 def scenes(daemon):

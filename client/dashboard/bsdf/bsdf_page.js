@@ -1,6 +1,7 @@
 // The list of BSDFs, uploaded alone or with a scene; and the page of one BSDF: findings of its check, scattering of light.
 
-import { Problem, ask, explain, get } from '../api.js';
+import { client, explain } from '../api.js';
+import { NotFound } from '../oriel.js';
 import { fill, h, setText } from '../dom.js';
 import { bytes, count, moment, number, percent, shortId } from '../format.js';
 import { facts, section } from '../job_parts.js';
@@ -44,8 +45,7 @@ export class BsdfsPage {
     if (!file) return;
     this.notice.replaceChildren(h('p', { class: 'quiet after' }, 'Sending and checking\u2026'));
     try {
-      const answer = await ask(`/v1/bsdfs?${new URLSearchParams({ name: file.name })}`, { method: 'POST', body: file, headers: { 'Content-Type': 'application/xml' } });
-      location.hash = `#/bsdfs/${(await answer.json()).id}`;
+      location.hash = `#/bsdfs/${await client.uploadBsdf(file)}`;
     } catch (error) {
       this.notice.replaceChildren(h('p', { class: 'notice after' }, explain(error)));
     }
@@ -53,7 +53,7 @@ export class BsdfsPage {
 
   async #load() {
     try {
-      const { bsdfs } = await get('/v1/bsdfs?limit=200');
+      const bsdfs = await client.bsdfs(200);
       this.list.replaceChildren(bsdfs.length === 0 ? h('p', { class: 'quiet' }, 'None yet. BSDFs that are dropped here or uploaded with a scene appear in this list.')
         : h('div', { class: 'scroll', role: 'region', tabindex: 0, 'aria-label': 'BSDFs' }, h('table', { class: 'kept' },
           h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, 'Name'), h('th', { scope: 'col' }, 'Origin'), ['Uploaded', 'Size', 'Scenes'].map((word) => h('th', { scope: 'col', class: 'n' }, word)))),
@@ -87,12 +87,12 @@ export class BsdfPage {
 
   async #load() {
     try {
-      this.bsdf = await get(`/v1/bsdfs/${this.id}`);
-      const { bsdfs } = await get('/v1/bsdfs?limit=200').catch(() => ({ bsdfs: [] }));
+      this.bsdf = await client.bsdf(this.id);
+      const bsdfs = await client.bsdfs(200).catch(() => []);
       this.name = bsdfs.find((one) => one.id === this.id)?.name;
       if (!this.closed) this.#show();
     } catch (error) {
-      const text = error instanceof Problem && error.status === 404 ? 'There is no such BSDF. It may have been removed.' : explain(error);
+      const text = error instanceof NotFound ? 'There is no such BSDF. It may have been removed.' : explain(error);
       setText(this.verdict, '');
       this.notice.replaceChildren(h('p', { class: 'notice' }, text));
     }
@@ -159,7 +159,7 @@ export class BsdfPage {
   async #look() {
     const { from, theta, phi } = this.state, turn = (this.turn = {});
     try {
-      const polar = await get(`/v1/bsdfs/${this.id}/polar?${new URLSearchParams({ from, theta_deg: theta, phi_deg: phi })}`, { cache: 'default' });
+      const polar = await client.get(`/v1/bsdfs/${this.id}/polar?${new URLSearchParams({ from, theta_deg: theta, phi_deg: phi })}`, { cache: 'default' });
       if (turn !== this.turn || this.closed) return;
       this.polar = polar;
       this.notice.replaceChildren();

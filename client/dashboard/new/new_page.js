@@ -1,6 +1,6 @@
 // The form for a new job: scene, sky, sensors, views, accuracy, and the predicted time.
 
-import { Problem, explain, get, post } from '../api.js';
+import { client, explain } from '../api.js';
 import { h, setText } from '../dom.js';
 import { bytes, count, duration, moment, number, shortId } from '../format.js';
 import * as parts from '../job_parts.js';
@@ -8,7 +8,7 @@ import { documentOf, gridOf } from './document.js';
 import { ordered } from './mains.js';
 import { Outline } from './outline.js';
 import { PlanPart } from './plan_part.js';
-import { ofChoice, ofDrop, upload } from './dropped.js';
+import { bundleOf, ofChoice, ofDrop } from './dropped.js';
 
 const SKIES = [['own', 'The scene\u2019s own'], ['overcast', 'CIE overcast'], ['clear', 'CIE clear'], ['perez', 'Measured (Perez)'], ['weather', 'Weather file of the scene']];
 
@@ -58,7 +58,7 @@ export class NewPage {
   }
 
   async #listScenes(chosen) {
-    const { scenes } = await get('/v1/scenes').catch(() => ({ scenes: [] }));
+    const scenes = await client.scenes().catch(() => []);
     this.known.hidden = !scenes.length;
     this.scenes.append(...scenes.map((one) => h('option', { value: one.id, selected: one.id === chosen }, `${shortId(one.id)}, ${bytes(one.bytes)}, ${moment(one.created_at)}, ${count(one.jobs)} job${one.jobs === 1 ? '' : 's'}`)));
     if (chosen) this.#choose(chosen);
@@ -72,9 +72,9 @@ export class NewPage {
     this.#say('');
     this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
     try {
-      this.dropped = await upload(await found);
+      this.dropped = await bundleOf(await found);
       this.chosen = [];
-      this.choices = [];
+      this.choices = {};
       await this.#send();
     } catch (error) {
       this.#say(error);
@@ -83,16 +83,13 @@ export class NewPage {
 
   // Uploads the dropped files, with the chosen main files if there are any.
   async #send() {
-    const { body, type, names, mains } = this.dropped, { chosen } = this;
+    const { bundle, mains } = this.dropped, { chosen } = this;
     this.#say('');
-    this.names = names;
+    this.names = bundle.names;
     this.sceneWords.replaceChildren(h('p', { class: 'quiet' }, 'Reading, sending and checking\u2026'));
     try {
-      const query = new URLSearchParams([...chosen.map((name) => ['main', name]), ...this.choices]);
-      const answer = await fetch(`/v1/scenes${query.size ? `?${query}` : ''}`, { method: 'POST', body, headers: { 'Content-Type': type, Accept: 'application/json' } });
-      const scene = await answer.json();
-      if (!answer.ok) throw new Problem(answer.status, scene);
-      await this.#show(scene);
+      const id = await client.upload(bundle, { main: chosen, ...this.choices });
+      await this.#show(await client.scene(id));
     } catch (error) {
       this.sceneWords.replaceChildren(mains?.all.length > 1 ? parts.section('mains', 'Scene', this.#mains(chosen.length ? chosen : mains.all, mains.all)) : '');
       this.form.hidden = true;
@@ -117,12 +114,15 @@ export class NewPage {
 
   // Choices of a Honeybee project: a state for each group of windows, and one of its skies.
   #projectPart({ states, skies, left_out: leftOut }) {
-    const choices = Object.entries(states).map(([group, { chosen, of }]) => ({ label: group, chosen, of, choice: (value) => ['state', `${group}=${value}`] }));
-    const sky = this.choices.find(([name]) => name === 'sky')?.[1];
-    if (skies.length > 1) choices.push({ label: 'Sky of the project', chosen: sky || '', of: ['', ...skies], choice: (value) => ['sky', value] });
+    const choices = Object.entries(states).map(([group, { chosen, of }]) => ({ label: group, group, chosen, of }));
+    if (skies.length > 1) choices.push({ label: 'Sky of the project', chosen: this.choices.sky || '', of: ['', ...skies] });
     const several = choices.filter(({ of }) => of.length > 1);
     const again = () => {
-      this.choices = selects.map((select, i) => several[i].choice(select.value)).filter(([, value]) => value);
+      this.choices = { states: {}, sky: '' };
+      for (const [i, { group }] of several.entries()) {
+        if (group) this.choices.states[group] = selects[i].value;
+        else this.choices.sky = selects[i].value;
+      }
       this.#send();
     };
     const selects = several.map(({ chosen, of }, i) => h('select', { id: `choice-${i}`, disabled: !this.dropped, onchange: again }, of.map((name) => h('option', { value: name, selected: name === chosen }, name || 'None'))));
@@ -133,11 +133,11 @@ export class NewPage {
 
   async #choose(id) {
     this.dropped = null;
-    this.choices = [];
+    this.choices = {};
     this.#say('');
     try {
       this.names = [];
-      await this.#show(await get(`/v1/scenes/${id}`));
+      await this.#show(await client.scene(id));
     } catch (error) {
       this.#say(error);
     }
@@ -165,7 +165,7 @@ export class NewPage {
   // Links to the pages of the BSDFs.
   #bsdfs(scene) {
     const place = h('span', {}, count(scene.summary.bsdfs));
-    get(`/v1/bsdfs?${new URLSearchParams({ scene: scene.id, limit: 12 })}`).then(({ bsdfs, more }) => bsdfs.length && place.replaceChildren(
+    client.get(`/v1/bsdfs?${new URLSearchParams({ scene: scene.id, limit: 12 })}`).then(({ bsdfs, more }) => bsdfs.length && place.replaceChildren(
       ...bsdfs.flatMap((one, i) => [i ? ', ' : '', h('a', { href: `#/bsdfs/${one.id}` }, one.name)]), more ? ' and others' : '')).catch(() => {});
     return place;
   }
@@ -253,7 +253,7 @@ export class NewPage {
       const asked = this.document;
       this.plan?.close();
       this.planPlace.replaceChildren(h('p', { class: 'quiet' }, 'Rendering two small rounds\u2026'));
-      const { plans } = await post('/v1/plans', asked);
+      const plans = await client.plan(asked);
       this.plan = new PlanPart(plans[0], asked.accuracy);
       this.planPlace.replaceChildren(this.plan.node);
       this.planPlace.scrollIntoView({ block: 'nearest' });
@@ -269,7 +269,7 @@ export class NewPage {
     this.#say('');
     this.submit.disabled = true;
     try {
-      const job = await post('/v1/jobs', this.document);
+      const job = await client.submit(this.document);
       location.hash = `#/jobs/${job.id}`;
     } catch (error) {
       this.#say(error);

@@ -1,6 +1,7 @@
 // The scene's floor plan, with the sensors and the view that the form asks for.
 
-import { Problem, get } from '../api.js';
+import { client } from '../api.js';
+import { NotFound } from '../oriel.js';
 import { fill, h, setText, svg } from '../dom.js';
 import { number } from '../format.js';
 
@@ -75,13 +76,13 @@ export class Outline {
   async #cut(height) {
     this.height = height;
     try {
-      const { lines, more } = await get(`/v1/scenes/${this.scene.id}/outline?height=${height}`, { cache: 'default' });
+      const { lines, more } = await client.get(`/v1/scenes/${this.scene.id}/outline?height=${height}`, { cache: 'default' });
       if (height !== this.height) return null;
       this.walls.setAttribute('d', lines.map(([x, y, u, v]) => `M${x} ${-y}L${u} ${-v}`).join(''));
       setText(this.caption, `${lines.length === 0 ? 'Empty section' : 'Section'} at height ${number(height)}${more ? ', only the longest lines' : ''}.`);
       return lines;
     } catch (error) {
-      setText(this.caption, error instanceof Problem && error.status === 404 ? '' : 'The floor plan could not be drawn.');
+      setText(this.caption, error instanceof NotFound ? '' : 'The floor plan could not be drawn.');
       this.drawing.classList.toggle('none', true);
       this.tools.hidden = true;
       return null;

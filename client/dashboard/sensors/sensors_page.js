@@ -1,6 +1,6 @@
 // The page of sensors: heat maps of their planes, a threshold and the fraction that reaches it.
 
-import { ask, explain, filePath, get, jobPath } from '../api.js';
+import { client, explain } from '../api.js';
 import { fill, h, setText } from '../dom.js';
 import { count, jobName, number, percent } from '../format.js';
 import { legend } from '../viewer/legend.js';
@@ -42,12 +42,12 @@ export class SensorsPage {
 
   async #begin() {
     try {
-      this.job = await get(jobPath(this.id));
+      this.job = await client.job(this.id).status();
       fill(this.crumb, this.job.name, () => [h('a', { href: '#/jobs' }, 'Jobs'), ' / ', h('a', { href: `#/jobs/${this.id}` }, jobName(this.job))]);
       this.app.setTitle(`Sensors, ${jobName(this.job)}`);
-      const result = await get(`${jobPath(this.id)}/result`);
+      const result = await client.job(this.id).result();
       this.skies = result.skies?.filter((sky) => !sky.dark) || null;
-      this.document = await get(`${jobPath(this.id)}/document`);
+      this.document = await client.job(this.id).document();
       await this.#take(this.skies ? await this.#ofSky(this.skies[0]) : result);
     } catch (error) {
       this.notice.replaceChildren(h('p', { class: 'notice' }, explain(error)));
@@ -56,7 +56,7 @@ export class SensorsPage {
 
   async #ofSky(sky) {
     this.sky = sky.name;
-    return (await ask(filePath(this.id, sky.file))).json();
+    return (await client.job(this.id).file(sky.file)).json();
   }
 
   async #take(result) {
@@ -83,7 +83,7 @@ export class SensorsPage {
   async #places(result) {
     if (Array.isArray(this.document.sensors)) return this.document.sensors;
     const csv = result.sensor_files?.csv;
-    return csv ? rowsOfCsv(await (await ask(filePath(this.id, csv))).text()) : [];
+    return csv ? rowsOfCsv(await (await client.job(this.id).file(csv)).text()) : [];
   }
 
   get plane() {

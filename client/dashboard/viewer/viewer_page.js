@@ -1,6 +1,6 @@
 // The viewer of HDR pictures: luminances, errors, glare sources.
 
-import { explain, filePath, get, jobPath } from '../api.js';
+import { client, explain, filePath } from '../api.js';
 import { fill, h, setText, svg } from '../dom.js';
 import { count, jobName, number, percent } from '../format.js';
 import { Painter } from './gl.js';
@@ -49,11 +49,11 @@ export class ViewerPage {
   async #begin() {
     try {
       this.painter = new Painter(this.canvas);
-      this.job = await get(jobPath(this.id));
+      this.job = await client.job(this.id).status();
       this.names = this.job.files?.map((one) => one.name) || (this.job.links.files || []).map((link) => decodeURIComponent(link.split('/').pop()));
       fill(this.crumb, this.job.name, () => [h('a', { href: '#/jobs' }, 'Jobs'), ' / ', h('a', { href: `#/jobs/${this.id}` }, jobName(this.job))]);
       this.app.setTitle(`${viewOf(this.file)}, ${jobName(this.job)}`);
-      const document = await get(`${jobPath(this.id)}/document`).catch(() => ({}));
+      const document = await client.job(this.id).document().catch(() => ({}));
       this.unit = document.views?.find((view) => view.name === viewOf(this.file).split('.').pop())?.irradiance ? 'lx' : 'cd/m\u00b2';
       this.first = await load(this.id, this.file, this.names.includes(`${viewOf(this.file)}.error.hdr`));
       if (this.closed) return;
@@ -92,14 +92,14 @@ export class ViewerPage {
   }
 
   async #lookForGlare() {
-    const result = await get(`${jobPath(this.id)}/result`).catch(() => null);
+    const result = await client.job(this.id).result().catch(() => null);
     this.glare = result?.views?.find((view) => view.hdr === this.file)?.glare || null;
     if (this.glare) this.#showPanel();
   }
 
   // Finds jobs of the scene with a picture of the same view.
   async #lookForOthers() {
-    const { jobs } = await get(`/v1/jobs?scene=${this.job.scene}&limit=50`).catch(() => ({ jobs: [] }));
+    const jobs = await client.jobs({ scene: this.job.scene, limit: 50 }).catch(() => []);
     this.others = jobs.filter((job) => job.id !== this.job.id && !job.evicted && job.files?.some((one) => one.name === this.file));
     if (!this.closed) this.#showPanel();
   }

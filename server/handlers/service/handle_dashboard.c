@@ -1,4 +1,5 @@
-/* The dashboard's page, at / for browsers, and its files below /dashboard/. */
+/* The dashboard's page, at / for browsers, and its files below /dashboard/. The JavaScript client
+ * is one of them, and also at /oriel.js for other pages. */
 #include "handlers/handlers.h"
 
 #include <stdio.h>
@@ -9,10 +10,18 @@
 #include "process/embedded_files.h"
 
 /* Allows only the daemon's own files: no script in the page itself, no eval, and no embedding in
- * other sites' frames. */
+ * other sites' frames. Forms are those of the guide's search. */
 static const char policy[] =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' "
-    "blob:; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "blob:; worker-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
+
+void orl_reply_page_headers(struct orl_request *request)
+{
+    orl_reply_header(request, "Content-Security-Policy", policy);
+    orl_reply_header(request, "Cross-Origin-Opener-Policy", "same-origin");
+    orl_reply_header(request, "Cross-Origin-Resource-Policy", "same-origin");
+    orl_reply_header(request, "Referrer-Policy", "no-referrer");
+}
 
 bool orl_dashboard_is_wanted(const struct orl_request *request)
 {
@@ -35,10 +44,7 @@ static void send_file(struct orl_request *request, const struct orl_dashboard_fi
         orl_reply_etag(request, tag);
         if (packed)
             orl_reply_header(request, "Content-Encoding", "gzip");
-        orl_reply_header(request, "Content-Security-Policy", policy);
-        orl_reply_header(request, "Cross-Origin-Opener-Policy", "same-origin");
-        orl_reply_header(request, "Cross-Origin-Resource-Policy", "same-origin");
-        orl_reply_header(request, "Referrer-Policy", "no-referrer");
+        orl_reply_page_headers(request);
     }
     orl_reply_header(request, "Vary", vary);
     orl_reply_header(request, "Cache-Control", cache);
@@ -60,4 +66,9 @@ void orl_handle_dashboard_file(struct orl_request *request)
         send_file(request, file, "Accept-Encoding", "public, max-age=31536000, immutable");
     else
         orl_reply_not_found(request, "file of the dashboard");
+}
+
+void orl_handle_javascript(struct orl_request *request)
+{
+    send_file(request, orl_dashboard_file_find("oriel.js"), "Accept-Encoding", "no-cache");
 }

@@ -292,6 +292,6 @@ void orl_handle_metrics(struct orl_request *request)
             text = NULL;
         }
     }
-    orl_reply_owned_text(request, "text/plain; version=0.0.4; charset=utf-8", text);
+    orl_reply_owned_text(request, 200, "text/plain; version=0.0.4; charset=utf-8", text);
     orl_reply_header(request, "Cache-Control", "no-store");
 }

@@ -17,12 +17,13 @@ void orl_handle_index(struct orl_request *request)
         orl_dashboard_reply(request);
         return;
     }
-    orl_reply_json(request, 200,
-                   json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s, s:s, s:s, s:s}}",
-                             "service", "oriel", "version", ORL_VERSION, "api", "v1", "contract",
-                             "/openapi.yaml", "links", "scenes", "/v1/scenes", "bsdfs", "/v1/bsdfs",
-                             "jobs", "/v1/jobs", "maps", "/v1/maps", "limits", "/v1/limits",
-                             "health", "/healthz", "session", "/v1/session"));
+    orl_reply_json(
+        request, 200,
+        json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:s}}",
+                  "service", "oriel", "version", ORL_VERSION, "api", "v1", "contract",
+                  "/openapi.yaml", "links", "scenes", "/v1/scenes", "bsdfs", "/v1/bsdfs", "jobs",
+                  "/v1/jobs", "maps", "/v1/maps", "limits", "/v1/limits", "health", "/healthz",
+                  "session", "/v1/session", "guide", "/guide", "javascript", "/oriel.js"));
     orl_reply_header(request, "Vary", "Accept");
 }
 

@@ -143,13 +143,14 @@ void orl_reply_text(struct orl_request *request, const char *type, const char *t
     orl_reply_bytes(request, type, text, strlen(text));
 }
 
-void orl_reply_owned_text(struct orl_request *request, const char *type, char *text)
+void orl_reply_owned_text(struct orl_request *request, unsigned status, const char *type,
+                          char *text)
 {
     struct MHD_Response *response =
         text ? MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE) : NULL;
     if (!response)
         free(text);
-    set_response(request, 200, response, type);
+    set_response(request, status, response, type);
 }
 
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type)

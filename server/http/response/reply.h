@@ -36,7 +36,8 @@ void orl_reply_text(struct orl_request *request, const char *type, const char *t
 /* Replies with constant bytes, which are not copied. */
 void orl_reply_bytes(struct orl_request *request, const char *type, const char *data, size_t size);
 /* Replies with text, and takes ownership of it. NULL (out of memory) becomes a 503. */
-void orl_reply_owned_text(struct orl_request *request, const char *type, char *text);
+void orl_reply_owned_text(struct orl_request *request, unsigned status, const char *type,
+                          char *text);
 /* Replies with a file by descriptor, and takes ownership of the descriptor. */
 void orl_reply_file(struct orl_request *request, int fd, uint64_t size, const char *type);
 /*
