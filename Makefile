@@ -97,6 +97,7 @@ help:
 ## make asan       all tests under AddressSanitizer and UndefinedBehaviorSanitizer
 ## make tsan       the threaded tests under ThreadSanitizer
 ## make browser    the dashboard's tests alone, in Chromium; screenshots in build/browser
+## make guide-check  all commands of README and guide, long ones too; their output compared
 ## make stability  the 48 hard cases in their long form, as a table of measured values and bounds
 ## make cie171     CIE 171:2006, cases 5.4 to 5.14, as a table of references and results
 ## make oracles    skies, the white furnace, the moved office: the same kind of table
@@ -298,11 +299,15 @@ $(BUILD)/browser/ready: $(BROWSER_LOCK)
 
 check: deps-check deps-browser
 	@$(MAKE) --no-print-directory -j$(JOBS) tests $(BUILD)/browser/ready
-	@tests/run $(BUILD) tests/browser/run $(TEST_BIN)
+	@tests/run $(BUILD) tests/browser/run tests/guide/run $(TEST_BIN)
 .PHONY: long
 long: deps-check
 	@$(MAKE) --no-print-directory -j$(JOBS) tests
 	@ORIEL_LONG=1 TEST_TIMEOUT=3600 tests/run $(BUILD) $(TEST_BIN)
+.PHONY: guide-check
+guide-check: deps-check
+	@$(MAKE) --no-print-directory -j$(JOBS) all
+	@ORIEL_BUILD=$(BUILD) tests/guide/run --long
 .PHONY: browser
 browser: deps-check deps-browser
 	@$(MAKE) --no-print-directory -j$(JOBS) all $(BUILD)/browser/ready
@@ -452,6 +457,7 @@ lint: deps-lint $(BUILD)/generated/schemas.h $(GENERATED) $(BUILD)/generated/com
 	tests/check_boundaries
 	tests/check_names
 	tests/check_promises
+	tests/check_guide
 	cd client/python && mypy --cache-dir $(abspath $(BUILD))/mypy && pyflakes3 oriel setup.py ../../tests/api/python_*.py
 	@$(MAKE) --no-print-directory -j$(JOBS) all
 	tests/check_circles $(BUILD)

@@ -289,7 +289,7 @@ static void test_command_line(void **state)
             fail_msg("orield %s did not end with status 2", wrong[i]);
 }
 
-/* Limits of a daemon without options, as README.md and api/openapi state them. */
+/* Limits of a daemon without options, as the guide and api/openapi state them. */
 static void test_documented_limits(void **state)
 {
     static const struct {
