@@ -1,49 +1,7 @@
 /*
  * A year's document (JSON) -> struct orl_annual_job, and its results -> result.json.
- *
- *     {"kind": "annual", "title": "The office" (optional),
- *      "scene": as in a job (job_json.h), without a sky of its own,
- *      "weather": "oakland.epw" (or .wea), "north": 0 (degrees, counter-clockwise from +Y),
- *      "ground_reflectance": 0.2, "sun": "accurate" (or "radiance": as gendaylit places it),
- *      "grids": [{"name": "desks" (by default its file's name), "area": 20.5 (for all or none),
- *                 "sensors": {"file": "desks.pts"} or [[x, y, z, dx, dy, dz], ...]}],
- *      or "sensors" alone, as in a job,
- *      "shades": [...], "matrices": [...] (annual_members_json.h),
- *      "occupancy": {"from": 8, "to": 18, "days": ["mon", ...], "first_day": "sun"}
- *                   or {"file": "occupancy.csv"} (oriel/annual/annual_metrics.h),
- *      "metrics": ["DA300", "UDI100-3000", ...], "targets": ["sDA300/50 >= 55 %", ...],
- *      "rules": ["EN 17037", "LEED", ...], "samples": 2048 (paths per sensor), "seed": 0,
- *      "sun_halvings": 0 (to 2: how often the distance between the sun's nodes is halved),
- *      "technique": "paths" or "precomputed", "photons": 300000 (by default chosen for the scene),
- *      "median_diffuse": 14200 (lx outside, for daylight factors; by default from the weather),
- *      "exposure": {...}, "view_out": {...}, "glare": {...} (annual_members_json.h),
- *      "accuracy": {"verdict": "sDA300/50 >= 55 %"} (more paths for
- *      sensors that leave the verdict open; "samples" then is for the first round, by default 256),
- *      "formats": ["honeybee", "ill", "coefficients", "phases"] (files beside the usual ones),
- *      "priority": 5 (read by job_request_json.h)}
- *
- * result.json:
- *     {"kind": "annual", "state", "title", "location": {"latitude", "longitude", "time_zone"},
- *      "hours": {"occupied", "daylight", "year", "missing", "doubtful", "sun_up"},
- *      "median_diffuse" (lx: as given, or from the weather),
- *      "grids": [{"name", "sensors", "figures": [{"name", "unit", "value", "interval_95", "open"
- *      (undecided sensors)}]}], "all": {likewise} (for several grids together),
- *      "verdicts": [{"rule", "clause" (null: the job's own target), "target", "grid" (null: all),
- *      "unit", "value", "interval_95", "open", "verdict", "note" (why undecided; null: by its
- *      interval, or decided), "hours" (behind the figure; null: a daylight factor)}],
- *      "rules": [{"rule", "grid", "verdict", "note"}] (over all targets of each),
- *      "accuracy": null or {"target", "value", "interval_95", "verdict", "settled", "rounds",
- *      "refined_sensors", "most_samples", "sun_halvings"} (oriel/annual/annual_report.h),
- *      "shades": null or the states of window groups (annual_members_json.h),
- *      "exposure": null or hours of visible sun at points in windows (annual_members_json.h),
- *      "view_out": null or distance and width of the view out (annual_members_json.h),
- *      "glare": null or glare at seats (annual_members_json.h),
- *      "files": [...] (names below the result's folder), "provenance": {"version", "seed",
- *      "samples", "inputs": [{"name", "bytes", "sha256"}], "settings": {...},
- *      "document": from which `oriel verify` repeats the year},
- *      "reuse": null or {"suns", "map", "paths", "sun": {"found", "topped_up", "made"},
- *      "rays_saved"} (from earlier jobs' results: oriel/annual/annual.h), "rays" (of this run's
- * paths), "timings_s", "threads", "warnings"} Unknown numbers are null.
+ * api/schema/annual.yaml describes the document, and api/schema/result_annual.yaml the result.
+ * oriel/annual/annual.h and annual_report.h define the terms. Unknown numbers are null.
  *
  * Rules, ownership, threads and errors as in job_json.h.
  */

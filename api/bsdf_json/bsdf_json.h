@@ -57,25 +57,9 @@ json_t *orl_bsdf_comparison_to_json(const struct orl_bsdf_comparison *comparison
  * A request to compute a panel's BSDF (JSON) -> struct orl_bsdf_make_request, and the result ->
  * JSON.
  *
- *     {"kind": "bsdf_make", "scene": {"files": ["panel.rad"]} (or an id, as in a job),
- *      "name": "Laser cut panel" (the first file's when left out),
- *      "basis": "klems_full" (the default), "klems_half", "klems_quarter", "tensor_tree_3" or
- *      "tensor_tree_4",
- *      "resolution": 64, "cull": 0.05 (for tensor trees only),
- *      "color": true (X and Z beside Y, u' and v' in trees; default false),
- *      "cell": {"x": [0, 1], "y": [0, 0.02]} (the box around the panel when left out),
- *      "symmetry": "none" (the default), "left_right", "up_down" or "both",
- *      "paths": 16384 (per incident direction; by default from the basis),
- *      "accuracy": 0.02, "paths_most": 1048576 (per direction, only with an accuracy),
- *      "seed": 1}
- *
- * The result: {"kind", "diffuse": {"front": {"reflected": {"value", "standard_error"},
- * "transmitted": {...}}, "back": {...}}, "directions": [{"theta_deg", "phi_deg", "front",
- * "back"}], "standard_errors": {"transmission_front": [[...], ...] (a row for each direction in,
- * 1/sr), "transmission_back", "reflection_front", "reflection_back"}, "worst_relative_error",
- * "joined_relative_error", "reached", "paths", "lost", "cell": {"x", "y", "z"}}. For tensor trees,
- * "directions" is empty and standard errors are null. Front is the surface's front: z > 0, the
- * inside. The XML calls that side Back.
+ * api/schema/bsdf_jobs.yaml describes the document, and api/schema/result_bsdf.yaml the result. For
+ * tensor trees, "directions" is empty and standard errors are null. Front is the surface's front:
+ * z > 0, the inside. The XML calls that side Back.
  *
  * Rules, ownership, threads and errors as in job_json.h. oriel/bsdf/bsdf_make.h defines the terms.
  */
@@ -101,22 +85,7 @@ json_t *orl_bsdf_made_warnings(const struct orl_bsdf_make_result *made,
  * A request to fit a BSDF to measurements (JSON) -> struct orl_bsdf_fit_request, and the result ->
  * JSON.
  *
- *     {"kind": "bsdf_fit", "measurements": {"files": ["t_0.txt", "t_15.txt"]} (or an id, as a job's
- *      scene), "name": "Prismatic film" (the data's, or the first file's, when left out),
- *      "basis": "tensor_tree_3", "tensor_tree_4", "klems_full", "klems_half" or "klems_quarter" (a
- *      tensor tree of rank 3 if isotropic, else of rank 4, when left out),
- *      "symmetry": "auto" (the default), "isotropic", "quadrilateral", "left_right", "up_down",
- *      "half_turn" or "none",
- *      "resolution": 64, "cull": 0.02 (for tensor trees only),
- *      "reversed": false, "keep_outliers": false, "grazing": 0 (degrees)}
- *
- * The result: {"kind", "basis", "symmetry", "rows", "components": {"transmission_front":
- * {"diffuse": {"value", "error"}, "misplaced", "theta_most_deg"} or null, ...}, "scans":
- * [{"component", "theta_deg", "phi_deg", "rows", "outliers", "knots", "covered", "hidden_deg",
- * "noise", "total": {"value", "standard_error"}, "peak": {"value", "theta_deg", "phi_deg"},
- * "left_out": {"predicted", "misplaced"} or null}], "outliers": {"count", "told": [{"file",
- * "line", "value", "around"}]}, "color_left_out"}. Front is the surface's front: z > 0, the
- * inside. The XML calls that side Back.
+ * api/schema/bsdf_jobs.yaml describes the document, and api/schema/result_bsdf.yaml the result.
  *
  * Rules, ownership, threads and errors as in job_json.h. oriel/bsdf/bsdf_fit.h defines the terms.
  */

@@ -1,19 +1,8 @@
 /*
- * A job document (JSON) -> struct orl_job.
+ * A job document (JSON) -> struct orl_job. api/schema/job.yaml describes the document; "priority"
+ * is read by job_request_json.h, and used only by the daemon.
  *
- *     {"kind": "render", "scene": "<id>" or {"files": ["room.rad", ...]},
- *      "technique": "auto" (the default), "backward", "gather", "direct" or "precomputed",
- *      "effects": {"caustics": "skip", ...} (job_members_json.h), "seed": 1,
- *      "photons": {"global": 2000000, "caustic": 2000000} (each chosen by the plan when left out),
- *      "gather_samples": 4096 (rays per sensor), "pixel_samples": 64 (paths per pixel, backward),
- *      "sky": {...} (job_members_json.h), only with a scene that has none,
- *      "skies": [{...}, ...] instead, or a sequence of hours (job_members_json.h),
- *      "sensors": {"file": "sensors.txt"} or [[x, y, z, dx, dy, dz], ...],
- *      "grids": [...] instead, with names (job_members_json.h),
- *      "priority": 5 (read by job_request_json.h; used only by the daemon),
- *      "views": [{"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300}]}
- *
- * Required are scene, and sensors or views or both. Unlisted members are errors, so that a
+ * Members without a description are errors, so that a
  * misspelt setting is found. Messages name the JSON path ("photons.globl") in orl_error.primitive
  * and in the sentence.
  *

@@ -15,18 +15,9 @@
 #include "json/decode.h"
 
 /*
- * The sky of a job document (JSON) -> struct orl_sky_request, one of:
- *
- *     {"perez": {"month": 3, "day": 22, "hour": 12, "latitude": 38.42, "longitude": 27.14,
- *                "time_zone": 2, "direct_normal_w_m2": 800, "diffuse_horizontal_w_m2": 120,
- *                "ground_reflectance": 0.2}}
- *     {"cie": {"type": "overcast", "diffuse_horizontal_lx": 10000}}
- *     {"weather": {"file": "place.epw", "month": 3, "day": 22, "hour": 11.5}}
- *
- * Optional members beside it are "normalise": "flux" (the default) or "gendaylit", and "sun":
- * "accurate" (the default) or "radiance". Longitude is in degrees EAST of Greenwich, the time zone
- * in hours EAST. Instead of time and site, perez and cie take sun_altitude and sun_azimuth
- * (degrees from south towards west). api/schema/sky.yaml lists the other inputs for a sky's brightness.
+ * The sky of a job document (JSON) -> struct orl_sky_request: "perez", "cie" or "weather", as
+ * api/schema/sky.yaml describes them. Longitude is in degrees EAST of Greenwich, the time zone in
+ * hours EAST. Instead of time and site, perez and cie take the sun's altitude and azimuth.
  * oriel/job/sky.h and orl_job_validate have their meaning and bounds.
  */
 
@@ -35,17 +26,10 @@
 orl_json_decoder orl_sky_from_json;
 
 /*
- * Several skies of a job document (JSON) -> the job's list of skies. The skies are given one by
- * one, as above, with a name for the results:
- *
- *     [{"name": "noon", "weather": {...}}, {"cie": {...}}, ...]
- *
- * or as a sequence of hours in a year of 365 days. It has a sky model that depends on time,
- * without month, day and hour. It also has the first and the last moment (inclusive) and the step
- * in hours:
- *
- *     {"weather": {"file": "place.epw"}, "from": {"month": 3, "day": 22, "hour": 0.5},
- *      "to": {"month": 3, "day": 22, "hour": 23.5}, "step_h": 1}
+ * Several skies of a job document (JSON) -> the job's list of skies. They are given one by one,
+ * with a name for the results, or as a sequence of hours (NamedSky and SkySequence of
+ * api/schema/sky.yaml). A sequence has a sky model that depends on time, without month, day and
+ * hour.
  *
  * A sky without a name is named by its time, "0322-1130" for month, day, hour and minute, or else
  * by its number, "sky-0007".
@@ -57,18 +41,9 @@ orl_json_decoder orl_skies_from_json;
 /*
  * Plans: effect overrides in a job document, and the plan in result.json.
  *
- * A job document's "effects" is an object from names of effects (orl_effect_name) to "auto",
- * "force" or "skip". "caustics" stands for caustics_mirror, caustics_bsdf and caustics_glass. One
- * of these named beside it overrides it, in any order.
- *
- * A result's "plan", and what `oriel plan --json` prints:
- *
- *     {"technique": "gather", "why": "...", "most_reflections": 12 or null (all of them),
- *      "channels": 1 or 3, "photons": {"global": 2000000, "caustic": 0},
- *      "effects": [{"effect": "sun", "simulated": true, "wish": "auto", "why": "...",
- *                   "bound": null or {"value": 0.2, "unit": "lx" or "relative"},
- *                   "saved_s": 0.5}, ...]}
- *
+ * One of the effects that "caustics" stands for (Wishes of api/schema/effects.yaml) overrides it if
+ * it is named as well, in any order. A result's "plan" (Plan of api/schema/plan.yaml) is also what
+ * `oriel plan --json` prints,
  * with every effect once, in the order of enum orl_effect. A bound that is not finite has the
  * value null. Functions return new references, owned by the caller, or NULL when out of memory.
  */
@@ -94,13 +69,8 @@ int orl_job_sensors_from_json(const json_t *sensors, const char *path, struct or
                               struct orl_error *err);
 
 /*
- * A job's sensors in grids:
- *
- *     "grids": [{"name": "desks", "sensors": {"file": "grid/desks.pts"} or [[x, y, z, dx, dy, dz],
- *               ...]}]
- *
- * in place of "sensors". The result has "grids": [{"name", "first", "count", "res", "npy"}]: first
- * is an index in "sensors", res and npy are file names.
+ * A job's sensors in grids
+ * (Grids of api/schema/sensors.yaml), in place of "sensors".
  */
 
 /* Decoder (decode.h) into a struct orl_job; sensors and grids read before an error stay there. */
@@ -113,12 +83,8 @@ json_t *orl_grids_to_json(const struct orl_result *result);
 json_t *orl_sensor_summary_to_json(const struct orl_result *result, size_t first, size_t count);
 
 /*
- * Maps and tables of sensors. A job has
- *
- *     "heat_map": {"scale", "decades", "divisions", "palette": as in view_json.h,
- *                  "thresholds": [300], "length_unit": "m"}
- *
- * and a result has {"csv", "res", "maps": [{"png", "svg", "dat" (for a full grid), "sensors"}]}.
+ * Maps and tables of sensors: HeatMap of api/schema/sensors.yaml, and SensorResultFiles of a
+ * result.
  */
 
 /* Decoder (decode.h) into a struct orl_heat_map_request. */

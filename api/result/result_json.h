@@ -1,19 +1,6 @@
 /*
  * Results in JSON: result.json of a job and of a job with several skies, photon maps, and summaries
- * of scenes. Members of result.json, also in the job document:
- *
- *     {"state", "threads", "seed", "plan": {...} or null (job_members_json.h),
- *      "timings_s": {"load", "bvh", "plan", "photons", "maps", "render", "total"},
- *      "maps": [{"kind", "key", "emitted", "stored", "reused", "bytes", "seconds", "cached"}],
- *      "sensors": [{"illuminance_lx", "standard_error_lx", "bias_estimate_lx",
- *                   "interval_95_lx": [low, high], "unreliable": [...]}],
- *      "views": [{"name", "hdr", "png", "error_hdr" and "error_png" where errors are known,
- *                 "seconds"}], "health": {...}, "warnings": ["..."],
- *      "dark" (for a job with a sky): true if the sky gives no light,
- *      "accuracy": {"asked", "met", "achieved", "rounds", "why",
- *                   "course": [{"seconds", "error"}]} for a job with a goal,
- *      "cost": {"seconds": as timings_s, "rays", "photons",
- *               "next": {"error", "halve_s", "one_percent_s", "model"}}}
+ * of scenes. api/schema/result.yaml describes them.
  *
  * Functions return new references, owned by the caller, or NULL when out of memory.
  */
@@ -42,12 +29,8 @@ json_t *orl_map_info_to_json(const struct orl_map_info *info);
 
 /*
  * Results of a job of several skies -> JSON. Each sky has its own result (as above, with its
- * name as "sky") in a file <sky>.json. The results of all skies are
- *
- *     {"state", "threads", "seed", "timings_s" (sums), "skies": [
- *          {"name", "file", "dark", "technique", "seconds", "illuminance_lx": [...],
- *           "views": as in the sky's result, "accuracy": likewise}],
- *      "warnings": those of all skies, each once}
+ * name as "sky") in a file <sky>.json. SkiesResult of api/schema/result.yaml describes the results
+ * of all skies.
  *
  * Functions that return JSON return a new reference, owned by the caller, or NULL when out of
  * memory.

@@ -1,12 +1,7 @@
 /*
  * Views in JSON: a view of a job, its pictures and glare, and sequences of views under several
- * skies. A view of a job document:
- *
- *     {"name": "desk", "view": "-vtv -vp ...", "width": 400, "height": 300, "pixel_aspect": 1, ...}
- *     {"name": "desk", "file": "desk.vf", "entry": 2, "width": 400, "height": 300, ...}
- *
- * Width and height may be left out if the options of "view" have -x and -y. "entry" is a number or
- * a name. The other members are below.
+ * skies. api/schema/view.yaml describes them. Width and height may be left out if the options of
+ * "view" have -x and -y.
  */
 #ifndef ORL_API_VIEW_VIEW_JSON_H
 #define ORL_API_VIEW_VIEW_JSON_H
@@ -22,17 +17,7 @@
 /* Decoder into a struct orl_view_request of zeros. */
 orl_json_decoder orl_view_from_json;
 
-/*
- * Pictures of a view, in a job document and in results.
- *
- *     "formats": ["hdr", "png", "png16", "exr", "exr_float"]
- *     "display": {"tone": "human", "veil": true, "acuity": true, "color_loss": true}
- *                {"tone": "linear"}   {"exposure": 0.5}   {"ev": 9}
- *     "false_color": {"scale": 2000 or "auto", "decades": 2, "divisions": 8, "palette": "even",
- *                     "label": "cd/m2", "multiplier": 179, "isolines": true, "extrema": true,
- *                     "draw": ["fill", "lines", "bands"],
- *                     "points": [{"name": "desk", "x": 20, "y": 30}]}
- */
+/* ---- Pictures of a view, in a job document and in results ------------------------------------ */
 
 /* Decoder into a double: a number, or "auto", which leaves it unchanged. Heat maps use it too. */
 orl_json_decoder orl_scale_from_json;
@@ -50,15 +35,8 @@ int orl_pictures_to_json(const struct orl_view_result *view, json_t *json);
 bool orl_pictures_read_back(const json_t *json, struct orl_view_result *view);
 
 /*
- * Glare in JSON, decoded and encoded.
- *
- * In a job's view:
- *     "metrics": ["dgp", "ugr", ...] or ["all"], names as in orl_glare_metric_name,
- *     "glare": {"threshold": 5, "task": {"x": 200, "y": 90, "angle_rad": 0.6}, "radius_rad": 0.2,
- *               "smooth": true, "peak_cd_m2": 50000, "peaks": false, "formula": "published",
- *               "low_light_correction": true, "age_years": 60, "vertical_illuminance_lx": 1200,
- *               "position": "whole_pixels", "directions": {"count": 9, "span_deg": 120}}
- * all optional. A result has the output of orl_glare_to_json; unknown numbers are null.
+ * Glare in JSON, decoded and encoded: "metrics" and "glare" of a view (api/schema/glare.yaml), and
+ * Glare of a result (api/schema/result_glare.yaml). Unknown numbers are null.
  */
 
 orl_json_decoder orl_glare_metrics_from_json;  /* decoder; sets bits of a uint32_t */
@@ -69,17 +47,9 @@ json_t *orl_glare_to_json(const struct orl_glare *glare, uint32_t metrics);
 
 /*
  * Sequences: a job's views under all its skies, drawn for comparison.
- *
- *     "sequence": {"frame_s": 0.5, "columns": 4, "picture_width": 240}
- *
- * all optional. Each view gets files: its pictures with one common exposure, a contact sheet and
- * an animation, both PNG. A view that asks for DGP also gets a chart of DGP over the skies. In the
- * job's result:
- *
- *     "sequence": [{"view": "desk", "frames": ["sequence.desk.frame-0322-0630.png", ...],
- *                   "sheet": "sequence.desk.sheet.png",
- *                   "animation": "sequence.desk.animation.png",
- *                   "dgp_png": "sequence.desk.dgp.png", "dgp_svg": "sequence.desk.dgp.svg"}]
+ * Sequence of api/schema/view.yaml describes the request, and SequenceFiles the result. Each view
+ * gets its pictures with one common exposure, a contact sheet and an animation, both PNG. A view
+ * that asks for DGP also gets a chart of DGP over the skies.
  */
 
 /* Decoder (decode.h) into a struct orl_sequence_request. */

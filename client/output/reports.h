@@ -32,8 +32,8 @@ void orl_print_warnings(json_t *warnings);
 void orl_report_job_error(const json_t *job);
 
 /* Prints jobs as a table, one per line, for `oriel status` without an id and `oriel watch`. jobs:
- * JobSummary of api/schema/status.yaml, or whole documents, which have the same members. Ids are cut to
- * their first eight digits, which all commands accept. */
+ * JobSummary of api/schema/status.yaml, or whole documents, which have the same members. Ids are
+ * cut to their first eight digits, which all commands accept. */
 void orl_print_jobs(const json_t *jobs);
 
 /* Prints the table's heading, or one line. */

@@ -17,8 +17,6 @@
 #include "json/decode.h"
 #include "json/encode.h"
 
-enum { DEFAULT_S = 300 };
-
 struct link_request {
     char **files; /* owned */
     size_t count;
@@ -75,7 +73,8 @@ static json_t *links_to_json(const struct orl_request *request, const struct orl
 
 static void reply_links(struct orl_request *request, const json_t *doc)
 {
-    struct link_request link_request = {.seconds = DEFAULT_S};
+    struct link_request link_request = {.seconds =
+                                            (uint32_t)orl_schema_link_request_seconds.preset};
     struct orl_error err;
     const struct orl_jobs_job *job = orl_job_of_path(request);
     if (!job)
