@@ -303,10 +303,14 @@ class Proxy:
             what = self.rule(line, self.requests)
             if what == "break":
                 return
+            if what == "busy":
+                client.sendall(b"HTTP/1.1 503 Busy\r\nRetry-After: 0\r\nContent-Length: 0\r\n\r\n")
+                return
             with socket.create_connection((self.host, self.port)) as daemon:
                 daemon.sendall(first)
                 threading.Thread(target=self.pump, args=(client, daemon), daemon=True).start()
                 self.pump(daemon, None if what == "lose" else client)
+                client.shutdown(socket.SHUT_RDWR)  # closing alone does not end the other pump
 
     @staticmethod
     def pump(source, sink):
@@ -342,6 +346,20 @@ def broken(desk):
     proxy = Proxy(desk.url, lambda line, before: "break")
     raises(oriel.Unreachable, oriel.Client(proxy.url, retries=2, backoff=0.05).jobs)
     assert len(proxy.requests) == 3
+    proxy = Proxy(desk.url, lambda line, before: "busy" if len(before) == 1 else "forward")
+    assert oriel.Client(proxy.url, backoff=0.05).jobs() and len(proxy.requests) == 2
+    proxy = Proxy(desk.url, lambda line, before: "busy")
+    assert raises(oriel.Busy, oriel.Client(proxy.url, retries=0).jobs).retry_after == 0
+
+
+def restarts(desk):
+    """A wait goes on while the daemon does not answer, as during a restart, but for no longer than its patience."""
+    job = desk.client.submit(os.path.join(desk.folder, "room.rad"), sensors=[[1.5, 1, 0.8, 0, 0, 1]], seed=6, **FAST)
+    proxy = Proxy(desk.url, lambda line, before: "break" if len(before) < 8 or "/events" in line else "forward")
+    assert oriel.Client(proxy.url, retries=0).job(job.id).wait(poll=0.02)["state"] == "succeeded"
+    assert len(proxy.requests) >= 8
+    raises(oriel.Unreachable, oriel.Client(Proxy(desk.url, lambda line, before: "break").url, retries=0).job(job.id).wait,
+           poll=0.02, patience=0)
 
 
 def followed(desk):
