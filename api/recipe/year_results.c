@@ -45,7 +45,7 @@ static int read_thresholds(const struct orl_recipe_run *run, struct thresholds *
         while (i < 3 && strncmp(at, parts[i].name, strlen(parts[i].name)) != 0)
             i++;
         const double value = i < 3 ? strtod(at + strlen(parts[i].name), &end) : 0;
-        if (!(value > 0))
+        if (i == 3 || !(value > 0))
             return orl_error_set(err, ORL_ERR_INVALID,
                                  "thresholds: '%.60s': -t, -lt and -ut are expected, each with its "
                                  "lux",

@@ -118,7 +118,7 @@ static int read_model(const char *path, json_t **ret_model, struct orl_error *er
 static int make_run(struct recipe_command *command, struct orl_error *err)
 {
     char *weather = NULL, *schedule = NULL;
-    struct orl_recipe_texts texts = {NULL};
+    struct orl_recipe_texts texts = {.model = NULL};
     json_t *model = NULL;
     int rc = orl_recipe_check_inputs(command->recipe, command->given, &command->inputs,
                                      &command->notes, err);
