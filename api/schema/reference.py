@@ -131,7 +131,7 @@ class Page:
                            for name, one in node["properties"].items()))
         for example in node.get("examples", ()):
             lines = ["%s: %s" % (json.dumps(name), json.dumps(one)) for name, one in example.items()]
-            text += "\nAn example:\n\n    {" + ",\n     ".join(lines) + "}\n"
+            text += "\nAn example:\n\n```text\n{" + ",\n ".join(lines) + "}\n```\n"
         return text
 
 
