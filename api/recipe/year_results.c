@@ -41,7 +41,7 @@ static int read_thresholds(const struct orl_recipe_run *run, struct thresholds *
     const char *at = orl_recipe_text(run->inputs, "thresholds");
     while (at && *(at += strspn(at, " "))) {
         size_t i = 0;
-        char *end;
+        char *end = NULL;
         while (i < 3 && strncmp(at, parts[i].name, strlen(parts[i].name)) != 0)
             i++;
         const double value = i < 3 ? strtod(at + strlen(parts[i].name), &end) : 0;
