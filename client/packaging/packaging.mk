@@ -51,7 +51,7 @@ packaging: all $(PACKAGING)/manuals $(PACKAGING)/completions
 # Documents: their place in the source, and their folder below docdir.
 EXAMPLES := $(sort $(shell find client/examples -type f))
 GUIDE_FILES := $(sort $(shell find client/guide -type f 2>/dev/null))
-PYTHON_MODULE := $(sort $(shell cd client/python && find oriel oriel.py -type f \( -name '*.py' -o -name py.typed \) 2>/dev/null))
+PYTHON_MODULE := $(sort $(shell cd client/python && find oriel -type f \( -name '*.py' -o -name py.typed \) 2>/dev/null))
 JAVASCRIPT := $(sort $(wildcard client/javascript/*.js))
 
 # $(1): files, $(2): their folder in the source, $(3): the folder to install to.
@@ -84,6 +84,7 @@ install-files:
 	$(call install_files,$(EXAMPLES),client/examples,$(docdir)/examples)
 	$(call install_files,$(GUIDE_FILES),client/guide,$(docdir)/guide)
 	$(call install_files,$(PYTHON_MODULE),client/python,$(pythondir))
+	@echo $(VERSION) >"$(DESTDIR)$(pythondir)/oriel/VERSION"
 	$(call install_files,$(JAVASCRIPT),client/javascript,$(javascriptdir))
 install-strip:
 	@$(MAKE) --no-print-directory INSTALL_PROGRAM='$(INSTALL_PROGRAM) -s' install
@@ -94,7 +95,7 @@ uninstall:
 	rm -f "$(DESTDIR)$(mandir)/man1/oriel.1" "$(DESTDIR)$(mandir)"/man1/oriel-*.1 "$(DESTDIR)$(mandir)/man8/orield.8"
 	rm -f "$(DESTDIR)$(bashcompletiondir)/oriel" "$(DESTDIR)$(bashcompletiondir)/orield" \
 		"$(DESTDIR)$(zshcompletiondir)/_oriel" "$(DESTDIR)$(zshcompletiondir)/_orield"
-	rm -f $(foreach file,$(PYTHON_MODULE),"$(DESTDIR)$(pythondir)/$(file)")
+	rm -f $(foreach file,$(PYTHON_MODULE) oriel/VERSION,"$(DESTDIR)$(pythondir)/$(file)")
 	-rmdir "$(DESTDIR)$(pythondir)/oriel" 2>/dev/null
 	rm -rf "$(DESTDIR)$(docdir)" "$(DESTDIR)$(javascriptdir)"
 
