@@ -367,7 +367,7 @@ static void test_unknown_member_lists_the_known(void **state)
     struct orl_error err;
     char *id = NULL;
     decode("{\"scene\":\"" ID "\",\"photons\":{\"globl\":1}}", ORL_JOB_REMOTE, &job, &id, &err);
-    assert_string_equal(err.hint, "Known here: global, caustic, exact");
+    assert_string_equal(err.hint, "did you mean \"global\"? Known here: global, caustic, exact");
 }
 
 /* Text that is not JSON, or not a valid document, gives an error with its line. */

@@ -190,7 +190,8 @@ static void test_mistakes(void **state)
         {"[]", "it: an object is expected here, not an array", "", ORL_ERR_INVALID},
         {"{}", "it.text: a string is expected here, not nothing", "", ORL_ERR_INVALID},
         {"{\"txt\": \"a\"}", "it.txt: there is no such member",
-         "Known here: real, above, positive, whole, whole_32, whole_int, flag, text, color, inner, "
+         "did you mean \"text\"? Known here: real, above, positive, whole, whole_32, whole_int, "
+         "flag, text, color, inner, "
          "reals, "
          "sum, elsewhere",
          ORL_ERR_INVALID},
@@ -210,7 +211,8 @@ static void test_mistakes(void **state)
         {"{\"text\": \"abcdef\"}", "it.text: 6 bytes; the limit is 5", "", ORL_ERR_LIMIT},
         {"{\"text\": \"\"}", "it.text: the string is empty", "", ORL_ERR_INVALID},
         {"{\"text\": \"a\", \"color\": \"Red\"}",
-         "it.color: \"red\", \"green\" or \"blue\" is expected here", "", ORL_ERR_INVALID},
+         "it.color: \"red\", \"green\" or \"blue\" is expected here, not \"Red\"",
+         "did you mean \"red\"?", ORL_ERR_INVALID},
         {"{\"text\": \"a\", \"color\": 0}",
          "it.color: \"red\", \"green\" or \"blue\" is expected here", "", ORL_ERR_INVALID},
         {"{\"text\": \"a\", \"inner\": {}}", "it.inner.x: a number is expected here, not nothing",
