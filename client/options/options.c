@@ -27,7 +27,7 @@ int orl_usage_error(const struct orl_subcommand *self, const char *format, ...)
 static void print_option(const struct orl_option *option)
 {
     enum { HELP_COLUMN = 25 };
-    char left[64];
+    char left[128]; /* a value may be all words of an enumeration */
     const int length =
         snprintf(left, sizeof left, "  %s%c%s--%s%s%s", option->letter ? "-" : "",
                  option->letter ? option->letter : ' ', option->letter ? ", " : "   ", option->name,

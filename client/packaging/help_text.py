@@ -68,13 +68,12 @@ class Help:
 
 
 def split_value(rest):
-    """Splits "  DIR   folder for ..." into the value and the help. The value may hold spaces."""
-    if rest.startswith("  "):
+    """Splits " DIR   folder for ..." into the value and the help. A value in quotes may have spaces."""
+    if not rest or rest.startswith("  "):
         return "", rest.strip()
-    value, _, text = rest.strip().partition("  ")
-    if not text and not value.startswith('"'):  # the value reaches into the column of the help
-        value, _, text = value.partition(" ")
-    return value, text.strip()
+    # A value can be so long that one space alone is between it and the help.
+    value, text = re.match(r'("[^"]*"|\S+) *(.*)', rest.strip()).groups()
+    return value, text
 
 
 def run(program, *arguments):
@@ -96,10 +95,17 @@ class Command:
             self.verbs[verb] = Help(run(program, name, verb, "--help"))
 
     def verb_names(self):
-        """First words that are typed as they are: "check FILE | fit DATA", "job|scene ID"."""
+        """First words that are typed as they are: "check FILE | fit DATA", "job|scene ID".
+
+        A help with many of them lists them in a sentence: "NAME is one of: a, b, c."
+        """
         names = []
+        text = " ".join(line for block in self.help.before for line in block)
+        listed = {name: words for name, words in re.findall(r"\b([A-Z]+) is one of: ([a-z0-9, -]+)\.", text)}
         for alternative in self.alternatives:
             first = alternative.split(" ")[0]
+            if first in listed:
+                return listed[first].split(", ")
             if re.fullmatch(r"[a-z|]+", first):
                 names.extend(word for word in first.split("|") if word not in names)
         return names
@@ -110,7 +116,7 @@ class Command:
         for alternative in self.alternatives:
             words = without_options(alternative)
             if verb:
-                if not words or verb not in words[0].split("|"):
+                if not words or verb not in words[0].split("|") and re.match("[a-z]", words[0]):
                     continue
                 words = words[1:]
             names.extend(word for word in words if word not in names)

@@ -114,6 +114,10 @@ def usage(lines):
     return out
 
 
+def is_example(block):
+    return len(block) > 1 and block[0].rstrip(":") in ("example", "examples")
+
+
 def by_verb(block, verbs):
     """A paragraph cut where a line begins with a verb, behind the end of a sentence."""
     parts = [[]]
@@ -132,10 +136,17 @@ def command_page(command, version, date):
                 if [o.names for o in text.options] != [o.names for o in command.help.options]}
     body += [".Sh OPTIONS", *option_table(command.help.options)]
     for verb, text in separate.items():
-        body += [".Ss Options of oriel %s %s" % (command.name, verb), *option_table(text.options)]
-    if command.help.after:
-        body += [".Sh NOTES", *paragraphs(command.help.after)]
+        body += [".Ss oriel %s %s" % (command.name, verb)]
+        if text.before != command.help.before:
+            body += paragraphs(text.before)
+        body += option_table(text.options)
     body += [".Sh EXIT STATUS", *prose(EXIT)]
+    notes = [block for block in command.help.after if not is_example(block)]
+    examples = [block for block in command.help.after if is_example(block)]
+    for block in examples:
+        body += [".Sh EXAMPLES", ".Bd -literal", *[escape(line[2:]) for line in block[1:]], ".Ed"]
+    if notes:
+        body += [".Sh NOTES", *paragraphs(notes)]
     return page("oriel-" + command.name, 1, command.summary, body, [("oriel", 1), ("orield", 8)], version, date)
 
 

@@ -27,7 +27,7 @@ VERSION := $(shell sed -n 's/^\#define ORL_VERSION "\(.*\)"/\1/p' core/include/o
 # Day of the manuals: the source's own, so that they are the same wherever they are built.
 SOURCE_DATE_EPOCH ?= $(shell git log -1 --format=%ct 2>/dev/null || stat -c %Y core/include/oriel/base/version.h)
 
-PACKAGES_INSTALL := $(PACKAGES_BUILD) python3
+PACKAGES_INSTALL := $(sort $(PACKAGES_BUILD) python3)
 deps-install: ; $(call install_packages,$(PACKAGES_INSTALL))
 
 # ---- Manuals and completion, from the help of the programs ----------------------------------------
@@ -52,7 +52,7 @@ packaging: all $(PACKAGING)/manuals $(PACKAGING)/completions
 EXAMPLES := $(sort $(shell find client/examples -type f))
 GUIDE_FILES := $(sort $(shell find client/guide -type f 2>/dev/null))
 PYTHON_MODULE := $(sort $(shell cd client/python && find oriel -type f \( -name '*.py' -o -name py.typed \) 2>/dev/null))
-JAVASCRIPT := $(sort $(wildcard client/javascript/*.js))
+JAVASCRIPT := $(sort $(wildcard client/javascript/*.js client/javascript/*.json))
 
 # $(1): files, $(2): their folder in the source, $(3): the folder to install to.
 define install_files
@@ -84,6 +84,7 @@ install-files:
 	$(call install_files,$(EXAMPLES),client/examples,$(docdir)/examples)
 	$(call install_files,$(GUIDE_FILES),client/guide,$(docdir)/guide)
 	$(call install_files,$(PYTHON_MODULE),client/python,$(pythondir))
+	@# The package in Python reads its version from there, as in a wheel.
 	@echo $(VERSION) >"$(DESTDIR)$(pythondir)/oriel/VERSION"
 	$(call install_files,$(JAVASCRIPT),client/javascript,$(javascriptdir))
 install-strip:
@@ -96,7 +97,7 @@ uninstall:
 	rm -f "$(DESTDIR)$(bashcompletiondir)/oriel" "$(DESTDIR)$(bashcompletiondir)/orield" \
 		"$(DESTDIR)$(zshcompletiondir)/_oriel" "$(DESTDIR)$(zshcompletiondir)/_orield"
 	rm -f $(foreach file,$(PYTHON_MODULE) oriel/VERSION,"$(DESTDIR)$(pythondir)/$(file)")
-	-rmdir "$(DESTDIR)$(pythondir)/oriel" 2>/dev/null
+	@rmdir "$(DESTDIR)$(pythondir)/oriel" 2>/dev/null || true
 	rm -rf "$(DESTDIR)$(docdir)" "$(DESTDIR)$(javascriptdir)"
 
 # ---- make deb --------------------------------------------------------------------------------------
@@ -129,5 +130,7 @@ deb: deps-deb
 # Not part of the checks: it takes root, and Debian's archive.
 deb-check: deps-deb-check deb
 	@tests/deb_check $(DEB_FILE) $(DEB)/check
-.PHONY: print-version
+# For tests.
+.PHONY: print-version print-packages
 print-version: ; @echo $(VERSION)
+print-packages: ; @echo $(PACKAGES_BUILD)

@@ -87,7 +87,7 @@ def one_version():
     """All that has a version reads it from the header, or has the same."""
     number = header_version()
     assert re.fullmatch(r"(0|[1-9]\d*)\.(0|[1-9]\d*)\.(0|[1-9]\d*)(-[0-9A-Za-z.-]+)?", number), number
-    with open("api/openapi.yaml") as stream:
+    with open(os.path.join(BUILD, "generated", "openapi.yaml")) as stream:
         assert str(yaml.safe_load(stream)["info"]["version"]) == number
     for page in os.listdir(os.path.join(MANUALS, "man1")):
         with open(os.path.join(MANUALS, "man1", page)) as stream:
@@ -124,7 +124,7 @@ def manuals():
         for option in options_of(help_of(command)):
             assert re.search(r"(?m)^ +(\S+, )*%s\b" % re.escape(option), text), (page, option)
     with open(os.path.join(MANUALS, "man1", "oriel-bsdf.1")) as stream:
-        assert "Options of oriel bsdf make" in stream.read()
+        assert ".Ss oriel bsdf make" in stream.read()
 
 
 def bash(*words, cwd="."):
@@ -163,6 +163,8 @@ def bash_values():
                 assert bash(*program, name, "=", words[0][:2]) == [w for w in words if w.startswith(words[0][:2])]
                 count += 1
     assert count >= 12, count
+    # The longest enumeration is whole.
+    assert bash("oriel", "bsdf", "make", "--basis", "t") == ["tensor_tree_3", "tensor_tree_4"]
     assert bash("oriel", "remove", "") == ["job", "scene", "bsdf"]
     assert bash("oriel", "list", "b") == ["bsdfs"]
     assert bash("orield", "token", "add", "--scope", "a") == ["admin"]
@@ -266,7 +268,9 @@ def install():
     assert "\nExecStart=/usr/bin/orield $ORIEL_OPTIONS\n" in unit and "\nEnvironmentFile=-/etc/oriel/orield.env\n" in unit
     assert "/usr/local" not in unit
     module = os.path.join(FOLDER, "usr/lib/python3/dist-packages")
-    output("/usr/bin/python3", "-B", "-c", "import oriel; oriel.Client", env={"PYTHONPATH": module})
+    stated = output("/usr/bin/python3", "-B", "-c", "import oriel; oriel.Client; print(vars(oriel).get('__version__'))",
+                    cwd=FOLDER, env={"PYTHONPATH": module}).strip()
+    assert stated in (header_version(), "None"), stated
     assert output(os.path.join(FOLDER, "usr/bin/oriel"), "--version") == output(ORIEL, "--version")
     # Options that are set stay; uninstall leaves only them.
     options = os.path.join(FOLDER, "etc/oriel/orield.env")
@@ -306,6 +310,14 @@ def image_root():
     size = sum(os.path.getsize(os.path.join(FOLDER, name)) for name in found)
     # Programs with sanitizers are larger, and no part of an image.
     assert size < 150e6 or [name for name in found if "san.so" in name], size
+
+
+def image_packages():
+    """The image is built with the packages that the Makefile names."""
+    with open("Dockerfile") as stream:
+        words = stream.read().split()
+    missing = [name for name in output("make", "-s", "--no-print-directory", "print-packages").split() if name not in words]
+    assert not missing, missing
 
 
 def compose():

@@ -42,6 +42,7 @@ CASE(zsh)
 CASE(install)
 CASE(install_elsewhere)
 CASE(image_root)
+CASE(image_packages)
 CASE(compose)
 CASE(apparmor)
 
@@ -58,6 +59,7 @@ int main(void)
         cmocka_unit_test(test_install),
         cmocka_unit_test(test_install_elsewhere),
         cmocka_unit_test(test_image_root),
+        cmocka_unit_test(test_image_packages),
         cmocka_unit_test(test_compose),
         cmocka_unit_test(test_apparmor),
     };

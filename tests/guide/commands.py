@@ -40,7 +40,7 @@ class Programs:
 
     def faults(self, words):
         """Says which command or option of a call does not exist."""
-        commands = [word for word in words[1:3] if re.match(r"[a-z]+$", word)]
+        commands = [word for word in words[1:3] if re.match(r"[a-z][a-z0-9-]+$", word)]
         known = [words[0]]
         for command in commands:
             if self.help(known + [command]) is None:
