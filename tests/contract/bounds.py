@@ -116,9 +116,9 @@ def storage(daemon):
             daemon.wait("/v1/jobs/" + answer.id)
         assert jobs < 60
     assert status == 507
-    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "l.rad", "text": ROOM + "#" * 70000}]},
+    daemon.ask("POST", "/v1/scenes", {"files": [{"name": "l.rad", "text": ROOM + "#" * 200000}]},
                want=507)
-    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml"), want=507)
+    daemon.ask("POST", "/v1/bsdfs", bsdf("bsdf_klems41.xml") + b" " * 200000, want=507)
 
 
 def too_much_under_way(daemon):

@@ -31,7 +31,7 @@ DAEMONS = (((), (cases.service, cases.scenes, cases.plans, cases.bsdfs, cases.re
                  cases.failures, cases.refusals, bounds.damage)),
            ((), (members.rare_members, members.projects, members.measurements)),
            ((), (bounds.waiting,)),
-           (("--storage-budget", "64K"), (bounds.storage,)),
+           (("--storage-budget", "192K"), (bounds.storage,)),
            ((), (observed.metrics,)),
            ((), (breaks.breaks,)))
 BUILD = os.environ.get("ORIEL_BUILD", "build")
