@@ -72,9 +72,12 @@ static int find_server(const struct orl_settings *settings, const char *given, c
                          : top->url[0]                 ? top->url
                                                        : default_url;
     *ret_found = is_url(chosen) ? find_url(settings, chosen) : find_named(settings, chosen);
-    if (!is_url(chosen) && !*ret_found)
+    *ret_url = chosen;
+    if (is_url(chosen))
+        return 0;
+    if (!*ret_found)
         return refuse_name(settings, chosen, err);
-    *ret_url = is_url(chosen) ? chosen : (*ret_found)->url;
+    *ret_url = (*ret_found)->url;
     return 0;
 }
 
@@ -146,11 +149,12 @@ static int find_token(const struct orl_settings *settings, const struct orl_serv
     return read_token(path, ret_token, err);
 }
 
-int orl_server_choose(const char *given, struct orl_server_choice *ret_server, struct orl_error *err)
+int orl_server_choose(const char *given, struct orl_server_choice *ret_server,
+                      struct orl_error *err)
 {
     struct orl_settings settings;
     const struct orl_server_settings *found = NULL;
-    const char *url = NULL;
+    const char *url = "";
     *ret_server = (struct orl_server_choice){.url = ""};
     int rc = orl_settings_read(&settings, err);
     if (rc == 0)

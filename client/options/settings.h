@@ -59,6 +59,7 @@ struct orl_server_choice {
  * the token's file, and warns on stderr if others can read it. ORL_ERR_INVALID: there is no such
  * server.
  */
-int orl_server_choose(const char *given, struct orl_server_choice *ret_server, struct orl_error *err);
+int orl_server_choose(const char *given, struct orl_server_choice *ret_server,
+                      struct orl_error *err);
 
 #endif

@@ -153,7 +153,7 @@ static void test_life_of_a_job(void **state)
     assert_true(reply_number(&reply, "attempts") == 1);
     assert_string_equal(reply_text(&reply, "scene"), f->scene);
     assert_true(strlen(reply_text(&reply, "finished")) > 0);
-    assert_int_equal(json_array_size(reply_at(&reply, "links.files")), 5);
+    assert_int_equal(json_array_size(reply_at(&reply, "links.files")), 6);
     assert_true(json_is_false(reply_at(&reply, "maps.0.cached")));
     assert_string_equal(reply_text(&reply, "maps.0.kind"), "global");
     assert_string_equal(reply_text(&reply, "technique"), "gather");

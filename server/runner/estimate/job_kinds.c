@@ -67,6 +67,16 @@ static uint64_t render_sensor_bytes(const struct orl_job_request *job_request)
     return skies > 0 ? (skies + 1) * SENSOR : SENSOR;
 }
 
+/* Returns the number of grids that may get a map; a file may have any number of sensors. */
+static uint64_t count_maps(const struct orl_job *job)
+{
+    enum { LEAST_IN_PLANE = 4 };
+    uint64_t maps = job->n_grids == 0 && (job->sensors_file || job->n_sensors >= LEAST_IN_PLANE);
+    for (size_t i = 0; i < job->n_grids; i++)
+        maps += job->grids[i].file || job->grids[i].count >= LEAST_IN_PLANE;
+    return maps;
+}
+
 static uint64_t render_result_bytes(const struct orl_job_request *job_request)
 {
     const struct orl_job *job = &job_request->of.render;
@@ -78,8 +88,7 @@ static uint64_t render_result_bytes(const struct orl_job_request *job_request)
     if (job->heat_map.asked)
         bytes += HEAT_MAPS + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
     if (job->sensor_files || job->heat_map.asked)
-        bytes += GRID_MAP * (uint64_t)(job->n_grids > 0 ? job->n_grids : 1) +
-                 HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
+        bytes += GRID_MAP * count_maps(job) + HEAT_MAP_SENSOR * (uint64_t)job->n_sensors;
     /* Each sky needs as much; results of all skies together take less than one more. */
     return job->n_skies > 0 ? (job->n_skies + 1) * bytes : bytes;
 }
