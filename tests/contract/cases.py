@@ -40,10 +40,11 @@ def bsdf(name):
         return stream.read()
 
 
-def zipped(name, text):
+def zipped(*names_and_texts):
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as writer:
-        writer.writestr(name, text)
+        for name, text in zip(names_and_texts[::2], names_and_texts[1::2]):
+            writer.writestr(name, text)
     return archive.getvalue()
 
 

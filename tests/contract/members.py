@@ -4,7 +4,7 @@ can give, with the reason."""
 import json
 import os
 
-from cases import FIXTURES, MEASURED, ROOM, SENSORS, SKY, VIEW, bsdf
+from cases import FIXTURES, MEASURED, ROOM, SENSORS, SKY, VIEW, bsdf, zipped
 
 # Components of answers, or single members, that no job here gives.
 ELSEWHERE = {
@@ -42,8 +42,9 @@ def rare_members(daemon):
     """Grids, parts of a view's glare, an accuracy under several skies, a file of occupancy, a project."""
     lit = daemon.upload(ROOM + SKY)
     found = result(daemon, {"scene": lit, "technique": "backward", "gather_samples": 8, "grids": [
-        {"name": "a", "sensors": SENSORS[:1]}, {"name": "b", "sensors": SENSORS[1:]}]})
-    assert [grid["first"] for grid in found["grids"]] == [0, 1]
+        {"name": "a", "sensors": [[x, y, 1, 0, 0, 1] for x in (1, 2) for y in (1, 2)]},
+        {"name": "b", "sensors": SENSORS[1:]}]})
+    assert [grid["first"] for grid in found["grids"]] == [0, 4] and found["grids"][0]["map"], found["grids"]
     dark = daemon.upload(ROOM, resources={"eye.hdr": MASK, "w.epw": bsdf("weather.epw").decode("latin-1"),
                                           "u.csv": "1\n" * 8760})
     bright = {"cie": {"type": "uniform", "diffuse_horizontal_lx": 10000}}
@@ -67,8 +68,13 @@ def projects(daemon):
     """A Honeybee model's summary: its grids, views and states, and what is left out."""
     with open(os.path.join(FIXTURES, "honeybee/two_rooms.hbjson"), encoding="utf-8") as stream:
         model = json.load(stream)
+    grids = model["properties"]["radiance"]["sensor_grids"]
+    grids.append(grids[0])
     summary = daemon.ask("POST", "/v1/scenes", model).json["summary"]
-    assert summary["project"]["grids"], summary
+    assert summary["project"]["grids"] and summary["project"]["warnings"], summary
+    folder = zipped("model/scene/a.rad", ROOM + SKY, "model/scene/a.blk", ROOM, "model/grid/a.pts", "0 0 1 0 0 1\n")
+    summary = daemon.ask("POST", "/v1/scenes", folder, {"Content-Type": "application/zip"}).json["summary"]
+    assert summary["project"]["left_out"][0]["file"] == "model/scene/a.blk", summary
 
 
 def measurements(daemon):
