@@ -119,14 +119,17 @@ class Page:
     def row(self, name, node, required):
         target = describe.target(node)
         default = node.get("default", target.get("default"))
-        return "| `%s`%s | %s | %s | %s | %s | %s |\n" % (
-            name, " (required)" if required else "", self.kind(node), unit_of(name, node, target),
-            "" if default is None else "`%s`" % json.dumps(default), self.bounds(node), one_line(meaning(node)))
+        kind, bounds, unit = self.kind(node), self.bounds(node), unit_of(name, node, target)
+        value = [bounds] if kind in ("word", "constant") and bounds else [kind + (" in " + unit if unit else ""), bounds]
+        if default is not None:
+            value.append("default `%s`" % json.dumps(default).strip('"'))
+        return "| `%s`%s | %s | %s |\n" % (
+            name, " (required)" if required else "", "; ".join(one for one in value if one), one_line(meaning(node)))
 
     def section(self, component):
         node = describe.schemas()[component]
         text = "\n## %s\n\n%s\n" % (component, node.get("description", "").strip())
-        text += ("\n| Member | Type | Unit | Default | Values | Meaning |\n|---|---|---|---|---|---|\n"
+        text += ("\n| Member | Value | Meaning |\n|---|---|---|\n"
                  + "".join(self.row(name, one, name in node.get("required", ()))
                            for name, one in node["properties"].items()))
         for example in node.get("examples", ()):
