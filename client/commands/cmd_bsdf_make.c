@@ -31,7 +31,7 @@ static const struct orl_member_option member_options[] = {
     {"cull", "SHARE",
      "for tensor trees: merge cells that differ from their mean by at most this fraction (0.05)",
      false},
-    {"name", "NAME", "name of the material in the XML (default: the first file's)", true},
+    {"name", "NAME", "name of the material in the XML (default: the file's)", true},
     {"symmetry", "auto|none|left_right|up_down|both",
      "mirror symmetry; auto imposes it as found, for trees of rank 4 (auto)", true},
     {"paths", "N", "paths per incident direction (16384; tensor_tree_3 32768, tensor_tree_4 4096)",

@@ -61,6 +61,8 @@ static void test_members(void **state)
         "\"reused\":500000,\"bytes\":40000000,\"seconds\":12.25,\"cached\":true}],"
         "\"sensors\":[{\"illuminance_lx\":812.5},{\"illuminance_lx\":null},"
         "{\"illuminance_lx\":0.0}],"
+        "\"summary\":{\"mean_lx\":406.25,\"interval_95_lx\":[null,null],\"minimum_lx\":0.0,"
+        "\"maximum_lx\":812.5,\"uniformity\":0.0,\"share_300\":0.5},"
         "\"views\":[{\"name\":\"desk\",\"hdr\":\"desk.hdr\",\"png\":\"desk.png\","
         "\"seconds\":1.5}],"
         "\"health\":{\"non_finite\":1,\"bsdf_clamped\":2,\"bsdf_rescaled\":3,\"degenerate\":4,"
