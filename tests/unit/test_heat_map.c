@@ -226,8 +226,18 @@ static void test_map(void **state)
     how.thresholds_lx[0] = 350;
     assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_SVG, scratch_path("a.svg"), NULL), 0);
     char *without = (char *)scene_read_bytes(scratch_path("a.svg"), &size);
-    assert_non_null(strstr(without, "0 hatched: 350 lx"));
+    assert_null(strstr(without, "hatched"));
     assert_true(count_of(with, "<path") > count_of(without, "<path") + 10);
+    const double sunny[4] = {950, 1200, 2000, 21000};
+    const struct orl_heat_map by_values = {geometry, planes,    "Illuminance",        "lx",
+                                           sunny,    intervals, &orl_default_heat_map};
+    assert_int_equal(orl_heat_map_write(&by_values, ORL_CANVAS_SVG, scratch_path("b.svg"), NULL),
+                     0);
+    char *logarithmic = (char *)scene_read_bytes(scratch_path("b.svg"), &size);
+    assert_non_null(strstr(logarithmic, ">50000</text>"));
+    assert_non_null(strstr(logarithmic, ">500</text>"));
+    assert_null(strstr(logarithmic, ">25000</text>"));
+    free(logarithmic);
     assert_int_equal(strcmp(with + strlen(with) - 7, "</svg>\n"), 0);
     assert_int_equal(orl_heat_map_write(&map, ORL_CANVAS_PNG, scratch_path("a.png"), NULL), 0);
     struct orl_error err;

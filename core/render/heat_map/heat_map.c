@@ -174,6 +174,23 @@ static void lay_out(struct page *page, double side)
     page->bottom = page->y + HEAD + down;
 }
 
+enum { DECADES_BY_VALUES = -1 };
+const struct orl_heat_map_request orl_default_heat_map = {.asked = true,
+                                                          .colors = {.decades = DECADES_BY_VALUES},
+                                                          .thresholds_lx = {300},
+                                                          .n_thresholds = 1};
+
+/* Returns the decades of a scale: as requested, or enough for nine tenths of the values. n of these
+ * are in values, which are reordered. */
+static double decades_of(const struct orl_false_color *how, double *values, size_t n, double high)
+{
+    static const double narrow = 10; /* ratio up to which a linear scale shows all values */
+    if (how->decades != DECADES_BY_VALUES)
+        return how->decades;
+    const double low = n > 0 ? orl_nth_element(values, n, n / 10) : 0;
+    return low > 0 && high > narrow * low ? fmin(ceil(log10(high / low) + 0.5), 4) : 0;
+}
+
 /* Makes the scale. Its top covers 99 of 100 sensors of the plane. */
 static int make_scale(struct page *page)
 {
@@ -186,8 +203,10 @@ static int make_scale(struct page *page)
         if (isfinite(page->map->values[plane->sensors[i]]))
             values[n++] = page->map->values[plane->sensors[i]];
     const double high = n > 0 ? orl_nth_element(values, n, (n - 1) - (n - 1) / 100) : 0;
+    struct orl_false_color colors = page->map->how->colors;
+    colors.decades = decades_of(&colors, values, n, high);
     free(values);
-    orl_scale_set(&page->scale, &page->map->how->colors, page->map->unit, high);
+    orl_scale_set(&page->scale, &colors, page->map->unit, high);
     return 0;
 }
 
@@ -312,7 +331,7 @@ static void draw_head(struct page *page)
         snprintf(thresholds + length, sizeof thresholds - length, "%s%g", i ? " or " : "",
                  how->thresholds_lx[i]);
     }
-    if (how->n_thresholds == 0)
+    if (open == 0)
         return;
     snprintf(text, sizeof text, "%zu hatched: %s %s lies within the 95 %% interval", open,
              thresholds, page->map->unit);

@@ -66,6 +66,10 @@ struct orl_heat_map {
     const struct orl_heat_map_request *how; /* thresholds are in the unit */
 };
 
+/* The request of maps that no job asks for: contours of 300 lx, and a scale by the values. It is
+ * logarithmic where they differ much, as where the sun shines on a few sensors. */
+extern const struct orl_heat_map_request orl_default_heat_map;
+
 /* Writes the map to a file, complete or absent. Returns 0, ORL_ERR_NOMEM or ORL_ERR_IO. */
 int orl_heat_map_write(const struct orl_heat_map *map, enum orl_canvas_kind kind, const char *path,
                        struct orl_error *err);

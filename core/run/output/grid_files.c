@@ -101,9 +101,6 @@ static int write_info(const struct orl_result *result, const char *path, struct 
     return orl_out_close(&file, 0, err);
 }
 
-static const struct orl_heat_map_request default_map = {
-    .asked = true, .thresholds_lx = {300}, .n_thresholds = 1};
-
 /* Draws the grid's map. A grid without enough sensors in one plane gets none. */
 static int write_map(const struct orl_run_state *state, struct orl_grid_result *grid,
                      struct orl_error *err)
@@ -117,14 +114,14 @@ static int write_map(const struct orl_run_state *state, struct orl_grid_result *
     int code = orl_sensor_planes_find(state->sensors + grid->first, grid->count, 1, &plane, &found);
     if (code < 0)
         orl_error_set(err, code, "out of memory for a map of %zu sensors", grid->count);
-    const struct orl_heat_map map = {.geometry = state->lit_scene->geometry,
-                                     .plane = &plane,
-                                     .quantity = title,
-                                     .unit = "lx",
-                                     .values = result->illuminance_lx + grid->first,
-                                     .intervals =
-                                         (const double(*)[2])(result->interval_95_lx + grid->first),
-                                     .how = job->heat_map.asked ? &job->heat_map : &default_map};
+    const struct orl_heat_map map = {
+        .geometry = state->lit_scene->geometry,
+        .plane = &plane,
+        .quantity = title,
+        .unit = "lx",
+        .values = result->illuminance_lx + grid->first,
+        .intervals = (const double(*)[2])(result->interval_95_lx + grid->first),
+        .how = job->heat_map.asked ? &job->heat_map : &orl_default_heat_map};
     if (code == 0 && found > 0)
         code = name_file(state, grid->name, ".png", &grid->map, path, err);
     if (code == 0 && found > 0)

@@ -164,9 +164,6 @@ static int write_dat(const struct orl_sensor_plane *p, const struct table *table
 
 /* ---- Maps ------------------------------------------------------------------------------------ */
 
-static const struct orl_heat_map_request default_map = {
-    .asked = true, .thresholds_lx = {300}, .n_thresholds = 1};
-
 /* Writes the map as SVG and as a table; only a request asks for them. */
 static int write_other_forms(struct orl_run_state *state, const struct orl_heat_map *map, size_t at,
                              const char *number, struct orl_error *err)
@@ -200,7 +197,7 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
                                      "lx",
                                      state->result->illuminance_lx,
                                      (const double(*)[2])state->result->interval_95_lx,
-                                     asked ? &state->job->heat_map : &default_map};
+                                     asked ? &state->job->heat_map : &orl_default_heat_map};
     char name[32], number[16] = "", path[4096];
     files->maps[at].sensors = plane->count;
     if (at > 0)
