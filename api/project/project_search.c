@@ -181,7 +181,7 @@ static int refuse_sky(struct orl_project_search *f)
     orl_json_fail(f->err, ORL_ERR_INVALID, "sky", "the project has no sky '%.100s'",
                   f->choice->sky);
     orl_error_hint(f->err,
-                   "%s%s. Or give the job a \"sky\", for example {\"cie\": {\"type\": "
+                   "%s%s. A sky can also be given as JSON: {\"cie\": {\"type\": "
                    "\"overcast\", \"diffuse_horizontal_lx\": 10000}}",
                    names[0] ? "it has " : "it has no skies", names);
     orl_suggestion_hint(&suggestion, f->err);

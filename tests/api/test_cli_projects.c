@@ -216,8 +216,7 @@ static void test_skies_of_the_command_line(void **state)
          "the file has no row for month 7, day 1"},
         {"{\"weather\": {\"file\": \"none.epw\", \"month\": 7, \"day\": 1, \"hour\": 12}}",
          "cannot open 'none.epw'"},
-        {"noon",
-         "has no sky 'noon' (it has no skies. Or give the job a \"sky\", for example {\"cie\""}};
+        {"noon", "has no sky 'noon' (it has no skies. A sky can also be given as JSON: {\"cie\""}};
     struct cli_desk *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *const run[] = {"run", model, "-o", f->output, "--sky", cases[i].sky, NULL};

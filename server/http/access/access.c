@@ -111,8 +111,10 @@ bool orl_access_refuse(struct orl_request *request, bool has_token)
 {
     orl_reply_problem(
         request, 401, "unauthorized", "An access token is needed", "%s",
-        has_token ? "the daemon does not know this token, or it was removed"
-                  : "send an access token as Authorization: Bearer; `orield token add` makes one");
+        has_token
+            ? "the daemon does not know this token, or it was removed"
+            : "send an access token as Authorization: Bearer ($ORIEL_TOKEN for oriel); `orield "
+              "token add` makes one");
     orl_reply_header(request, "WWW-Authenticate",
                      has_token ? "Bearer realm=\"oriel\", error=\"invalid_token\""
                                : "Bearer realm=\"oriel\"");
