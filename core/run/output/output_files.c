@@ -212,9 +212,9 @@ static int write_map(struct orl_run_state *state, const struct orl_sensor_plane 
 static int write_maps(struct orl_run_state *state, struct orl_error *err)
 {
     struct orl_sensor_plane planes[ORL_HEAT_MAPS] = {{.count = 0}};
+    const size_t most = state->job->heat_map.asked ? ORL_HEAT_MAPS : 1; /* each takes some .03 s */
     size_t count = 0;
-    int code =
-        orl_sensor_planes_find(state->sensors, state->n_sensors, ORL_HEAT_MAPS, planes, &count);
+    int code = orl_sensor_planes_find(state->sensors, state->n_sensors, most, planes, &count);
     if (code < 0)
         orl_error_set(err, code, "out of memory for maps of %zu sensors", state->n_sensors);
     else if (count == 0 && state->job->heat_map.asked)
